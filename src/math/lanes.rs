@@ -1,0 +1,41 @@
+//! The one SIMD width of the renderer and how lanes move to and from columns.
+//!
+//! Lanes are an alias and not a type parameter: the instruction set is fixed when the binary is
+//! built, so a width parameter would multiply instances and gain nothing.
+
+use wide::{f32x8, u32x8};
+
+/// Rows that one instruction of a stage works on.
+pub const LANES: usize = 8;
+
+/// Eight rows of a column of floats.
+pub type F32s = f32x8;
+
+/// Eight rows of a column of identifiers, bits or counters.
+pub type U32s = u32x8;
+
+/// Reads the eight rows from `row` on. Columns are padded by [`LANES`], so a tail reads garbage
+/// that [`store`] never writes back.
+#[inline(always)]
+pub fn load(column: &[f32], row: usize) -> F32s {
+    let lanes: [f32; LANES] = column[row..row + LANES].try_into().expect("eight lanes");
+    F32s::from(lanes)
+}
+
+/// Writes the rows from `row` to `end` (exclusive), at most eight.
+#[inline(always)]
+pub fn store(column: &mut [f32], row: usize, end: usize, value: F32s) {
+    let lanes = value.to_array();
+    if row + LANES <= end {
+        column[row..row + LANES].copy_from_slice(&lanes);
+    } else {
+        column[row..end].copy_from_slice(&lanes[..end - row]);
+    }
+}
+
+/// [`load`] for identifiers.
+#[inline(always)]
+pub fn load_u32(column: &[u32], row: usize) -> U32s {
+    let lanes: [u32; LANES] = column[row..row + LANES].try_into().expect("eight lanes");
+    U32s::from(lanes)
+}

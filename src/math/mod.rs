@@ -1,0 +1,9 @@
+//! Floor 0: numbers, lanes and vectors. Knows nothing of light.
+
+pub mod lanes;
+pub mod real;
+pub mod vector;
+
+pub use lanes::{F32s, LANES, U32s};
+pub use real::Real;
+pub use vector::Vector;

@@ -1,0 +1,1 @@
+//! Floor 1: the algebra of polarized light. No rendering here.

@@ -1,0 +1,227 @@
+//! What `bake` makes of the world: dense, read-only tables in world space, one row per primitive,
+//! surface, material and emitter. Everything here has been validated; nothing can fail later.
+//!
+//! Lengths are in scene units (meters in glTF), angles in radians, radiometry per channel.
+
+use glam::Vec3;
+
+/// Marks the absence of an index.
+pub const NONE: u32 = u32::MAX;
+
+/// The whole scene for `N` wavelengths. Primitive `p` is triangle `p` while
+/// `p < triangles.len()`, and sphere `p - triangles.len()` from there on.
+#[derive(Clone, Debug)]
+pub struct BakedScene<const N: usize> {
+    /// World-space triangles of all mesh instances.
+    pub triangles: Vec<Triangle>,
+    /// Shading normals at the three corners, world space, unit length, on the side of the
+    /// geometric normal; empty when no mesh has normals that differ from the geometric ones,
+    /// else one row per triangle.
+    pub shading_normals: Vec<[Vec3; 3]>,
+    /// Analytic spheres.
+    pub spheres: Vec<Sphere>,
+    /// For every primitive, its row in `surfaces`.
+    pub surface_of_primitive: Vec<u32>,
+    /// For every primitive, its row in `emitters`, or [`NONE`].
+    pub emitter_of_primitive: Vec<u32>,
+    /// One row per mesh primitive of a node, or sphere.
+    pub surfaces: Vec<Surface>,
+    /// Materials; row 0 always exists.
+    pub materials: Vec<Material<N>>,
+    /// Everything that emits, the environment included; at least one row.
+    pub emitters: Vec<Emitter<N>>,
+    /// The row of the constant environment in `emitters`, or [`NONE`].
+    pub environment: u32,
+    /// The camera.
+    pub camera: Camera,
+    /// Smallest sphere about the bounding box of all primitives, and of the punctual lights.
+    pub bounds: Bounds,
+}
+
+/// A triangle; its geometric normal is `(b - a) x (c - a)`, counter-clockwise from the front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Corners.
+    pub corners: [Vec3; 3],
+}
+
+/// An analytic sphere; its geometric normal points outwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Center.
+    pub center: Vec3,
+    /// Radius, greater than zero.
+    pub radius: f32,
+}
+
+/// What the primitives of one mesh instance, or a sphere, share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Row in `materials`.
+    pub material: u32,
+    /// The node's x axis in world space, unit length: what `axis_deg` of polarizers and
+    /// retarders is measured from, once projected into the surface.
+    pub axis_x: Vec3,
+    /// The node's y axis in world space, unit length: takes the place of `axis_x` where the
+    /// surface is (nearly) perpendicular to that.
+    pub axis_y: Vec3,
+}
+
+/// How light scatters off a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MaterialKind {
+    /// Absorbs everything.
+    Absorber,
+    /// Lambertian reflector, an ideal depolarizer: `reflectance`.
+    Diffuse,
+    /// Smooth metal: `eta`, `k`.
+    Conductor,
+    /// Smooth dielectric boundary between the outside (vacuum) and `ior` behind the normal.
+    Dielectric,
+    /// Straight transmission through a (partial) linear polarizer: `m00`, `a`, `c`, `axis`.
+    Polarizer,
+    /// Straight transmission through a linear retarder: `retardance`, `axis`.
+    Retarder,
+}
+
+/// A material, evaluated at the wavelengths of the render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material<const N: usize> {
+    /// Which of the other fields count.
+    pub kind: MaterialKind,
+    /// Whether the back scatters like the front. If not, the back of an absorber, diffuse
+    /// surface or conductor absorbs. Without meaning for the kinds that transmit.
+    pub two_sided: bool,
+    /// Diffuse: directional-hemispherical reflectance, within [0, 1].
+    pub reflectance: [f32; N],
+    /// Conductor: real part of the index of refraction (n - i k), relative to vacuum.
+    pub eta: [f32; N],
+    /// Conductor: extinction coefficient k >= 0 of the index of refraction n - i k.
+    pub k: [f32; N],
+    /// Dielectric: index of refraction of the inside relative to the outside, greater than 0.
+    pub ior: f32,
+    /// Polarizer: transmittance for unpolarized light, (t_max + t_min) / 2.
+    pub m00: f32,
+    /// Polarizer: diattenuation, (t_max - t_min) / (t_max + t_min).
+    pub a: f32,
+    /// Polarizer: 2 sqrt(t_max t_min) / (t_max + t_min). Retarder: cos(retardance).
+    pub c: f32,
+    /// Retarder: sin(retardance).
+    pub s: f32,
+    /// Cosine and sine of the angle by which the transmission axis (polarizer) or fast axis
+    /// (retarder) is turned from the surface's `axis_x`, counter-clockwise about the geometric
+    /// normal.
+    pub axis: [f32; 2],
+}
+
+impl<const N: usize> Material<N> {
+    /// A black, opaque material: the starting point for the others.
+    pub fn absorber() -> Self {
+        Self {
+            kind: MaterialKind::Absorber,
+            two_sided: true,
+            reflectance: [0.0; N],
+            eta: [1.0; N],
+            k: [0.0; N],
+            ior: 1.0,
+            m00: 1.0,
+            a: 0.0,
+            c: 1.0,
+            s: 0.0,
+            axis: [1.0, 0.0],
+        }
+    }
+}
+
+/// The shape of an emitter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmitterKind {
+    /// One triangle; `radiance` leaves its front (both sides if `two_sided`).
+    Triangle,
+    /// A whole sphere; `radiance` leaves its outside.
+    Sphere,
+    /// A point; `radiance` holds the radiant intensity in W/sr.
+    Point,
+    /// A point with a cone; `radiance` holds the radiant intensity on the axis in W/sr.
+    Spot,
+    /// Infinitely far away; `radiance` holds the irradiance on a plane that faces it, W/m^2.
+    Directional,
+    /// Constant radiance from everywhere outside the scene.
+    Environment,
+}
+
+/// Something that emits unpolarized light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter<const N: usize> {
+    /// Which of the other fields count.
+    pub kind: EmitterKind,
+    /// Radiance, radiant intensity or irradiance by `kind`; not negative, finite.
+    pub radiance: [f32; N],
+    /// Triangle, Sphere: the primitive.
+    pub primitive: u32,
+    /// Triangle: both sides emit.
+    pub two_sided: bool,
+    /// Point, Spot: where it is.
+    pub position: Vec3,
+    /// Spot: axis of the cone. Directional: where the light travels. Unit length.
+    pub direction: Vec3,
+    /// Spot: cosine of the angle from the axis within which the intensity is full.
+    pub cos_inner: f32,
+    /// Spot: cosine of the angle from the axis beyond which it is zero; less than `cos_inner`.
+    /// Between them it falls off as KHR_lights_punctual recommends.
+    pub cos_outer: f32,
+    /// Triangle, Sphere: area.
+    pub area: f32,
+    /// Probability to be chosen as the source of a path: proportional to emitted power
+    /// averaged over the channels. All rows together sum to one.
+    pub probability: f32,
+}
+
+/// The projection of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Pinhole (`aperture_radius` 0) or thin lens.
+    Perspective {
+        /// Tangent of half the vertical angle of view.
+        tan_half_y: f32,
+        /// Width over height as the file states it; the film's own aspect where it does not.
+        aspect: Option<f32>,
+        /// Radius of the lens, 0 for a pinhole.
+        aperture_radius: f32,
+        /// Distance from the lens to the plane in focus, along the viewing direction.
+        focus_distance: f32,
+    },
+    /// Parallel projection.
+    Orthographic {
+        /// Half the width of the picture.
+        half_width: f32,
+        /// Half the height of the picture.
+        half_height: f32,
+    },
+}
+
+/// The camera, without the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Projection.
+    pub projection: Projection,
+    /// Position of the lens.
+    pub position: Vec3,
+    /// To the right in the image; unit length, as the next two, and perpendicular to them.
+    pub right: Vec3,
+    /// Up in the image.
+    pub up: Vec3,
+    /// The viewing direction.
+    pub forward: Vec3,
+    /// Film size in pixels that the scene asks for (width, height).
+    pub resolution: Option<[u32; 2]>,
+}
+
+/// A bounding sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Center.
+    pub center: Vec3,
+    /// Radius, greater than zero.
+    pub radius: f32,
+}

@@ -1,0 +1,31 @@
+//! Floor 1: what a column "per wavelength" stands for.
+//!
+//! The renderer is generic over the number of wavelengths `N`; this floor says which they are and
+//! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`.
+
+/// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a
+/// spectral quantity (an index of refraction, say) is reduced to RGB, and for which the channels
+/// stand when an RGB triple is asked for its value at one wavelength.
+pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
+
+/// Which wavelengths a render carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Color {
+    /// Three channels, red, green and blue, in linear sRGB primaries.
+    Rgb,
+    /// One wavelength.
+    Mono {
+        /// Vacuum wavelength in nanometers.
+        wavelength_nm: f32,
+    },
+}
+
+impl Color {
+    /// Number of channels, the `N` of the renderer's tables.
+    pub fn channels(self) -> usize {
+        match self {
+            Color::Rgb => 3,
+            Color::Mono { .. } => 1,
+        }
+    }
+}
