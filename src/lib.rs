@@ -21,5 +21,6 @@ pub mod spectrum;
 pub mod polarization;
 pub mod scene;
 pub mod geometry;
+pub mod transport;
 pub mod film;
 pub mod output;

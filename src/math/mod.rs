@@ -1,8 +1,10 @@
 //! Floor 0: numbers, lanes and vectors. Knows nothing of light.
 
+pub mod hash;
 pub mod lanes;
 pub mod real;
 pub mod vector;
+pub mod warp;
 
 pub use lanes::{F32s, LANES, U32s};
 pub use real::Real;

@@ -1,0 +1,47 @@
+//! The Lambertian reflector: an ideal depolarizer, so it needs no kernel and no frame.
+//!
+//! With shading normals a direction counts only if it lies on the same side of the geometric and
+//! of the shading normal. That rule is symmetric in the two directions, so that light and sensor
+//! paths agree (Veach 1997, section 5.3).
+
+use std::f32::consts::FRAC_1_PI;
+
+use crate::math::{F32s, Vector};
+
+/// The two normals of a surface point and whether its back reflects too.
+#[derive(Clone, Copy)]
+pub struct Facing {
+    /// Geometric normal, to the front.
+    pub geometric: Vector<F32s>,
+    /// Shading normal, on the same side.
+    pub shading: Vector<F32s>,
+    /// Mask of the rows whose back scatters too.
+    pub two_sided: F32s,
+}
+
+impl Facing {
+    /// Where light can go between the directions `given` and `drawn`, both away from the surface.
+    #[inline(always)]
+    pub fn reflects(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+        let zero = F32s::splat(0.0);
+        let given_geometric = given.dot(self.geometric);
+        let given_shading = given.dot(self.shading);
+        let consistent = (given_geometric * given_shading).simd_gt(zero)
+            & (given_geometric * drawn.dot(self.geometric)).simd_gt(zero)
+            & (given_shading * drawn.dot(self.shading)).simd_gt(zero);
+        consistent & (self.two_sided | given_geometric.simd_gt(zero))
+    }
+
+    /// What a light path's throughput is multiplied by besides the sensor side's
+    /// `f |cos shading|`, where light arrives from `given` and leaves along `drawn`
+    /// (Veach 1997, equation 5.19). One where the normals agree.
+    #[inline(always)]
+    pub fn adjoint(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+        let shading = given.dot(self.shading) * drawn.dot(self.geometric);
+        let geometric = given.dot(self.geometric) * drawn.dot(self.shading);
+        (shading / geometric).abs()
+    }
+}
+
+/// The BRDF over its reflectance, per steradian.
+pub const BRDF: f32 = FRAC_1_PI;

@@ -1,0 +1,367 @@
+//! Light sources: chosen from a point (next-event estimation), left by a light path, or met by a
+//! sensor path, with the densities that weigh the three against each other.
+//!
+//! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
+//! when connecting, `emission` that of starting a light path there; both include the probability
+//! of choosing the emitter. All light starts unpolarized.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use crate::scene::baked::{Emitter, EmitterKind, NONE};
+
+use super::Scene;
+
+/// A point or direction on an emitter, as chosen from a point of the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample<const N: usize> {
+    /// Towards the emitter, unit length.
+    pub direction: Vec3,
+    /// The point on the emitter; [`Option::None`] at infinity.
+    pub point: Option<Vec3>,
+    /// Geometric normal there; zero for points without area.
+    pub normal: Vec3,
+    /// Radiance that arrives, or its equivalent for `pdf_w` of a delta emitter.
+    pub radiance: [f32; N],
+    /// `direct` density per steradian at the point of the scene.
+    pub pdf_w: f32,
+    /// Density of emission: per area and steradian, or per steradian for a point.
+    pub emission_pdf: f32,
+    /// Cosine at the emitter, 1 where it has no surface.
+    pub cos_at_light: f32,
+    /// Paths cannot meet the emitter by chance.
+    pub delta: bool,
+}
+
+/// The start of a light path.
+#[derive(Clone, Copy, Debug)]
+pub struct EmissionSample<const N: usize> {
+    /// Where it starts.
+    pub position: Vec3,
+    /// Geometric normal there; zero for emitters without a surface.
+    pub normal: Vec3,
+    /// Where it goes, unit length.
+    pub direction: Vec3,
+    /// Emitted radiance over `emission` density, cosine included.
+    pub beta: [f32; N],
+    /// Radiance along `direction`; per steradian intensity for points.
+    pub radiance: [f32; N],
+    /// `direct` density, per area or per steradian (infinite emitters).
+    pub direct_pdf: f32,
+    /// `emission` density.
+    pub emission_pdf: f32,
+    /// Cosine at the emitter, 1 where it has no surface.
+    pub cos_at_light: f32,
+    /// At a finite distance.
+    pub finite: bool,
+    /// Both sides of the surface emit.
+    pub two_sided: bool,
+    /// Paths cannot meet the emitter by chance.
+    pub delta: bool,
+}
+
+/// What a sensor path meets.
+#[derive(Clone, Copy, Debug)]
+pub struct MetEmission<const N: usize> {
+    /// Radiance towards the sensor.
+    pub radiance: [f32; N],
+    /// `direct` density, per area, or per steradian for the environment.
+    pub direct_pdf: f32,
+    /// `emission` density.
+    pub emission_pdf: f32,
+    /// Cosine at the emitter, 1 for the environment.
+    pub cos_at_light: f32,
+}
+
+/// Chooses a point or direction of an emitter from `reference`; none if the emitter's front
+/// does not face it.
+pub fn sample_direct<const N: usize>(
+    scene: &Scene<N>,
+    reference: Vec3,
+    choice: f32,
+    u: [f32; 2],
+) -> Option<DirectSample<N>> {
+    let emitter = &scene.tables.emitters[scene.choose_emitter(choice)];
+    match emitter.kind {
+        EmitterKind::Triangle | EmitterKind::Sphere => {
+            let (point, normal) = point_on(scene, emitter, u);
+            direct_from_area(emitter, reference, point, normal)
+        }
+        EmitterKind::Point | EmitterKind::Spot => direct_from_point(emitter, reference),
+        EmitterKind::Directional => Some(DirectSample {
+            direction: -emitter.direction,
+            point: None,
+            normal: Vec3::ZERO,
+            radiance: emitter.radiance,
+            pdf_w: emitter.probability,
+            emission_pdf: emitter.probability * disk_pdf(scene),
+            cos_at_light: 1.0,
+            delta: true,
+        }),
+        EmitterKind::Environment => Some(DirectSample {
+            direction: sphere_direction(u),
+            point: None,
+            normal: Vec3::ZERO,
+            radiance: emitter.radiance,
+            pdf_w: emitter.probability * SPHERE_PDF,
+            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(scene),
+            cos_at_light: 1.0,
+            delta: false,
+        }),
+    }
+}
+
+/// Starts a light path.
+pub fn sample_emission<const N: usize>(
+    scene: &Scene<N>,
+    choice: f32,
+    u_position: [f32; 2],
+    u_direction: [f32; 2],
+) -> EmissionSample<N> {
+    let emitter = &scene.tables.emitters[scene.choose_emitter(choice)];
+    match emitter.kind {
+        EmitterKind::Triangle | EmitterKind::Sphere => {
+            emit_from_area(scene, emitter, u_position, u_direction)
+        }
+        EmitterKind::Point | EmitterKind::Spot => emit_from_point(emitter, u_direction),
+        EmitterKind::Directional => {
+            emit_from_infinity(scene, emitter, emitter.direction, 1.0, u_position)
+        }
+        EmitterKind::Environment => {
+            let direction = -sphere_direction(u_direction);
+            emit_from_infinity(scene, emitter, direction, SPHERE_PDF, u_position)
+        }
+    }
+}
+
+/// What a ray along `direction` sees of the emitter of the primitive it hit ([`NONE`]: nothing);
+/// none if that does not emit towards it. `position` is the point hit.
+pub fn met_emission<const N: usize>(
+    scene: &Scene<N>,
+    primitive: u32,
+    position: Vec3,
+    direction: Vec3,
+) -> Option<MetEmission<N>> {
+    let index = scene.emitter_seen(primitive);
+    if index == NONE {
+        return None;
+    }
+    let emitter = &scene.tables.emitters[index as usize];
+    if emitter.kind == EmitterKind::Environment {
+        return Some(MetEmission {
+            radiance: emitter.radiance,
+            direct_pdf: emitter.probability * SPHERE_PDF,
+            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(scene),
+            cos_at_light: 1.0,
+        });
+    }
+    let cosine = -direction.dot(scene.geometric_normal(primitive, position));
+    let cos_at_light = facing(emitter, cosine)?;
+    Some(MetEmission {
+        radiance: emitter.radiance,
+        direct_pdf: emitter.probability / emitter.area,
+        emission_pdf: area_emission_pdf(emitter, cos_at_light),
+        cos_at_light,
+    })
+}
+
+/// Density per steradian of a uniform direction.
+const SPHERE_PDF: f32 = FRAC_1_PI / 4.0;
+
+/// Density per area of a point on the disk through which parallel light enters the scene.
+fn disk_pdf<const N: usize>(scene: &Scene<N>) -> f32 {
+    let radius = scene.tables.bounds.radius;
+    FRAC_1_PI / (radius * radius)
+}
+
+fn sphere_direction(u: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    Vec3::new(radius * cosine, radius * sine, z)
+}
+
+/// The cosine at which the emitter is seen, if it emits to that side.
+fn facing<const N: usize>(emitter: &Emitter<N>, cosine: f32) -> Option<f32> {
+    let seen = if emitter.two_sided { cosine.abs() } else { cosine };
+    (seen > 0.0).then_some(seen)
+}
+
+/// Cosine-weighted emission from a uniform point, from either side if there are two.
+fn area_emission_pdf<const N: usize>(emitter: &Emitter<N>, cos_at_light: f32) -> f32 {
+    let sides = if emitter.two_sided { 2.0 } else { 1.0 };
+    emitter.probability * cos_at_light * FRAC_1_PI / (emitter.area * sides)
+}
+
+fn point_on<const N: usize>(
+    scene: &Scene<N>,
+    emitter: &Emitter<N>,
+    u: [f32; 2],
+) -> (Vec3, Vec3) {
+    let primitive = emitter.primitive as usize;
+    if emitter.kind == EmitterKind::Sphere {
+        let sphere = scene.tables.spheres[primitive - scene.tables.triangles.len()];
+        let normal = sphere_direction(u);
+        return (sphere.center + normal * sphere.radius, normal);
+    }
+    let [a, b, c] = scene.tables.triangles[primitive].corners;
+    // Heitz 2019, as `math::warp::triangle`.
+    let (v, w) = if u[0] > u[1] {
+        (u[0] - 0.5 * u[1], 0.5 * u[1])
+    } else {
+        (0.5 * u[0], u[1] - 0.5 * u[0])
+    };
+    (a + (b - a) * v + (c - a) * w, (b - a).cross(c - a).normalize())
+}
+
+fn direct_from_area<const N: usize>(
+    emitter: &Emitter<N>,
+    reference: Vec3,
+    point: Vec3,
+    normal: Vec3,
+) -> Option<DirectSample<N>> {
+    let offset = point - reference;
+    let distance2 = offset.length_squared();
+    let direction = offset / distance2.sqrt();
+    let cos_at_light = facing(emitter, -direction.dot(normal))?;
+    Some(DirectSample {
+        direction,
+        point: Some(point),
+        normal,
+        radiance: emitter.radiance,
+        pdf_w: emitter.probability * distance2 / (emitter.area * cos_at_light),
+        emission_pdf: area_emission_pdf(emitter, cos_at_light),
+        cos_at_light,
+        delta: false,
+    })
+}
+
+fn direct_from_point<const N: usize>(
+    emitter: &Emitter<N>,
+    reference: Vec3,
+) -> Option<DirectSample<N>> {
+    let offset = emitter.position - reference;
+    let distance2 = offset.length_squared();
+    let direction = offset / distance2.sqrt();
+    let falloff = spot_falloff(emitter, -direction);
+    (falloff > 0.0).then(|| DirectSample {
+        direction,
+        point: Some(emitter.position),
+        normal: Vec3::ZERO,
+        radiance: emitter.radiance.map(|intensity| intensity * falloff),
+        pdf_w: emitter.probability * distance2,
+        emission_pdf: emitter.probability * cone_pdf(emitter),
+        cos_at_light: 1.0,
+        delta: true,
+    })
+}
+
+/// The share of the axial intensity that a point light sends along `direction`: 1 for a point,
+/// for a spot the falloff of KHR_lights_punctual (squared, linear in the cosine).
+fn spot_falloff<const N: usize>(emitter: &Emitter<N>, direction: Vec3) -> f32 {
+    if emitter.kind == EmitterKind::Point {
+        return 1.0;
+    }
+    let cosine = direction.dot(emitter.direction);
+    let ramp = (cosine - emitter.cos_outer) / (emitter.cos_inner - emitter.cos_outer);
+    let ramp = ramp.clamp(0.0, 1.0);
+    ramp * ramp
+}
+
+/// Density per steradian of the direction in which a point light starts a path.
+fn cone_pdf<const N: usize>(emitter: &Emitter<N>) -> f32 {
+    let cos_edge = if emitter.kind == EmitterKind::Point { -1.0 } else { emitter.cos_outer };
+    0.5 * FRAC_1_PI / (1.0 - cos_edge)
+}
+
+fn emit_from_area<const N: usize>(
+    scene: &Scene<N>,
+    emitter: &Emitter<N>,
+    u_position: [f32; 2],
+    mut u_direction: [f32; 2],
+) -> EmissionSample<N> {
+    let (position, front) = point_on(scene, emitter, u_position);
+    let mut normal = front;
+    if emitter.two_sided {
+        let back = u_direction[0] < 0.5;
+        u_direction[0] = u_direction[0] * 2.0 - if back { 0.0 } else { 1.0 };
+        normal = if back { -front } else { front };
+    }
+    let radius = u_direction[0].sqrt();
+    let (sine, cosine) = (2.0 * PI * u_direction[1]).sin_cos();
+    // Kept off the horizon, where the densities vanish.
+    let cos_at_light = (1.0 - u_direction[0]).sqrt().max(1e-6);
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let direction =
+        tangent * (radius * cosine) + bitangent * (radius * sine) + normal * cos_at_light;
+    let emission_pdf = area_emission_pdf(emitter, cos_at_light);
+    EmissionSample {
+        position,
+        normal: front,
+        direction,
+        beta: emitter.radiance.map(|radiance| radiance * cos_at_light / emission_pdf),
+        radiance: emitter.radiance,
+        direct_pdf: emitter.probability / emitter.area,
+        emission_pdf,
+        cos_at_light,
+        finite: true,
+        two_sided: emitter.two_sided,
+        delta: false,
+    }
+}
+
+fn emit_from_point<const N: usize>(emitter: &Emitter<N>, u: [f32; 2]) -> EmissionSample<N> {
+    let pdf = cone_pdf(emitter);
+    let spread = 0.5 * FRAC_1_PI / pdf;
+    let z = 1.0 - u[0] * spread;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let axis = if emitter.kind == EmitterKind::Point { Vec3::Z } else { emitter.direction };
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    let direction = tangent * (radius * cosine) + bitangent * (radius * sine) + axis * z;
+    let falloff = spot_falloff(emitter, direction);
+    let emission_pdf = emitter.probability * pdf;
+    EmissionSample {
+        position: emitter.position,
+        normal: Vec3::ZERO,
+        direction,
+        beta: emitter.radiance.map(|intensity| intensity * falloff / emission_pdf),
+        radiance: emitter.radiance.map(|intensity| intensity * falloff),
+        direct_pdf: emitter.probability,
+        emission_pdf,
+        cos_at_light: 1.0,
+        finite: true,
+        two_sided: false,
+        delta: true,
+    }
+}
+
+fn emit_from_infinity<const N: usize>(
+    scene: &Scene<N>,
+    emitter: &Emitter<N>,
+    direction: Vec3,
+    direction_pdf: f32,
+    u: [f32; 2],
+) -> EmissionSample<N> {
+    let bounds = scene.tables.bounds;
+    let radius = bounds.radius * u[0].sqrt();
+    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let (tangent, bitangent) = direction.any_orthonormal_pair();
+    let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
+    let direct_pdf = emitter.probability * direction_pdf;
+    let emission_pdf = direct_pdf * disk_pdf(scene);
+    EmissionSample {
+        position: bounds.center + on_disk - direction * bounds.radius,
+        normal: Vec3::ZERO,
+        direction,
+        beta: emitter.radiance.map(|radiance| radiance / emission_pdf),
+        radiance: emitter.radiance,
+        direct_pdf,
+        emission_pdf,
+        cos_at_light: 1.0,
+        finite: false,
+        two_sided: false,
+        delta: emitter.kind == EmitterKind::Directional,
+    }
+}

@@ -1,0 +1,14 @@
+//! Floor 4: where light starts, turns and ends. One file per model: sampling, evaluation,
+//! densities and Mueller kernels.
+//!
+//! Scalar values only decide where paths go; kernels are relative to them (`polarization`), so
+//! that scalar and polarized renders trace the same paths.
+
+pub mod diffuse;
+pub mod emission;
+pub mod scene;
+pub mod sensor;
+pub mod specular;
+
+pub use scene::Scene;
+pub use sensor::Sensor;

@@ -1,0 +1,233 @@
+//! The camera with its film: rays out of it, and connections from points to it.
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector, warp};
+use crate::scene::baked::{Camera, Projection};
+
+/// A camera with a film of a certain size. One pixel is one unit of sensor area, so the
+/// importance of a pixel integrates to one and densities are per pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensor {
+    /// Film width in pixels.
+    pub width: u32,
+    /// Film height in pixels.
+    pub height: u32,
+    position: Vec3,
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Half the size of the film: tangents (perspective) or scene units (orthographic).
+    half_size: [f32; 2],
+    perspective: bool,
+    aperture_radius: f32,
+    focus_distance: f32,
+}
+
+/// How many focus distances away infinity is: beyond the resolution of any film.
+const FAR: f32 = 1e5;
+
+/// A connection from a point of the scene to the sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorConnection {
+    /// Index of the pixel, `y * width + x`.
+    pub pixel: u32,
+    /// From the point to the sensor, unit length.
+    pub direction: Vec3,
+    /// The point on the lens, or on the film for parallel projection.
+    pub lens: Vec3,
+    /// Density of the sensor's ray, per unit of area perpendicular to the ray at the point:
+    /// the importance of the pixel there, and also what connecting is weighed against.
+    pub pdf_area: f32,
+}
+
+impl Sensor {
+    /// Puts a film behind a camera; the film's aspect rules, the vertical extent is kept.
+    pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
+        let aspect = width as f32 / height as f32;
+        let (half_size, perspective, aperture_radius, focus_distance) = match camera.projection {
+            Projection::Perspective { tan_half_y, aperture_radius, focus_distance, .. } => {
+                ([tan_half_y * aspect, tan_half_y], true, aperture_radius, focus_distance)
+            }
+            Projection::Orthographic { half_height, .. } => {
+                ([half_height * aspect, half_height], false, 0.0, 1.0)
+            }
+        };
+        Self {
+            width,
+            height,
+            position: camera.position,
+            right: camera.right,
+            up: camera.up,
+            forward: camera.forward,
+            half_size,
+            perspective,
+            aperture_radius,
+            focus_distance,
+        }
+    }
+
+    /// The direction that is up in the image; fixes the film frame of the Stokes vectors.
+    pub fn up(&self) -> Vec3 {
+        self.up
+    }
+
+    /// Whether the first vertex sees the sensor at a finite distance.
+    pub fn is_finite(&self) -> bool {
+        self.perspective
+    }
+
+    /// Whether rays start on a lens of finite size.
+    pub fn has_lens(&self) -> bool {
+        self.aperture_radius > 0.0
+    }
+
+    /// The rays through the film points `film` (pixels, from the top left) and `lens` (numbers in
+    /// [0, 1)), and their density: per steradian, or per area for parallel projection.
+    #[inline(always)]
+    pub fn rays(
+        &self,
+        film: [F32s; 2],
+        lens: impl FnOnce() -> [F32s; 2],
+    ) -> (Vector<F32s>, Vector<F32s>, F32s) {
+        let one = F32s::splat(1.0);
+        let x = (film[0] * F32s::splat(2.0 / self.width as f32) - one)
+            * F32s::splat(self.half_size[0]);
+        let y = (one - film[1] * F32s::splat(2.0 / self.height as f32))
+            * F32s::splat(self.half_size[1]);
+        let [right, up, forward] = [self.right, self.up, self.forward].map(splat);
+        let position = splat(self.position);
+        let pixel_area = F32s::splat(self.pixel_area());
+        if !self.perspective {
+            let origin = right.mul_add(x, up.mul_add(y, position));
+            return (origin, forward, one / pixel_area);
+        }
+        let through = right.mul_add(x, up.mul_add(y, forward));
+        if !self.has_lens() {
+            let direction = through.normalize();
+            let cosine = direction.dot(forward);
+            return (position, direction, one / (pixel_area * cosine * cosine * cosine));
+        }
+        let [lens_x, lens_y] = warp::disk(lens()).map(|u| u * F32s::splat(self.aperture_radius));
+        let on_lens = right.mul_add(lens_x, up * lens_y);
+        let direction = (through * F32s::splat(self.focus_distance) - on_lens).normalize();
+        let cosine = direction.dot(forward);
+        (position + on_lens, direction, one / (pixel_area * cosine * cosine * cosine))
+    }
+
+    /// Connects `point` to the point of the lens chosen by `lens` (numbers in [0, 1)), if that
+    /// projects onto the film.
+    pub fn connect(&self, point: Vec3, lens: [f32; 2]) -> Option<SensorConnection> {
+        if !self.perspective {
+            return self.connect_parallel(point);
+        }
+        let radius = self.aperture_radius * lens[0].sqrt();
+        let (sine, cosine) = (std::f32::consts::TAU * lens[1]).sin_cos();
+        let on_lens = self.right * (radius * cosine) + self.up * (radius * sine);
+        let from_lens = point - self.position - on_lens;
+        let depth = from_lens.dot(self.forward);
+        if depth <= 0.0 {
+            return None;
+        }
+        // Where the ray from the lens meets the plane at focus, as seen from the lens's center.
+        let focus = on_lens / self.focus_distance + from_lens / depth;
+        let pixel = self.pixel(focus.dot(self.right), focus.dot(self.up))?;
+        let distance2 = from_lens.length_squared();
+        let distance = distance2.sqrt();
+        let cos = depth / distance;
+        Some(SensorConnection {
+            pixel,
+            direction: -from_lens / distance,
+            lens: self.position + on_lens,
+            pdf_area: 1.0 / (self.pixel_area() * cos * cos * cos * distance2),
+        })
+    }
+
+    /// Connects to something infinitely far away in `direction`, with the density per steradian
+    /// in place of the one per area; none for parallel projection, which sees only one direction.
+    pub fn connect_infinite(&self, direction: Vec3, lens: [f32; 2]) -> Option<SensorConnection> {
+        if !self.perspective {
+            return None;
+        }
+        let far = FAR * (self.focus_distance + self.aperture_radius);
+        let connection = self.connect(self.position + direction * far, lens)?;
+        Some(SensorConnection { pdf_area: connection.pdf_area * far * far, ..connection })
+    }
+
+    fn connect_parallel(&self, point: Vec3) -> Option<SensorConnection> {
+        let offset = point - self.position;
+        let depth = offset.dot(self.forward);
+        let pixel = self.pixel(offset.dot(self.right), offset.dot(self.up))?;
+        if depth <= 0.0 {
+            return None;
+        }
+        Some(SensorConnection {
+            pixel,
+            direction: -self.forward,
+            lens: point - self.forward * depth,
+            pdf_area: 1.0 / self.pixel_area(),
+        })
+    }
+
+    /// The pixel at a point of the image plane, in the units of `half_size`.
+    fn pixel(&self, right: f32, up: f32) -> Option<u32> {
+        let x = (right / self.half_size[0] + 1.0) * 0.5 * self.width as f32;
+        let y = (1.0 - up / self.half_size[1]) * 0.5 * self.height as f32;
+        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
+        inside.then(|| y as u32 * self.width + x as u32)
+    }
+
+    fn pixel_area(&self) -> f32 {
+        4.0 * self.half_size[0] * self.half_size[1] / (self.width as f32 * self.height as f32)
+    }
+}
+
+#[inline(always)]
+fn splat(vector: Vec3) -> Vector<F32s> {
+    Vector { x: F32s::splat(vector.x), y: F32s::splat(vector.y), z: F32s::splat(vector.z) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sensor(projection: Projection) -> Sensor {
+        let camera = Camera {
+            projection,
+            position: Vec3::new(1.0, 2.0, 3.0),
+            right: Vec3::X,
+            up: Vec3::Y,
+            forward: Vec3::NEG_Z,
+            resolution: None,
+        };
+        Sensor::new(&camera, 40, 30)
+    }
+
+    /// A ray and the connection from any point on it agree on pixel, direction and density.
+    #[test]
+    fn connections_reverse_rays() {
+        let lens = |radius| Projection::Perspective {
+            tan_half_y: 0.7,
+            aspect: None,
+            aperture_radius: radius,
+            focus_distance: 4.0,
+        };
+        let parallel = Projection::Orthographic { half_width: 2.0, half_height: 1.5 };
+        for projection in [lens(0.0), lens(0.25), parallel] {
+            let sensor = sensor(projection);
+            let u = [0.3, 0.6];
+            let film = [F32s::splat(17.25), F32s::splat(8.5)];
+            let (origin, direction, pdf) = sensor.rays(film, || u.map(F32s::splat));
+            let row = |v: Vector<F32s>| {
+                Vec3::new(v.x.to_array()[0], v.y.to_array()[0], v.z.to_array()[0])
+            };
+            let point = row(origin) + row(direction) * 2.5;
+            let connection = sensor.connect(point, u).expect("on the film");
+            assert_eq!(connection.pixel, 8 * 40 + 17);
+            assert!((connection.direction + row(direction)).length() < 1e-5);
+            let area = if sensor.is_finite() { 2.5 * 2.5 } else { 1.0 };
+            let expected = pdf.to_array()[0] / area;
+            assert!((connection.pdf_area / expected - 1.0).abs() < 1e-4);
+        }
+    }
+}

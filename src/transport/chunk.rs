@@ -1,0 +1,64 @@
+//! The unit of work: a tile of pixels for a few iterations, small enough to stay in the L2 cache
+//! through all stages. Chunks are independent; threads take chunks.
+
+/// Edge of a tile in pixels.
+pub const TILE: u32 = 16;
+/// Iterations that a chunk takes together.
+pub const ITERATIONS: u32 = 4;
+/// Most rows that a chunk starts with.
+pub const ROWS: usize = (TILE * TILE * ITERATIONS) as usize;
+
+/// What one chunk has to do.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    /// Left edge of the tile in pixels.
+    pub x: u32,
+    /// Top edge of the tile in pixels.
+    pub y: u32,
+    /// Width of the tile, at most [`TILE`].
+    pub width: u32,
+    /// Height of the tile, at most [`TILE`].
+    pub height: u32,
+    /// Index of the first iteration in the random sequences.
+    pub first_iteration: u32,
+    /// Number of iterations, at most [`ITERATIONS`].
+    pub iterations: u32,
+    /// Seed of all random sequences.
+    pub seed: u32,
+    /// Most segments of a path.
+    pub path_length_max: u32,
+    /// Path length after which roulette may end a path.
+    pub roulette_after: u32,
+}
+
+impl Chunk {
+    /// Number of pixels of the tile.
+    pub fn pixels(&self) -> usize {
+        (self.width * self.height) as usize
+    }
+
+    /// Number of slots: pixels times iterations.
+    pub fn slots(&self) -> usize {
+        self.pixels() * self.iterations as usize
+    }
+
+    /// Column and row of the film, and iteration, of a slot.
+    pub fn place(&self, slot: usize) -> (u32, u32, u32) {
+        let pixel = (slot % self.pixels()) as u32;
+        let iteration = self.first_iteration + (slot / self.pixels()) as u32;
+        (self.x + pixel % self.width, self.y + pixel / self.width, iteration)
+    }
+
+    /// Whether roulette plays after `path_length` segments.
+    pub fn plays_roulette(&self, path_length: u32) -> bool {
+        path_length >= self.roulette_after
+    }
+}
+
+/// The tiles of a film, row by row: left, top, width, height.
+pub fn tiles(width: u32, height: u32) -> Vec<[u32; 4]> {
+    let edges = |size: u32| (0..size).step_by(TILE as usize);
+    edges(height)
+        .flat_map(|y| edges(width).map(move |x| [x, y, TILE.min(width - x), TILE.min(height - y)]))
+        .collect()
+}

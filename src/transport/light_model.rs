@@ -1,0 +1,38 @@
+//! Scalar or polarized: the one choice that decides which carriers exist, made once at the top
+//! and compiled into every stage.
+
+use super::stages::collect_sensor::SensorSide;
+use super::stages::scatter_light::LightSide;
+use super::tables::carriers::{LightCarriers, SensorCarriers};
+
+/// What light is made of.
+pub trait LightModel<const N: usize>: Send + Sync + 'static {
+    /// Whether Mueller kernels are evaluated.
+    const POLARIZED: bool;
+    /// Stokes components on the film.
+    const COMPONENTS: usize;
+    /// Carriers of light paths.
+    type Light: LightSide<N> + Send;
+    /// Carriers of sensor paths.
+    type Sensor: SensorSide<N> + Send;
+}
+
+/// Intensity only.
+pub struct Scalar;
+
+/// Stokes vectors.
+pub struct Polarized;
+
+impl<const N: usize> LightModel<N> for Scalar {
+    const POLARIZED: bool = false;
+    const COMPONENTS: usize = 1;
+    type Light = ();
+    type Sensor = ();
+}
+
+impl<const N: usize> LightModel<N> for Polarized {
+    const POLARIZED: bool = true;
+    const COMPONENTS: usize = 4;
+    type Light = LightCarriers<N>;
+    type Sensor = SensorCarriers<N>;
+}

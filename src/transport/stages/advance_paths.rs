@@ -1,0 +1,26 @@
+//! Sends the rows on along the directions drawn.
+
+use crate::geometry::{SurfaceColumns, offset_origin};
+use crate::math::{F32s, LANES, Vector};
+use crate::transport::tables::Column;
+use crate::transport::tables::paths::PathTable;
+
+/// Starts the next segment of every row off its surface. `reach` bounds the scene's coordinates.
+///
+/// From: scatter_diffuse, scatter_specular, and what reads the old directions. To: trace_closest.
+/// Writes: rays. Reads: drawn, surfaces.
+pub fn advance_paths<const N: usize, C>(
+    paths: &mut PathTable<N, C>,
+    drawn: &[Column; 3],
+    surfaces: &SurfaceColumns,
+    reach: f32,
+) {
+    for row in (0..paths.len).step_by(LANES) {
+        let direction = Vector::load(drawn, row);
+        let position = Vector::load(&surfaces.position, row);
+        let normal = Vector::load(&surfaces.geometric_normal, row);
+        let origin = offset_origin(position, normal, direction, F32s::splat(reach));
+        origin.store(&mut paths.rays.origin, row, paths.len);
+        direction.store(&mut paths.rays.direction, row, paths.len);
+    }
+}

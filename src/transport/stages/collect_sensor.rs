@@ -1,0 +1,309 @@
+//! Applies Mueller kernels to the sensor side: `t <- t M` (paper, section 4), and measures.
+
+use std::ops::Range;
+
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::polarization::kernel::Kernel;
+use crate::polarization::{Rotation, film_axis, first_event};
+use crate::scene::baked::MaterialKind;
+use crate::transport::tables::Channels;
+use crate::transport::tables::carriers::{
+    COLUMN, CarrierTable, FRESH, FULL, PLAIN, RANK_ONE, ROW, SensorCarriers,
+};
+use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::measured::Measured;
+use crate::transport::tables::partition::{Part, Partition};
+
+use super::scatter_light::{coefficient_channel, copy_axis, load_block, multiply};
+
+/// The verbs of the sensor side.
+pub trait SensorSide<const N: usize>: CarrierTable {
+    /// Starts all rows at the film.
+    fn start_at_film(&mut self, rows: usize);
+
+    /// Ends the rows that meet a depolarizer there: what they accept from now on is intensity.
+    ///
+    /// From: partition_paths. To: connect_to_emitters, scatter_diffuse.
+    /// Writes: carriers, beta. Reads: partition.
+    fn depolarize_sensor(&mut self, beta: &mut Channels<N>, partition: &Partition);
+
+    /// Extends the rows that meet polarizing events. `direction` is that of the sensor's ray
+    /// before the event, against the light; `film_up` fixes the film's frame.
+    ///
+    /// From: scatter_specular. To: advance_paths.
+    /// Writes: carriers. Reads: kernels, direction, partition.
+    fn collect_sensor(
+        &mut self,
+        kernels: &KernelColumns<N>,
+        direction: &[Vec<f32>; 3],
+        film_up: Vector<F32s>,
+        partition: &Partition,
+    );
+
+    /// Adds unpolarized light of intensity `value` (throughput included) that a row meets.
+    fn measure_unpolarized(
+        &self,
+        measured: &mut Measured<N>,
+        row: usize,
+        slot: usize,
+        value: [f32; N],
+    );
+}
+
+impl<const N: usize> SensorSide<N> for () {
+    fn start_at_film(&mut self, _rows: usize) {}
+    fn depolarize_sensor(&mut self, _beta: &mut Channels<N>, _partition: &Partition) {}
+    fn collect_sensor(
+        &mut self,
+        _kernels: &KernelColumns<N>,
+        _direction: &[Vec<f32>; 3],
+        _film_up: Vector<F32s>,
+        _partition: &Partition,
+    ) {
+    }
+    #[inline(always)]
+    fn measure_unpolarized(
+        &self,
+        measured: &mut Measured<N>,
+        _row: usize,
+        slot: usize,
+        value: [f32; N],
+    ) {
+        measured.add_intensity(slot, value);
+    }
+}
+
+impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
+    fn start_at_film(&mut self, rows: usize) {
+        self.class[..rows].fill(FRESH as u8);
+    }
+
+    fn depolarize_sensor(&mut self, beta: &mut Channels<N>, partition: &Partition) {
+        for part in partition.parts.iter().filter(|part| part.kind == MaterialKind::Diffuse) {
+            let rows = part.rows.clone();
+            let class = match part.class {
+                FRESH | PLAIN => PLAIN,
+                ROW => {
+                    fold(beta, &self.row[0], rows.clone());
+                    PLAIN
+                }
+                COLUMN => COLUMN,
+                RANK_ONE => {
+                    fold(beta, &self.row[0], rows.clone());
+                    COLUMN
+                }
+                _ => {
+                    first_column(self, beta, rows.clone());
+                    COLUMN
+                }
+            };
+            self.class[rows].fill(class as u8);
+        }
+    }
+
+    fn collect_sensor(
+        &mut self,
+        kernels: &KernelColumns<N>,
+        direction: &[Vec<f32>; 3],
+        film_up: Vector<F32s>,
+        partition: &Partition,
+    ) {
+        for part in partition.parts.iter().filter(|part| part.kind != MaterialKind::Diffuse) {
+            let class = match part.class {
+                FRESH => {
+                    begin_matrix(self, kernels, direction, film_up, part);
+                    FULL
+                }
+                FULL => {
+                    extend_matrix(self, kernels, direction, part);
+                    FULL
+                }
+                PLAIN => {
+                    begin_row(self, kernels, part);
+                    ROW
+                }
+                COLUMN => {
+                    begin_row(self, kernels, part);
+                    RANK_ONE
+                }
+                class => {
+                    extend_row(self, kernels, direction, part);
+                    class
+                }
+            };
+            self.class[part.rows.clone()].fill(class as u8);
+        }
+    }
+
+    #[inline(always)]
+    fn measure_unpolarized(
+        &self,
+        measured: &mut Measured<N>,
+        row: usize,
+        slot: usize,
+        value: [f32; N],
+    ) {
+        let class = self.class(row);
+        for channel in 0..N {
+            let value = match class {
+                ROW | RANK_ONE => value[channel] * self.row[0][channel][row],
+                FULL => value[channel] * self.matrix[0][0][channel][row],
+                _ => value[channel],
+            };
+            measured.stokes[0][channel][slot] += value;
+            if matches!(class, COLUMN | RANK_ONE) {
+                for component in 1..4 {
+                    measured.stokes[component][channel][slot] +=
+                        value * self.column[component - 1][channel][row];
+                }
+            }
+        }
+        if class == FULL {
+            for component in 1..4 {
+                for channel in 0..N {
+                    measured.stokes[component][channel][slot] +=
+                        value[channel] * self.matrix[component][0][channel][row];
+                }
+            }
+        }
+    }
+}
+
+/// Multiplies the throughput by a column of gains.
+fn fold<const N: usize>(beta: &mut Channels<N>, gain: &Channels<N>, rows: Range<usize>) {
+    for (beta, gain) in beta.iter_mut().zip(gain) {
+        multiply(beta, gain, rows.clone());
+    }
+}
+
+/// `c = T e0`, its first element folded into the throughput.
+fn first_column<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    beta: &mut Channels<N>,
+    rows: Range<usize>,
+) {
+    for channel in 0..N {
+        for row in rows.clone().step_by(LANES) {
+            let c0 = lanes::load(&carriers.matrix[0][0][channel], row);
+            // Where no light can pass, the direction of nothing is nothing.
+            let positive = Real::gt(c0, F32s::splat(0.0));
+            let inverse = Real::select(positive, F32s::splat(1.0) / c0, F32s::splat(0.0));
+            for component in 1..4 {
+                let c = lanes::load(&carriers.matrix[component][0][channel], row) * inverse;
+                lanes::store(&mut carriers.column[component - 1][channel], row, rows.end, c);
+            }
+        }
+    }
+    fold(beta, &carriers.matrix[0][0], rows);
+}
+
+/// `T = R B`.
+fn begin_matrix<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    direction: &[Vec<f32>; 3],
+    film_up: Vector<F32s>,
+    part: &Part,
+) {
+    let end = part.rows.end;
+    for row in part.rows.clone().step_by(LANES) {
+        let ray = Vector::load(direction, row);
+        let axis = Vector::load(&kernels.axis, row);
+        let turn = Rotation::between(axis, film_axis(ray, film_up), -ray);
+        for channel in 0..N {
+            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            store_matrix(carriers, channel, row, end, first_event(turn, block));
+        }
+        axis.store(&mut carriers.axis, row, end);
+    }
+}
+
+/// `T <- T R B`.
+fn extend_matrix<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    direction: &[Vec<f32>; 3],
+    part: &Part,
+) {
+    let end = part.rows.end;
+    for row in part.rows.clone().step_by(LANES) {
+        let axis = Vector::load(&kernels.axis, row);
+        let turn = turn_to_carrier(&carriers.axis, axis, direction, row);
+        for channel in 0..N {
+            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            let matrix = std::array::from_fn(|i| {
+                std::array::from_fn(|j| lanes::load(&carriers.matrix[i][j][channel], row))
+            });
+            let extended = block.collect_columns(turn.collect_matrix(matrix));
+            store_matrix(carriers, channel, row, end, extended);
+        }
+        axis.store(&mut carriers.axis, row, end);
+    }
+}
+
+/// `e0^T B = (1, a, 0, 0)`.
+fn begin_row<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    part: &Part,
+) {
+    let rows = part.rows.clone();
+    for channel in 0..N {
+        let a = &kernels.a[coefficient_channel(part.kind, channel)];
+        carriers.row[0][channel][rows.clone()].fill(1.0);
+        carriers.row[1][channel][rows.clone()].copy_from_slice(&a[rows.clone()]);
+        carriers.row[2][channel][rows.clone()].fill(0.0);
+        carriers.row[3][channel][rows.clone()].fill(0.0);
+    }
+    copy_axis(&mut carriers.axis, &kernels.axis, rows);
+}
+
+/// `r <- r R B`.
+fn extend_row<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    direction: &[Vec<f32>; 3],
+    part: &Part,
+) {
+    let end = part.rows.end;
+    for row in part.rows.clone().step_by(LANES) {
+        let axis = Vector::load(&kernels.axis, row);
+        let turn = turn_to_carrier(&carriers.axis, axis, direction, row);
+        for channel in 0..N {
+            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            let old = std::array::from_fn(|i| lanes::load(&carriers.row[i][channel], row));
+            let extended = block.collect_row(turn.collect_row(old));
+            for (column, value) in carriers.row.iter_mut().zip(extended) {
+                lanes::store(&mut column[channel], row, end, value);
+            }
+        }
+        axis.store(&mut carriers.axis, row, end);
+    }
+}
+
+/// From the event's axis to the carrier's, about the light that leaves the event.
+#[inline(always)]
+fn turn_to_carrier(
+    carrier_axis: &[Vec<f32>; 3],
+    event_axis: Vector<F32s>,
+    direction: &[Vec<f32>; 3],
+    row: usize,
+) -> Rotation<F32s> {
+    let light = -Vector::load(direction, row);
+    Rotation::between(event_axis, Vector::load(carrier_axis, row), light)
+}
+
+#[inline(always)]
+fn store_matrix<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    channel: usize,
+    row: usize,
+    end: usize,
+    matrix: [[F32s; 4]; 4],
+) {
+    for (columns, values) in carriers.matrix.iter_mut().zip(matrix) {
+        for (column, value) in columns.iter_mut().zip(values) {
+            lanes::store(&mut column[channel], row, end, value);
+        }
+    }
+}

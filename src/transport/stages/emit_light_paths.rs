@@ -1,0 +1,84 @@
+//! Starts one light path a slot.
+
+use glam::Vec3;
+
+use crate::geometry::offset_origin;
+use crate::math::{LANES, Vector, lanes};
+use crate::scattering::Scene;
+use crate::scattering::emission::{EmissionSample, sample_emission};
+use crate::transport::Chunk;
+use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
+use crate::transport::tables::paths::PathTable;
+
+use super::scatter_light::LightSide;
+
+/// Starts the light paths of a chunk, as many as its slots.
+///
+/// The partial weights follow Georgiev's technical report, equations 31 and 32. Emitters at a
+/// finite distance and others meet their first surface with different measures, which
+/// `weigh_arrival` learns from the infinite `pdf_w` of the latter.
+///
+/// To: trace_closest.
+/// Writes: paths. Reads: chunk, scene.
+pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
+    paths: &mut PathTable<N, C>,
+    chunk: &Chunk,
+    scene: &Scene<N>,
+) {
+    let slots = chunk.slots();
+    paths.len = slots;
+    paths.carriers.emit_unpolarized(slots);
+    for row in (0..slots).step_by(LANES) {
+        let end = slots.min(row + LANES);
+        for slot in row..end {
+            let (column, line, iteration) = chunk.place(slot);
+            paths.identity.slot[slot] = slot as u32;
+            paths.identity.iteration[slot] = iteration;
+            paths.identity.seed[slot] =
+                path_seed(chunk.seed, Stream::Light, line * scene.sensor.width + column);
+        }
+        let seed = lanes::load_u32(&paths.identity.seed, row);
+        let iteration = lanes::load_u32(&paths.identity.iteration, row);
+        let numbers = |purpose| draw(seed, iteration, 0, purpose).map(|u| u.to_array());
+        let [choice, _] = numbers(Purpose::EmitterOfPath);
+        let position = numbers(Purpose::EmissionPosition);
+        let direction = numbers(Purpose::EmissionDirection);
+        for slot in row..end {
+            let lane = slot - row;
+            let sample = sample_emission(
+                scene,
+                choice[lane],
+                position.map(|u| u[lane]),
+                direction.map(|u| u[lane]),
+            );
+            start_row(paths, slot, &sample, scene.reach);
+        }
+    }
+}
+
+fn start_row<const N: usize, C>(
+    paths: &mut PathTable<N, C>,
+    row: usize,
+    sample: &EmissionSample<N>,
+    reach: f32,
+) {
+    let origin = leave(sample.position, sample.normal, sample.direction, reach);
+    for axis in 0..3 {
+        paths.rays.origin[axis][row] = origin[axis];
+        paths.rays.direction[axis][row] = sample.direction[axis];
+    }
+    for channel in 0..N {
+        paths.beta[channel][row] = sample.beta[channel];
+    }
+    paths.mis.pdf_w[row] = if sample.finite { 0.0 } else { f32::INFINITY };
+    paths.mis.d_vcm[row] = sample.direct_pdf / sample.emission_pdf;
+    let cosine = if sample.finite { sample.cos_at_light } else { 1.0 };
+    paths.mis.d_vc[row] = if sample.delta { 0.0 } else { cosine / sample.emission_pdf };
+}
+
+/// [`offset_origin`] for one point.
+pub(super) fn leave(position: Vec3, normal: Vec3, direction: Vec3, reach: f32) -> Vec3 {
+    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
+    let origin = offset_origin(vector(position), vector(normal), vector(direction), reach);
+    Vec3::new(origin.x, origin.y, origin.z)
+}

@@ -1,0 +1,52 @@
+//! Starts one sensor path a slot, through a random point of its pixel.
+
+use crate::math::{LANES, lanes};
+use crate::scattering::Sensor;
+use crate::transport::Chunk;
+use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
+use crate::transport::tables::paths::PathTable;
+
+use super::collect_sensor::SensorSide;
+
+/// Starts the sensor paths of a chunk. `light_paths` is the number of light paths an iteration,
+/// what connections to the sensor are weighed by (0: there are none).
+///
+/// To: trace_closest.
+/// Writes: paths. Reads: chunk, sensor.
+pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
+    paths: &mut PathTable<N, C>,
+    chunk: &Chunk,
+    sensor: &Sensor,
+    light_paths: f32,
+) {
+    let slots = chunk.slots();
+    paths.len = slots;
+    paths.carriers.start_at_film(slots);
+    for channel in &mut paths.beta {
+        channel[..slots].fill(1.0);
+    }
+    paths.mis.pdf_w[..slots].fill(f32::INFINITY);
+    paths.mis.d_vc[..slots].fill(0.0);
+    let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+    for row in (0..slots).step_by(LANES) {
+        let end = slots.min(row + LANES);
+        for slot in row..end {
+            let (column, line, iteration) = chunk.place(slot);
+            (x[slot - row], y[slot - row]) = (column as f32, line as f32);
+            paths.identity.slot[slot] = slot as u32;
+            paths.identity.iteration[slot] = iteration;
+            paths.identity.seed[slot] =
+                path_seed(chunk.seed, Stream::Sensor, line * sensor.width + column);
+        }
+        let seed = lanes::load_u32(&paths.identity.seed, row);
+        let iteration = lanes::load_u32(&paths.identity.iteration, row);
+        let [dx, dy] = draw(seed, iteration, 0, Purpose::Pixel);
+        let film = [dx + lanes::load(&x, 0), dy + lanes::load(&y, 0)];
+        let (origin, direction, pdf) =
+            sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
+        origin.store(&mut paths.rays.origin, row, slots);
+        direction.store(&mut paths.rays.direction, row, slots);
+        let density = crate::math::F32s::splat(light_paths) / pdf;
+        lanes::store(&mut paths.mis.d_vcm, row, slots, density);
+    }
+}

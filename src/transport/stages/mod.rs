@@ -1,0 +1,35 @@
+//! The systems, one a file, named as the file.
+
+pub mod advance_paths;
+pub mod collect_emission;
+pub mod collect_sensor;
+pub mod connect_emission;
+pub mod connect_to_emitters;
+pub mod connect_to_sensor;
+pub mod connect_to_vertices;
+pub mod emit_light_paths;
+pub mod gather_connections;
+pub mod generate_sensor_paths;
+pub mod partition_paths;
+pub mod play_roulette;
+pub mod scatter_diffuse;
+pub mod scatter_light;
+pub mod scatter_specular;
+pub mod store_light_vertices;
+pub mod weigh_arrival;
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+
+/// One vector in all lanes.
+#[inline(always)]
+fn splat(vector: Vec3) -> Vector<F32s> {
+    Vector { x: F32s::splat(vector.x), y: F32s::splat(vector.y), z: F32s::splat(vector.z) }
+}
+
+/// One row of three columns.
+#[inline(always)]
+fn row_of(columns: &[Vec<f32>; 3], row: usize) -> Vec3 {
+    Vec3::new(columns[0][row], columns[1][row], columns[2][row])
+}

@@ -1,0 +1,125 @@
+//! Scatters rows that have hit diffuse surfaces: both sides alike, but for the shading normals.
+
+use std::ops::Range;
+
+use crate::geometry::SurfaceColumns;
+use crate::math::{F32s, LANES, Vector, lanes, warp};
+use crate::scattering::Scene;
+use crate::scattering::diffuse::Facing;
+use crate::transport::sampler::{Purpose, draw};
+use crate::transport::tables::Column;
+use crate::transport::tables::paths::PathTable;
+
+/// Which way a path is traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Along the light.
+    Light,
+    /// Against it.
+    Sensor,
+}
+
+/// What a stage needs of the materials of eight rows that have hit diffuse surfaces.
+pub(super) struct MaterialLanes<const N: usize> {
+    /// Reflectance.
+    pub reflectance: [F32s; N],
+    /// Mask of those whose back reflects too.
+    pub two_sided: F32s,
+}
+
+impl<const N: usize> MaterialLanes<N> {
+    #[inline(always)]
+    pub fn gather(
+        scene: &Scene<N>,
+        surfaces: &SurfaceColumns,
+        row: usize,
+        live: usize,
+    ) -> Self {
+        let materials: [_; LANES] = std::array::from_fn(|lane| {
+            let primitive = surfaces.primitive[row + lane.min(live - 1)];
+            let material = scene.material_of_primitive[primitive as usize];
+            &scene.tables.materials[material as usize]
+        });
+        let two_sided = materials.map(|material| if material.two_sided { 1.0 } else { 0.0 });
+        Self {
+            reflectance: std::array::from_fn(|n| {
+                F32s::from(materials.map(|material| material.reflectance[n]))
+            }),
+            two_sided: F32s::from(two_sided).simd_gt(F32s::splat(0.5)),
+        }
+    }
+}
+
+/// The normals of eight rows.
+#[inline(always)]
+pub(super) fn facing_of<const N: usize>(
+    surfaces: &SurfaceColumns,
+    material: &MaterialLanes<N>,
+    row: usize,
+) -> Facing {
+    Facing {
+        geometric: Vector::load(&surfaces.geometric_normal, row),
+        shading: Vector::load(&surfaces.shading_normal, row),
+        two_sided: material.two_sided,
+    }
+}
+
+/// Draws a new direction for the rows `rows`, cosine-weighted about the shading normal.
+///
+/// From: connections of this vertex. To: advance_paths.
+/// Writes: drawn, beta, mis. Reads: paths, surfaces, scene.
+pub fn scatter_diffuse<const N: usize, C>(
+    drawn: &mut [Column; 3],
+    paths: &mut PathTable<N, C>,
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    rows: Range<usize>,
+    path_length: u32,
+    side: Side,
+) {
+    for row in rows.clone().step_by(LANES) {
+        let seed = lanes::load_u32(&paths.identity.seed, row);
+        let iteration = lanes::load_u32(&paths.identity.iteration, row);
+        let u = draw(seed, iteration, path_length, Purpose::Direction);
+        let live = LANES.min(rows.end - row);
+        let material = MaterialLanes::gather(scene, surfaces, row, live);
+        let facing = facing_of(surfaces, &material, row);
+        let given = -Vector::load(&paths.rays.direction, row);
+        let below = given.dot(facing.shading).simd_lt(F32s::splat(0.0));
+        let axis = Vector::select(below, -facing.shading, facing.shading);
+        let (direction, cosine) = warp::cosine_hemisphere(axis, u);
+        let mut weight = facing.reflects(given, direction) & F32s::splat(1.0);
+        if side == Side::Light {
+            weight = weight.simd_gt(F32s::splat(0.5))
+                & facing.adjoint(given, direction);
+        }
+        for n in 0..N {
+            let beta = lanes::load(&paths.beta[n], row) * material.reflectance[n] * weight;
+            lanes::store(&mut paths.beta[n], row, rows.end, beta);
+        }
+        direction.store(drawn, row, rows.end);
+        let pdf = warp::cosine_pdf(cosine);
+        let reverse = warp::cosine_pdf(given.dot(facing.shading).abs());
+        let out = direction.dot(facing.geometric).abs();
+        weigh_departure(paths, pdf, reverse, out, row, rows.end);
+    }
+}
+
+/// First half of equations 34 to 36 of Georgiev's technical report.
+#[inline(always)]
+fn weigh_departure<const N: usize, C>(
+    paths: &mut PathTable<N, C>,
+    pdf: F32s,
+    reverse_pdf: F32s,
+    cos_out: F32s,
+    row: usize,
+    end: usize,
+) {
+    let inverse = F32s::splat(1.0) / pdf;
+    let d_vcm = lanes::load(&paths.mis.d_vcm, row);
+    let d_vc = lanes::load(&paths.mis.d_vc, row);
+    let d_vc = cos_out * inverse * d_vc.mul_add(reverse_pdf, d_vcm);
+    lanes::store(&mut paths.mis.d_vc, row, end, d_vc);
+    lanes::store(&mut paths.mis.d_vcm, row, end, inverse);
+    lanes::store(&mut paths.mis.pdf_w, row, end, pdf);
+}

@@ -1,0 +1,123 @@
+//! Light vertices that sensor paths and the sensor connect to.
+
+use super::{Channels, Column, channels, column, gather, identifiers, vectors};
+
+/// Vertices of light paths on depolarizing surfaces. They carry power and no Stokes vector: what
+/// leaves a depolarizer does not depend on the polarization of what arrived.
+pub struct VertexTable<const N: usize> {
+    /// Number of rows in use.
+    pub len: usize,
+    /// Where.
+    pub position: [Column; 3],
+    /// Geometric normal, to the front.
+    pub geometric_normal: [Column; 3],
+    /// Shading normal.
+    pub shading_normal: [Column; 3],
+    /// Where the light came from: away from the surface, unit length.
+    pub given: [Column; 3],
+    /// Throughput times BRDF, per steradian.
+    pub power: Channels<N>,
+    /// 1 if the back scatters too, else 0.
+    pub two_sided: Column,
+    /// dVCM on arrival.
+    pub d_vcm: Column,
+    /// dVC on arrival.
+    pub d_vc: Column,
+    /// Slot of the path.
+    pub slot: Vec<u32>,
+    /// Segments from the emitter.
+    pub path_length: Vec<u32>,
+}
+
+impl<const N: usize> VertexTable<N> {
+    /// An empty table for `capacity` rows; it grows if more come.
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            len: 0,
+            position: vectors(capacity),
+            geometric_normal: vectors(capacity),
+            shading_normal: vectors(capacity),
+            given: vectors(capacity),
+            power: channels(capacity),
+            two_sided: column(capacity),
+            d_vcm: column(capacity),
+            d_vc: column(capacity),
+            slot: identifiers(capacity),
+            path_length: identifiers(capacity),
+        }
+    }
+
+    /// Makes room for `more` rows after `len`.
+    pub fn reserve(&mut self, more: usize) {
+        let needed = self.len + more + crate::math::LANES;
+        if needed > self.slot.len() {
+            let size = needed.max(2 * self.slot.len());
+            for column in self.float_columns() {
+                column.resize(size, 0.0);
+            }
+            self.slot.resize(size, 0);
+            self.path_length.resize(size, 0);
+        }
+    }
+
+    /// Takes all rows of another table, ordered by slot and, within, by path length; `ends[s]`
+    /// becomes the first row after those of slot `s`. Rows must come in by path length.
+    pub fn gather_by_slot(&mut self, from: &mut Self, order: &mut SlotOrder, slots: usize) {
+        order.sort(&from.slot[..from.len], slots);
+        self.len = 0;
+        self.reserve(from.len);
+        self.len = from.len;
+        let rows = &order.order;
+        for (to, from) in self.float_columns().zip(from.float_columns()) {
+            gather(to, from, rows, 0);
+        }
+        gather(&mut self.slot, &from.slot, rows, 0);
+        gather(&mut self.path_length, &from.path_length, rows, 0);
+    }
+
+    fn float_columns(&mut self) -> impl Iterator<Item = &mut Column> {
+        (self.position.iter_mut())
+            .chain(&mut self.geometric_normal)
+            .chain(&mut self.shading_normal)
+            .chain(&mut self.given)
+            .chain(&mut self.power)
+            .chain([&mut self.two_sided, &mut self.d_vcm, &mut self.d_vc])
+    }
+}
+
+/// A stable counting sort by slot.
+#[derive(Default)]
+pub struct SlotOrder {
+    /// For every new row, the old one.
+    pub order: Vec<u32>,
+    /// For every slot, the first row after its own.
+    pub ends: Vec<u32>,
+}
+
+impl SlotOrder {
+    fn sort(&mut self, slot_of_row: &[u32], slots: usize) {
+        self.ends.clear();
+        self.ends.resize(slots, 0);
+        for &slot in slot_of_row {
+            self.ends[slot as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut self.ends {
+            sum += std::mem::replace(end, sum);
+        }
+        self.order.clear();
+        self.order.resize(slot_of_row.len(), 0);
+        for (row, &slot) in slot_of_row.iter().enumerate() {
+            let place = &mut self.ends[slot as usize];
+            self.order[*place as usize] = row as u32;
+            *place += 1;
+        }
+    }
+
+    /// The rows of a slot.
+    #[inline(always)]
+    pub fn rows_of(&self, slot: usize) -> std::ops::Range<usize> {
+        let start = if slot == 0 { 0 } else { self.ends[slot - 1] };
+        start as usize..self.ends[slot] as usize
+    }
+}
