@@ -6,7 +6,9 @@
 //! depends on that ratio alone, and `C + i S = r_p conj(r_s)` becomes
 //!
 //! ```text
-//! a = 2 u Re v / (u^2 + |v|^2)    c = (u^2 - |v|^2) / (u^2 + |v|^2)    s = 2 u Im v / (u^2 + |v|^2)
+//! a = 2 u Re v / (u^2 + |v|^2)
+//! c = (u^2 - |v|^2) / (u^2 + |v|^2)
+//! s = 2 u Im v / (u^2 + |v|^2)
 //! ```
 //!
 //! The `_reflectance` functions return the same bits as the `M00` of the full ones, so that a
