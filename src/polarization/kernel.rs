@@ -1,0 +1,156 @@
+//! Mueller matrices relative to their first element, by how many elements they really have.
+
+use super::frame::Rotation;
+use super::stokes::Stokes;
+use crate::math::Real;
+
+/// A Mueller matrix `M / M00` between the incoming and outgoing frames of an event.
+pub trait Kernel<F: Real>: Copy {
+    /// `M S`: light that passes the event.
+    fn scatter(self, stokes: Stokes<F>) -> Stokes<F>;
+
+    /// `r M`: one row of the sensor's matrix, extended by the event towards the light.
+    fn collect_row(self, row: [F; 4]) -> [F; 4];
+
+    /// `T M`: the sensor's whole matrix `matrix[row][column]`, extended by the event.
+    #[inline(always)]
+    fn collect_columns(self, matrix: [[F; 4]; 4]) -> [[F; 4]; 4] {
+        matrix.map(|row| self.collect_row(row))
+    }
+}
+
+/// `[[1,a,0,0],[a,1,0,0],[0,0,c,s],[0,0,-s,c]]`: interfaces, polarizers, retarders and spheres.
+///
+/// Physical where `a^2 + c^2 + s^2 <= 1`, with equality for an event that depolarizes nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block<F> {
+    /// Diattenuation along the s axis, `(M_s - M_p) / (M_s + M_p)`; -1 to 1.
+    pub a: F,
+    /// Cosine part of the retardance, -1 to 1.
+    pub c: F,
+    /// Sine part of the retardance, -1 to 1; positive where the p phase lags the s phase.
+    pub s: F,
+}
+
+impl<F: Real> Block<F> {
+    /// The event that changes nothing.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        Self { a: F::zero(), c: F::one(), s: F::zero() }
+    }
+
+    /// `if_true` where the mask holds, `if_false` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: F::Mask, if_true: Self, if_false: Self) -> Self {
+        Self {
+            a: F::select(mask, if_true.a, if_false.a),
+            c: F::select(mask, if_true.c, if_false.c),
+            s: F::select(mask, if_true.s, if_false.s),
+        }
+    }
+}
+
+impl<F: Real> Kernel<F> for Block<F> {
+    #[inline(always)]
+    fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {
+        let [s0, s1, s2, s3] = stokes.0;
+        Stokes([
+            self.a.mul_add(s1, s0),
+            self.a.mul_add(s0, s1),
+            self.c.mul_add(s2, self.s * s3),
+            self.c.mul_add(s3, -(self.s * s2)),
+        ])
+    }
+
+    #[inline(always)]
+    fn collect_row(self, row: [F; 4]) -> [F; 4] {
+        let [r0, r1, r2, r3] = row;
+        [
+            self.a.mul_add(r1, r0),
+            self.a.mul_add(r0, r1),
+            self.c.mul_add(r2, -(self.s * r3)),
+            self.c.mul_add(r3, self.s * r2),
+        ]
+    }
+}
+
+/// `[[1,a,0,0],[a,b,0,0],[0,0,c,s],[0,0,-s,d]]`: anisotropic molecules, and randomly oriented
+/// particles with a plane of symmetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpheroidBlock<F> {
+    /// `M01 / M00`.
+    pub a: F,
+    /// `M11 / M00`.
+    pub b: F,
+    /// `M22 / M00`.
+    pub c: F,
+    /// `M33 / M00`.
+    pub d: F,
+    /// `M23 / M00`.
+    pub s: F,
+}
+
+impl<F: Real> Kernel<F> for SpheroidBlock<F> {
+    #[inline(always)]
+    fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {
+        let [s0, s1, s2, s3] = stokes.0;
+        Stokes([
+            self.a.mul_add(s1, s0),
+            self.a.mul_add(s0, self.b * s1),
+            self.c.mul_add(s2, self.s * s3),
+            self.d.mul_add(s3, -(self.s * s2)),
+        ])
+    }
+
+    #[inline(always)]
+    fn collect_row(self, row: [F; 4]) -> [F; 4] {
+        let [r0, r1, r2, r3] = row;
+        [
+            self.a.mul_add(r1, r0),
+            self.a.mul_add(r0, self.b * r1),
+            self.c.mul_add(r2, -(self.s * r3)),
+            self.d.mul_add(r3, self.s * r2),
+        ]
+    }
+}
+
+/// Sixteen elements `M / M00`, `[row][column]`: measured materials and models of diffuse
+/// polarization.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dense<F>(pub [[F; 4]; 4]);
+
+impl<F: Real> Kernel<F> for Dense<F> {
+    #[inline(always)]
+    fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {
+        Stokes(self.0.map(|row| dot(row, stokes.0)))
+    }
+
+    #[inline(always)]
+    fn collect_row(self, row: [F; 4]) -> [F; 4] {
+        let [m0, m1, m2, m3] = self.0;
+        std::array::from_fn(|j| dot(row, [m0[j], m1[j], m2[j], m3[j]]))
+    }
+}
+
+/// `R B`, the sensor's matrix after its first event: four of its sixteen elements are zero and
+/// none needs an addition. `rotation` leads from the event's outgoing axis to the film's.
+#[inline(always)]
+pub fn first_event<F: Real>(rotation: Rotation<F>, block: Block<F>) -> [[F; 4]; 4] {
+    let Rotation { cos2, sin2 } = rotation;
+    let Block { a, c, s } = block;
+    let (zero, one) = (F::zero(), F::one());
+    [
+        [one, a, zero, zero],
+        [cos2 * a, cos2, sin2 * c, sin2 * s],
+        [-(sin2 * a), -sin2, cos2 * c, cos2 * s],
+        [zero, zero, -s, c],
+    ]
+}
+
+/// Inner product of four components.
+#[inline(always)]
+pub(super) fn dot<F: Real>(row: [F; 4], column: [F; 4]) -> F {
+    let low = row[0].mul_add(column[0], row[1] * column[1]);
+    let high = row[2].mul_add(column[2], row[3] * column[3]);
+    low + high
+}

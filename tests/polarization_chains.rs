@@ -1,0 +1,212 @@
+//! The order of matrices, the frames and the signs, against 120 chains of events that were traced
+//! elsewhere as electric fields in three dimensions, without any Stokes vector.
+
+#[path = "support/chains.rs"]
+mod chains;
+
+use chains::{Chain, Traced, lift, trace};
+use sunstone::math::{F32s, LANES, Real, Vector};
+use sunstone::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation};
+use sunstone::polarization::{SensorMatrix, SensorRow, Stokes, first_event};
+
+/// Double precision leaves a few units in the last place per event.
+const TOLERANCE_F64: f64 = 1e-12;
+
+/// Single precision: five events and five rotations, each to about 1e-7, and cosines of rounded
+/// directions; relative to the chain's scalar throughput.
+const TOLERANCE_F32: f64 = 1e-5;
+
+fn scatter_all<F: Real>(light: LightCarrier<F>, events: &[Event<F>]) -> LightCarrier<F> {
+    events.iter().fold(light, LightCarrier::scatter)
+}
+
+fn collect_all<F: Real>(film_x: Vector<F>, events: &[Event<F>]) -> SensorMatrix<F> {
+    events.iter().rev().fold(SensorMatrix::identity(film_x), SensorMatrix::collect)
+}
+
+/// The four rows of the sensor's matrix as four films with an analyzer would carry them.
+fn collect_rows<F: Real>(film_x: Vector<F>, events: &[Event<F>]) -> [SensorRow<F>; 4] {
+    SensorMatrix::identity(film_x)
+        .matrix
+        .map(|row| events.iter().rev().fold(SensorRow { row, x: film_x }, SensorRow::collect))
+}
+
+/// The film's Stokes vector over the scalar throughput, with the subpaths joined at each segment
+/// in turn, from matrices and from rows. The first is all sensor, the last all light.
+fn split_everywhere<F: Real>(traced: &Traced<F>) -> Vec<[F; 4]> {
+    let mut measured = Vec::new();
+    for (join, &k) in traced.directions.iter().enumerate() {
+        let (before, after) = traced.events.split_at(join);
+        let light = scatter_all(traced.light, before);
+        measured.push(collect_all(traced.film_x, after).measure(&light, k).0);
+        measured.push(collect_rows(traced.film_x, after).map(|row| row.measure(&light, k)));
+    }
+    measured
+}
+
+#[test]
+fn every_split_of_every_chain_measures_the_field() {
+    let (mut worst, mut splits) = (0.0_f64, 0);
+    for chain in chains::load() {
+        let traced = trace::<f64>(&chain);
+        for measured in split_everywhere(&traced) {
+            splits += 1;
+            for (component, expected) in measured.iter().zip(chain.stokes_out) {
+                let error = (traced.beta * component - expected).abs();
+                assert!(error <= TOLERANCE_F64, "chain {}: error {error:e}", chain.id);
+                worst = worst.max(error);
+            }
+        }
+    }
+    println!("f64: {splits} splits, largest error {worst:e}");
+    assert!(splits > 800);
+}
+
+#[test]
+fn directions_and_film_frames_are_those_of_the_field() {
+    for chain in chains::load() {
+        let traced = trace::<f64>(&chain);
+        let direction = *traced.directions.last().expect("at least one segment");
+        assert!((direction - lift(chain.dir_out)).length() <= TOLERANCE_F64);
+        assert!((traced.film_x - lift(chain.camera_x)).length() <= TOLERANCE_F64);
+    }
+}
+
+/// Eight values side by side.
+fn pack(values: impl Fn(usize) -> f32) -> F32s {
+    F32s::from(std::array::from_fn::<f32, LANES, _>(values))
+}
+
+fn pack_vector(vectors: impl Fn(usize) -> Vector<f32>) -> Vector<F32s> {
+    Vector::gather(|lane| {
+        let Vector { x, y, z } = vectors(lane);
+        [x, y, z]
+    })
+}
+
+/// Eight chains side by side; the shorter ones end in events that change nothing.
+fn pack_chains(lanes: &[Traced<f32>]) -> Traced<F32s> {
+    let length = lanes.iter().map(|lane| lane.events.len()).max().expect("eight chains");
+    let direction = |lane: &Traced<f32>, i: usize| lane.directions[i.min(lane.events.len())];
+    let event = |lane: &Traced<f32>, i: usize| {
+        let k = direction(lane, i);
+        let idle = Event {
+            block: Block::identity(),
+            k_in: k,
+            x_in: lane.film_x,
+            k_out: k,
+            x_out: lane.film_x,
+        };
+        lane.events.get(i).copied().unwrap_or(idle)
+    };
+    let packed_event = |i: usize| Event {
+        block: Block {
+            a: pack(|l| event(&lanes[l], i).block.a),
+            c: pack(|l| event(&lanes[l], i).block.c),
+            s: pack(|l| event(&lanes[l], i).block.s),
+        },
+        k_in: pack_vector(|l| event(&lanes[l], i).k_in),
+        x_in: pack_vector(|l| event(&lanes[l], i).x_in),
+        k_out: pack_vector(|l| event(&lanes[l], i).k_out),
+        x_out: pack_vector(|l| event(&lanes[l], i).x_out),
+    };
+    Traced {
+        beta: pack(|l| lanes[l].beta),
+        light: LightCarrier {
+            stokes: Stokes(std::array::from_fn(|j| pack(|l| lanes[l].light.stokes.0[j]))),
+            x: pack_vector(|l| lanes[l].light.x),
+        },
+        directions: (0..=length).map(|i| pack_vector(|l| direction(&lanes[l], i))).collect(),
+        events: (0..length).map(packed_event).collect(),
+        film_x: pack_vector(|l| lanes[l].film_x),
+    }
+}
+
+#[test]
+fn eight_chains_side_by_side_measure_the_field() {
+    let chains = chains::load();
+    let (mut worst_absolute, mut worst_relative) = (0.0_f64, 0.0_f64);
+    for group in chains.chunks_exact(LANES) {
+        let lanes: Vec<Traced<f32>> = group.iter().map(trace).collect();
+        let packed = pack_chains(&lanes);
+        let beta = packed.beta.to_array();
+        for measured in split_everywhere(&packed) {
+            for (j, component) in measured.iter().enumerate() {
+                let component = component.to_array();
+                for (lane, chain) in group.iter().enumerate() {
+                    let beta = f64::from(beta[lane]);
+                    let error = (beta * f64::from(component[lane]) - chain.stokes_out[j]).abs();
+                    worst_absolute = worst_absolute.max(error);
+                    worst_relative = worst_relative.max(error / beta);
+                }
+            }
+        }
+    }
+    println!("f32 lanes: largest error {worst_absolute:e}, over beta {worst_relative:e}");
+    assert_eq!(chains.len() % LANES, 0);
+    assert!(worst_absolute <= TOLERANCE_F32);
+    assert!(worst_relative <= TOLERANCE_F32);
+}
+
+/// A depolarizer between the frames of an event.
+fn depolarizer(event: &Event<f64>) -> Event<f64, Dense<f64>> {
+    let mut matrix = [[0.0; 4]; 4];
+    matrix[0][0] = 1.0;
+    let Event { k_in, x_in, k_out, x_out, .. } = *event;
+    Event { block: Dense(matrix), k_in, x_in, k_out, x_out }
+}
+
+/// Replaces each event in turn by a depolarizer: a column and a row then say all that the full
+/// matrix says.
+#[test]
+fn after_a_depolarizer_a_column_and_a_row_suffice() {
+    for chain in chains::load() {
+        let Traced { light, directions, events, film_x, .. } = trace::<f64>(&chain);
+        for (middle, event) in events.iter().enumerate() {
+            let first = collect_all(film_x, &events[middle + 1..]);
+            let full = first.collect(&depolarizer(event));
+            let full = events[..middle].iter().rev().fold(full, SensorMatrix::collect);
+            let expected = full.measure(&light, directions[0]);
+
+            let row = SensorRow::intensity(event.x_in);
+            let row = events[..middle].iter().rev().fold(row, SensorRow::collect);
+            let rank_one = first.depolarized().spread(row.measure(&light, directions[0]));
+            for (a, b) in rank_one.0.iter().zip(expected.0) {
+                assert!((a - b).abs() <= 1e-14);
+            }
+            let scattered = scatter_all(light, &events[..middle]).depolarized();
+            assert!((row.measure(&light, directions[0]) - scattered).abs() <= 1e-14);
+        }
+    }
+}
+
+#[test]
+fn the_first_event_has_a_shorter_form() {
+    for chain in chains::load() {
+        let Traced { events, film_x, .. } = trace::<f64>(&chain);
+        let event = events.last().expect("chains have events");
+        let expected = collect_all(film_x, std::slice::from_ref(event)).matrix;
+        let rotation = Rotation::between(event.x_out, film_x, event.k_out);
+        let short = first_event(rotation, event.block);
+        for (a, b) in short.as_flattened().iter().zip(expected.as_flattened()) {
+            assert!((a - b).abs() <= 1e-15);
+        }
+    }
+}
+
+/// The pieces that a renderer with several wavelengths calls with shared rotations.
+#[test]
+fn pieces_compose_to_the_carriers() {
+    let chain: &Chain = &chains::load()[1];
+    let Traced { light, events, film_x, .. } = trace::<f64>(chain);
+    let event = &events[0];
+    let rotation = Rotation::between(light.x, event.x_in, event.k_in);
+    let stokes = event.block.scatter(rotation.apply(light.stokes));
+    assert_eq!(stokes, light.scatter(event).stokes);
+    assert_eq!(rotation.inverse(), Rotation::between(event.x_in, light.x, event.k_in));
+
+    let sensor = collect_all(film_x, &events[1..]);
+    let rotation = Rotation::between(event.x_out, sensor.x, event.k_out);
+    let matrix = event.block.collect_columns(rotation.collect_matrix(sensor.matrix));
+    assert_eq!(matrix, sensor.collect(event).matrix);
+}
