@@ -207,38 +207,34 @@ impl Accelerator {
         let slabs = Slabs::new(origin, direction, self.reach);
         let stack = &mut stack.entries[..];
         let mut t_best = t_max;
-        let mut top = 1;
-        stack[0] = (0.0, self.tree.root);
-        while top > 0 {
-            top -= 1;
-            let (enter, reference) = stack[top];
-            if enter > t_best {
-                continue;
-            }
+        let mut top = 0;
+        let mut reference = self.tree.root;
+        loop {
             if reference & LEAF != 0 {
                 if self.visit_leaf(&mut nearest, self.leaf(reference), &rays, axes) {
                     t_best = nearest.smallest_t();
                 }
-                continue;
-            }
-            let node = &self.tree.nodes[reference as usize];
-            let (enter, mut lanes) = slabs.enter(node, F32s::splat(t_best));
-            let enter = enter.as_array();
-            let base = top;
-            while lanes != 0 {
-                let lane = (lanes.trailing_zeros() & 7) as usize;
-                lanes &= lanes - 1;
-                let entry = (enter[lane], node.children[lane]);
-                let mut slot = top;
-                while slot > base && stack[slot - 1].0 < entry.0 {
-                    stack[slot] = stack[slot - 1];
-                    slot -= 1;
+            } else {
+                let node = &self.tree.nodes[reference as usize];
+                let (enter, lanes) = slabs.enter(node, F32s::splat(t_best));
+                if lanes != 0 {
+                    // The nearest child is next, without a detour over the stack.
+                    top = push_sorted(stack, top, enter.as_array(), node, lanes) - 1;
+                    reference = stack[top].1;
+                    continue;
                 }
-                stack[slot] = entry;
-                top += 1;
             }
+            loop {
+                if top == 0 {
+                    return single_hit(&nearest);
+                }
+                top -= 1;
+                if stack[top].0 <= t_best {
+                    break;
+                }
+            }
+            reference = stack[top].1;
         }
-        single_hit(&nearest)
     }
 
     /// [`Accelerator::occluded`] with a stack to reuse.
@@ -332,6 +328,31 @@ impl Accelerator {
         }
         false
     }
+}
+
+/// Pushes the children in `lanes` with the nearest on top; returns the new top.
+#[inline(always)]
+fn push_sorted(
+    stack: &mut [(f32, u32)],
+    base: usize,
+    enter: &[f32; LANES],
+    node: &Node,
+    mut lanes: u32,
+) -> usize {
+    let mut top = base;
+    while lanes != 0 {
+        let lane = (lanes.trailing_zeros() & 7) as usize;
+        lanes &= lanes - 1;
+        let entry = (enter[lane], node.children[lane]);
+        let mut slot = top;
+        while slot > base && stack[slot - 1].0 < entry.0 {
+            stack[slot] = stack[slot - 1];
+            slot -= 1;
+        }
+        stack[slot] = entry;
+        top += 1;
+    }
+    top
 }
 
 /// The nearest hit of one ray, of those that the lanes found.

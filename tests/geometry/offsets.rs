@@ -100,14 +100,14 @@ fn walks_stay_inside(triangles: &[Triangle], spheres: &[Sphere], start: Vec3, sc
         let mut surfaces = SurfaceColumns::new(rays.len());
         resolve_surfaces(&mut surfaces, &hits, &columns, 0..rays.len(), &scene);
         let mut next = Vec::new();
-        for row in 0..rays.len() {
+        for (row, &(_, arriving)) in rays.iter().enumerate() {
             let position = vector(&surfaces.position, row);
             if hits.primitive[row] == NONE || position.abs().max_element() > scale * 1.001 {
                 escaped += 1;
                 continue;
             }
             let normal = vector(&surfaces.geometric_normal, row);
-            let facing = if normal.dot(rays[row].1) > 0.0 { -normal } else { normal };
+            let facing = if normal.dot(arriving) > 0.0 { -normal } else { normal };
             let direction = random.direction();
             let direction = direction * direction.dot(facing).signum();
             next.push((leave(position, facing, direction, reach), direction));

@@ -9,7 +9,7 @@ use sunstone::geometry::{RayColumns, trace_closest, trace_visibility};
 use sunstone::math::LANES;
 use sunstone::scene::baked::{NONE, Sphere, Triangle};
 
-use super::fixtures::{Random, columns, cornell, icosphere, no_hits, quad};
+use super::fixtures::{Random, closed_box, columns, cornell, icosphere, no_hits, quad};
 use super::surfaces::scene_of;
 
 const SIDE: usize = 256;
@@ -104,7 +104,11 @@ fn profile(name: &str, triangles: &[Triangle], spheres: &[Sphere], eye: Vec3) {
 fn profile_rays() {
     let (triangles, spheres) = cornell();
     profile("cornell", &triangles, &spheres, Vec3::new(0.0, 0.0, 3.4));
-    for levels in [2, 6] {
+    let (mut boxes, _) = cornell();
+    boxes.extend(closed_box(Vec3::new(-0.7, -0.999, -0.6), Vec3::new(-0.1, 0.2, 0.0)));
+    boxes.extend(closed_box(Vec3::new(0.1, -0.999, 0.0), Vec3::new(0.7, -0.4, 0.6)));
+    profile("cornell with two boxes", &boxes, &[], Vec3::new(0.0, 0.0, 3.4));
+    for levels in [1, 2, 6] {
         let (mut room, _) = cornell();
         room.truncate(10);
         let mut mesh: Vec<_> = icosphere(levels)
