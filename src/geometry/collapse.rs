@@ -13,8 +13,9 @@ use crate::scene::baked::{Sphere, Triangle};
 use super::block::{LEAF, Leaf, Node, SphereBlock, TriangleBlock};
 use super::builder::build_binary;
 
-/// Cost of testing the eight children of a node, relative to a block of triangles.
-const NODE_COST: f32 = 1.0;
+/// Cost of testing and sorting the eight children of a node, relative to a block of triangles.
+/// Of 1, 1.5 and 2.2 the fastest by a few per cent on 82k triangles; no difference on small scenes.
+const NODE_COST: f32 = 1.5;
 /// Cost of a block of triangles.
 const TRIANGLE_BLOCK_COST: f32 = 1.0;
 /// Cost of a block of spheres.

@@ -6,7 +6,7 @@ use crate::scene::baked::Bounds;
 /// Distance off the surface relative to the largest coordinate involved: 64 times the rounding
 /// error of a coordinate. A reconstructed hit point is off by about 4 of these and the distances
 /// that the triangle test computes by about 5 more.
-const RELATIVE_OFFSET: f64 = 64.0 / (1 << 24) as f64;
+const RELATIVE_OFFSET: f64 = 32.0 / (1 << 24) as f64;
 
 /// The largest magnitude that a coordinate in a scene within `bounds` can have.
 pub fn reach(bounds: &Bounds) -> f32 {

@@ -76,10 +76,10 @@ fn reference(triangles: &[Triangle], spheres: &[Sphere], o: Vec3, d: Vec3) -> Ve
     found
 }
 
-/// Coherent rays (a pinhole), incoherent ones, and some along the axes.
+/// Coherent rays (a pinhole), incoherent ones, some along the axes, some from far away.
 fn mixed_rays(seed: u64, count: usize) -> Vec<(Vec3, Vec3)> {
     let mut random = Random(seed);
-    let ray = |index: usize| match index % 4 {
+    let ray = |index: usize| match index % 5 {
         0 => {
             let (x, y) = (index as f32 / count as f32 - 0.5, random.between(-0.5, 0.5));
             (Vec3::new(0.1, 0.2, 3.0), Vec3::new(x, y, -1.0).normalize())
@@ -90,6 +90,11 @@ fn mixed_rays(seed: u64, count: usize) -> Vec<(Vec3, Vec3)> {
             (random.in_cube(), direction)
         }
         2 => (random.in_cube() * 2.0, random.direction() * random.between(0.1, 10.0)),
+        3 => {
+            // From far away, where the coordinates of the origin are coarse.
+            let origin = random.direction() * 10.0_f32.powf(random.between(0.5, 4.0));
+            (origin, (random.in_cube() - origin).normalize())
+        }
         _ => (random.in_cube(), random.direction()),
     };
     (0..count).map(ray).collect()
@@ -97,8 +102,18 @@ fn mixed_rays(seed: u64, count: usize) -> Vec<(Vec3, Vec3)> {
 
 #[test]
 fn tree_equals_brute_force_bit_for_bit() {
-    for (seed, triangles, spheres) in [(1, 1000, 100), (2, 300, 0), (3, 0, 300), (4, 40, 30)] {
-        let (triangles, spheres) = soup(seed, triangles, spheres);
+    let mut scenes: Vec<_> = [(1, 1000, 100), (2, 300, 0), (3, 0, 300), (4, 40, 30)]
+        .map(|(seed, triangles, spheres)| soup(seed, triangles, spheres))
+        .into();
+    // Bounds without thickness.
+    let flat = |at: usize| {
+        let (x, y) = ((at % 20) as f32 * 0.1 - 1.0, (at / 20) as f32 * 0.1 - 1.0);
+        quad(Vec3::new(x, y, 0.3), Vec3::X * 0.1, Vec3::Y * 0.1)
+    };
+    scenes.push(((0..400).flat_map(flat).collect(), Vec::new()));
+    scenes.push((icosphere(3), Vec::new()));
+    for (seed, (triangles, spheres)) in scenes.into_iter().enumerate() {
+        let seed = seed as u64;
         let accelerator = Accelerator::build(&triangles, &spheres);
         let rays = mixed_rays(seed, 10_000);
         let columns = columns(&rays);
