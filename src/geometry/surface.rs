@@ -1,0 +1,159 @@
+//! From hits to points on surfaces.
+
+use std::ops::Range;
+
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::scene::baked::{BakedScene, NONE};
+
+use super::columns::{HitColumns, RayColumns, store_u32};
+
+/// What was hit. Columns are padded by [`LANES`]; rows without a hit hold zero vectors and
+/// [`NONE`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceColumns {
+    /// World-space position.
+    pub position: [Vec<f32>; 3],
+    /// Unit normal on the primitive's own front side, not turned to the ray.
+    pub geometric_normal: [Vec<f32>; 3],
+    /// Interpolated unit normal; the geometric one where the mesh has none.
+    pub shading_normal: [Vec<f32>; 3],
+    /// Row in `surfaces` of the scene, or [`NONE`].
+    pub surface: Vec<u32>,
+    /// The primitive, or [`NONE`].
+    pub primitive: Vec<u32>,
+}
+
+impl SurfaceColumns {
+    /// Room for `capacity` rows.
+    pub fn new(capacity: usize) -> Self {
+        let vectors = || std::array::from_fn(|_| vec![0.0; capacity + LANES]);
+        let none = || vec![NONE; capacity + LANES];
+        Self {
+            position: vectors(),
+            geometric_normal: vectors(),
+            shading_normal: vectors(),
+            surface: none(),
+            primitive: none(),
+        }
+    }
+}
+
+/// Position and the two normals of eight rows.
+struct Points {
+    position: Vector<F32s>,
+    geometric_normal: Vector<F32s>,
+    shading_normal: Vector<F32s>,
+}
+
+/// Finds the position and the normals of each hit in `rows`.
+pub fn resolve_surfaces<const N: usize>(
+    surfaces: &mut SurfaceColumns,
+    hits: &HitColumns,
+    rays: &RayColumns,
+    rows: Range<usize>,
+    scene: &BakedScene<N>,
+) {
+    let triangle_count = scene.triangles.len() as u32;
+    for row in rows.clone().step_by(LANES) {
+        let live = LANES.min(rows.end - row);
+        let mut primitive = [NONE; LANES];
+        primitive[..live].copy_from_slice(&hits.primitive[row..row + live]);
+        let surface = primitive.map(|p| match scene.surface_of_primitive.get(p as usize) {
+            Some(&surface) => surface,
+            None => NONE,
+        });
+        let is_sphere = primitive.map(|p| p >= triangle_count && p != NONE);
+        let mut points = if primitive.iter().any(|&p| p < triangle_count) {
+            on_triangles(&primitive, hits, row, scene)
+        } else {
+            nowhere()
+        };
+        if is_sphere.contains(&true) {
+            let on_spheres = on_spheres(&primitive, hits, rays, row, scene);
+            let mask = F32s::from(is_sphere.map(|yes| f32::from_bits(if yes { !0 } else { 0 })));
+            points = select(mask, on_spheres, points);
+        }
+        points.position.store(&mut surfaces.position, row, rows.end);
+        points.geometric_normal.store(&mut surfaces.geometric_normal, row, rows.end);
+        points.shading_normal.store(&mut surfaces.shading_normal, row, rows.end);
+        store_u32(&mut surfaces.surface, row, rows.end, surface.into());
+        store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
+    }
+}
+
+fn nowhere() -> Points {
+    let zero = Vector::new(F32s::ZERO, F32s::ZERO, F32s::ZERO);
+    Points { position: zero, geometric_normal: zero, shading_normal: zero }
+}
+
+#[inline(always)]
+fn select(mask: F32s, a: Points, b: Points) -> Points {
+    Points {
+        position: Vector::select(mask, a.position, b.position),
+        geometric_normal: Vector::select(mask, a.geometric_normal, b.geometric_normal),
+        shading_normal: Vector::select(mask, a.shading_normal, b.shading_normal),
+    }
+}
+
+/// `vector` of length one, or zero where it has no length.
+#[inline(always)]
+fn normalize_or_zero(vector: Vector<F32s>) -> Vector<F32s> {
+    let length_squared = vector.length_squared();
+    let inverse = F32s::ONE / length_squared.sqrt();
+    vector * (length_squared.simd_gt(F32s::ZERO) & inverse)
+}
+
+/// Lanes that did not hit a triangle become zero.
+#[inline(always)]
+fn on_triangles<const N: usize>(
+    primitive: &[u32; LANES],
+    hits: &HitColumns,
+    row: usize,
+    scene: &BakedScene<N>,
+) -> Points {
+    let corners = primitive.map(|p| match scene.triangles.get(p as usize) {
+        Some(triangle) => triangle.corners.map(|corner| corner.to_array()),
+        None => [[0.0; 3]; 3],
+    });
+    let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| corners[lane][corner]));
+    let (u, v) = (lanes::load(&hits.u, row), lanes::load(&hits.v, row));
+    let (edge_b, edge_c) = (b - a, c - a);
+    let position = edge_b.mul_add(u, edge_c.mul_add(v, a));
+    let geometric_normal = normalize_or_zero(edge_b.cross(edge_c));
+    let mut shading_normal = geometric_normal;
+    if !scene.shading_normals.is_empty() {
+        let normals = primitive.map(|p| match scene.shading_normals.get(p as usize) {
+            Some(normals) => normals.map(|normal| normal.to_array()),
+            None => [[0.0; 3]; 3],
+        });
+        let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| normals[lane][corner]));
+        let sum = b.mul_add(u, c.mul_add(v, a * (F32s::ONE - u - v)));
+        let has_length = sum.length_squared().gt(F32s::ZERO);
+        shading_normal = Vector::select(has_length, normalize_or_zero(sum), geometric_normal);
+    }
+    Points { position, geometric_normal, shading_normal }
+}
+
+/// Only lanes that hit a sphere count.
+#[inline(always)]
+fn on_spheres<const N: usize>(
+    primitive: &[u32; LANES],
+    hits: &HitColumns,
+    rays: &RayColumns,
+    row: usize,
+    scene: &BakedScene<N>,
+) -> Points {
+    let first = scene.triangles.len() as u32;
+    let spheres = primitive.map(|p| match scene.spheres.get(p.wrapping_sub(first) as usize) {
+        Some(sphere) => (sphere.center.to_array(), sphere.radius),
+        None => ([0.0; 3], 0.0),
+    });
+    let center = Vector::gather(|lane| spheres[lane].0);
+    let radius = F32s::from(spheres.map(|sphere| sphere.1));
+    let origin = Vector::load(&rays.origin, row);
+    let direction = Vector::load(&rays.direction, row);
+    let reached = direction.mul_add(lanes::load(&hits.t, row), origin - center);
+    let normal = normalize_or_zero(reached);
+    let position = normal.mul_add(radius, center);
+    Points { position, geometric_normal: normal, shading_normal: normal }
+}

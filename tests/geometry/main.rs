@@ -1,0 +1,8 @@
+//! The tree against brute force, and what must never happen: leaks and self-intersections.
+
+mod fixtures;
+mod leaks;
+mod offsets;
+mod profile;
+mod surfaces;
+mod tracing;
