@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use sunstone::film::image::StokesImage;
-use sunstone::output::{OutputError, atomic, exr};
+use sunstone::output::{self, OutputError, atomic, exr, hdr, npy};
 use sunstone::spectrum::Color;
 
 const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
@@ -166,4 +166,107 @@ fn images_that_contradict_themselves_are_refused() {
     image.metadata.push(("scene".to_owned(), "again".to_owned()));
     assert!(exr::write(&image, &path).unwrap_err().to_string().contains("twice"));
     assert!(!path.exists());
+}
+
+#[test]
+fn hdr_round_trips_within_its_bounds() {
+    let folder = folder("hdr_round_trip");
+    for (i, mut image) in all_layouts().into_iter().enumerate() {
+        let channels = image.color.channels();
+        if image.components == 4 {
+            // Fully polarized pixels reach the ends of the scale: S' of 0 and 2.
+            for (pixel, sign) in [(1, 1.0), (2, -1.0)] {
+                let s0 = image.planes[0][pixel];
+                (1..4).for_each(|c| image.planes[c * channels][pixel] = 0.0);
+                image.planes[channels][pixel] = sign * s0;
+            }
+        }
+        let path = folder.join(format!("{i}.x.hdr"));
+        output::save(&image, &path).unwrap();
+        let back = output::load(&path).unwrap();
+        assert_eq!(back.metadata, image.metadata);
+        assert_eq!((back.width, back.height, back.color), (19, 23, image.color));
+        assert_eq!(back.components, image.components);
+        for pixel in 0..image.width * image.height {
+            let largest =
+                (0..channels).map(|c| image.plane(0, c)[pixel]).fold(0.0, |a: f32, b| a.max(b));
+            for channel in 0..channels {
+                let (s0, read) = (image.plane(0, channel)[pixel], back.plane(0, channel)[pixel]);
+                assert!((s0 - read).abs() <= largest / 255.0, "{s0} {read} of {largest}");
+                for component in 1..image.components {
+                    let share = image.plane(component, channel)[pixel] / s0;
+                    let read = back.plane(component, channel)[pixel] / read;
+                    let bound = 1.0 / 128.0 + 1e-6;
+                    assert!(!((share - read).abs() > bound), "{share} {read}");
+                }
+            }
+        }
+    }
+    let names = fs::read_dir(&folder).unwrap().count();
+    assert_eq!(names, 4 + 1 + 4 + 1);
+}
+
+#[test]
+fn hdr_of_unpolarized_light_is_exactly_unpolarized() {
+    let path = folder("hdr_exact").join("grey.S0.hdr");
+    let mut image = StokesImage::new(200, 3, MONO, 4);
+    image.planes[0] = (0..600).map(|i| (i / 7) as f32).collect();
+    output::save(&image, &path).unwrap();
+    let back = output::load(&path).unwrap();
+    assert!(back.planes[1..].iter().flatten().all(|&value| value == 0.0));
+    assert_eq!(back.planes[0], image.planes[0]);
+    // Written over by intensity alone, the old S1..S3 beside it must not come back.
+    output::save(&StokesImage::new(200, 3, MONO, 1), &path).unwrap();
+    assert_eq!(output::load(&path).unwrap().components, 1);
+}
+
+#[test]
+fn torn_hdr_files_are_refused() {
+    let folder = folder("hdr_torn");
+    for (i, image) in all_layouts().iter().filter(|image| image.components == 1).enumerate() {
+        let path = folder.join(format!("{i}.hdr"));
+        hdr::write(image, &path).unwrap();
+        torture(&hdr::component_path(&path, 0), hdr::read);
+    }
+}
+
+/// The bytes of a .npy file of version 1.
+fn npy(header: &str, values: &[f32]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn npy_arrays_become_stokes_images() {
+    let folder = folder("npy");
+    let path = folder.join("stokes.npy");
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }\n";
+    let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
+    fs::write(&path, npy(header, &values)).unwrap();
+    let image = output::load(&path).unwrap();
+    assert_eq!((image.width, image.height, image.components), (3, 2, 4));
+    assert_eq!(image.planes[1], [1.0, 5.0, 9.0, 13.0, 17.0, 21.0]);
+    assert_eq!(image.variance, None);
+    fs::copy(&path, folder.join("stderr.npy")).unwrap();
+    let variance = output::load(&path).unwrap().variance.unwrap();
+    assert_eq!(variance[3], [9.0, 49.0, 121.0, 225.0, 361.0, 529.0]);
+    torture(&path, npy::read_npy);
+    for (from, to) in [("<f4", "<f8"), ("False", "True"), ("(2, 3, 4)", "(99999999999999, 4)")] {
+        fs::write(&path, npy(&header.replace(from, to), &values)).unwrap();
+        assert!(npy::read_npy(&path).is_err());
+    }
+}
+
+#[test]
+fn unknown_extensions_are_refused_with_the_known_ones() {
+    let image = StokesImage::new(1, 1, MONO, 1);
+    for name in ["image.jpg", "image", ".exr"] {
+        let message = output::save(&image, Path::new(name)).unwrap_err().to_string();
+        assert!(message.contains(".exr, .hdr, .png"), "{message}");
+        assert!(output::load(Path::new(name)).unwrap_err().to_string().contains(".npy"));
+        assert!(output::check_savable(Path::new(name)).is_err());
+    }
 }

@@ -43,7 +43,7 @@ pub const HANDEDNESS: &str = "S3 > 0 is right circular: the field turns clockwis
 const FORMAT: &str = "EXR";
 const KEY_PREFIX: &str = "sunstone:";
 /// The wavelength given to a monochromatic file that does not name its own.
-const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
+pub(super) const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
 /// No lossless EXR compression that is worth its name packs tighter than this; a header that
 /// promises more pixels than the file could hold is refused before memory is asked for.
 const EXPANSION_MAX: usize = 4096;
@@ -131,8 +131,8 @@ fn variance_name(name: &str) -> String {
 
 fn attributes(image: &StokesImage, path: &Path) -> Result<LayerAttributes, OutputError> {
     let text = |value: &str| Text::from_slice_unchecked(value.as_bytes());
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
+    let software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
+    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
     let other = &mut attributes.other;
     for (key, value) in &image.metadata {
         let name = format!("{KEY_PREFIX}{key}");
