@@ -58,6 +58,12 @@ pub enum OutputError {
         /// The extensions that would do.
         known: &'static str,
     },
+    /// An image that cannot be shown or judged as was asked.
+    #[error("the image cannot be used: {reason}")]
+    Image {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// Two images that do not go together.
     #[error("cannot compare {first} with {second}: {reason}")]
     Mismatch {

@@ -9,16 +9,20 @@
 //! | [`hdr`] | the paper's storage: a set of Radiance pictures |
 //! | [`npy`] | NumPy arrays in |
 //! | [`png`], [`picture`] | previews and pictures |
+//! | [`visualize`], [`palette`] | maps of polarization with their legends |
 
 pub mod atomic;
 pub mod error;
 pub mod exr;
+mod font;
 pub mod hdr;
+mod legend;
 pub mod npy;
 pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
+pub mod visualize;
 
 use std::path::Path;
 
@@ -70,20 +74,25 @@ fn extension(path: &Path) -> String {
     path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Refuses an image whose planes are not what its size and color promise.
+/// Refuses to write an image whose planes are not what its size and color promise.
 fn check_image(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
-    let planes = image.components * image.color.channels();
+    check_shape(image).map_err(|reason| OutputError::unwritable(path, reason))
+}
+
+/// Says what is wrong with an image whose planes are not what its size and color promise.
+fn check_shape(image: &StokesImage) -> Result<(), &'static str> {
+    let planes = image.components.saturating_mul(image.color.channels());
     let pixels = image.width.saturating_mul(image.height);
     let whole =
         |list: &[Vec<f32>]| list.len() == planes && list.iter().all(|plane| plane.len() == pixels);
     if pixels == 0 {
-        return Err(OutputError::unwritable(path, "the image has no pixels"));
+        return Err("the image has no pixels");
     }
     if !matches!(image.components, 1 | 4) {
-        return Err(OutputError::unwritable(path, "an image has 1 or 4 Stokes components"));
+        return Err("an image has 1 or 4 Stokes components");
     }
     if !whole(&image.planes) || !image.variance.as_deref().is_none_or(whole) {
-        return Err(OutputError::unwritable(path, "its planes do not match its size"));
+        return Err("the planes of the image do not match its size");
     }
     Ok(())
 }
