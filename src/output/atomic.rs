@@ -1,0 +1,117 @@
+//! Writing a file as a whole or not at all.
+//!
+//! bytes -> a temporary file in the folder of the target -> fsync -> rename over the target. A
+//! reader (or a crash) never sees half a file, and a failure leaves the former file untouched.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::error::OutputError;
+
+/// Writes `bytes` to `path`, replacing a file that is there.
+///
+/// A symbolic link is followed, so that the file it points to is replaced and not the link.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write_set(&[(path.to_owned(), bytes.to_vec())])
+}
+
+/// Writes several files that belong together: none of them is replaced before all are on the disk.
+pub fn write_set(files: &[(PathBuf, Vec<u8>)]) -> Result<(), OutputError> {
+    let mut staged = Vec::with_capacity(files.len());
+    for (path, bytes) in files {
+        staged.push((path, Staged::new(path, bytes)?));
+    }
+    for (path, file) in staged {
+        file.commit().map_err(|error| OutputError::write(path, error))?;
+    }
+    Ok(())
+}
+
+/// Checks that `path` could be written, by creating and removing a temporary file beside it.
+///
+/// To be called before a long render, so that hours of work do not end in "no such folder".
+pub fn probe_writable(path: &Path) -> Result<(), OutputError> {
+    Staged::new(path, b"").map(drop)
+}
+
+/// The folder in which `path` lies; `.` where the name has none.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// A complete temporary file that waits to take its name; removed if it is dropped before.
+struct Staged {
+    temporary: PathBuf,
+    target: PathBuf,
+    committed: bool,
+}
+
+impl Staged {
+    fn new(path: &Path, bytes: &[u8]) -> Result<Self, OutputError> {
+        let target = resolve(path)?;
+        let failed = |error| OutputError::write(path, error);
+        let (file, temporary) = create_temporary(&folder_of(&target)).map_err(failed)?;
+        let staged = Self { temporary, target, committed: false };
+        staged.fill(file, bytes).map_err(failed)?;
+        Ok(staged)
+    }
+
+    fn fill(&self, mut file: File, bytes: &[u8]) -> io::Result<()> {
+        file.write_all(bytes)?;
+        if let Ok(former) = fs::metadata(&self.target) {
+            file.set_permissions(former.permissions())?;
+        }
+        file.sync_all()
+    }
+
+    fn commit(mut self) -> io::Result<()> {
+        fs::rename(&self.temporary, &self.target)?;
+        self.committed = true;
+        // Makes the new name itself durable. Not every file system can sync a folder, and the file
+        // is complete under its name either way, so a refusal here is no failure.
+        let _ = File::open(folder_of(&self.target)).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if !self.committed {
+            // Nothing sensible can be done if even the removal fails; the first error is reported.
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+/// Follows a link and refuses what is not a file: renaming over a device would destroy it.
+fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
+    let not_a_file = |what| OutputError::NotAFile { path: path.to_owned(), what };
+    if path.file_name().is_none() {
+        return Err(not_a_file("a folder"));
+    }
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(not_a_file("a folder")),
+        Ok(found) if !found.is_file() => Err(not_a_file("a device or pipe")),
+        Ok(_) => fs::canonicalize(path).map_err(|error| OutputError::write(path, error)),
+        Err(_) => Ok(path.to_owned()),
+    }
+}
+
+/// The name is short and its own, so that it fits wherever the target's name does.
+fn create_temporary(folder: &Path) -> io::Result<(File, PathBuf)> {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!(".sunstone-{}-{number}.tmp", std::process::id()));
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Ok(file) => return Ok((file, path)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+}

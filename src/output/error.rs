@@ -1,0 +1,117 @@
+//! The one error of this floor: every message names the file, and says how to mend it if it can.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What can go wrong with a file that this floor reads or writes.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A file could not be written.
+    #[error("cannot write {}: {source}; {remedy}", path.display())]
+    Write {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+        /// What the user can do about it.
+        remedy: String,
+    },
+    /// The name to be written is taken by something that is not a file.
+    #[error("cannot write {}: it is {what}; choose the name of a file", path.display())]
+    NotAFile {
+        /// The name that was to be written.
+        path: PathBuf,
+        /// What stands there: a folder, a device.
+        what: &'static str,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A file was read but is not what its name promises.
+    #[error("{} is not a usable {format} file: {reason}", path.display())]
+    Malformed {
+        /// The file that was read.
+        path: PathBuf,
+        /// The format it was read as.
+        format: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The image cannot be stored in the format, or at all.
+    #[error("cannot write {}: {reason}", path.display())]
+    Unwritable {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What is wrong with the image.
+        reason: String,
+    },
+    /// The extension of the name says nothing to Sunstone.
+    #[error("cannot tell the format of {}: the extension must be one of {known}", path.display())]
+    Extension {
+        /// The name that was given.
+        path: PathBuf,
+        /// The extensions that would do.
+        known: &'static str,
+    },
+    /// An image that cannot be shown or judged as was asked.
+    #[error("the image cannot be used: {reason}")]
+    Image {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// Two images that do not go together.
+    #[error("cannot compare {first} with {second}: {reason}")]
+    Mismatch {
+        /// What the first image is.
+        first: String,
+        /// What the second image is.
+        second: String,
+        /// Which property differs.
+        reason: &'static str,
+    },
+}
+
+impl OutputError {
+    /// Wraps what the operating system said when `path` was written.
+    pub(super) fn write(path: &Path, source: io::Error) -> Self {
+        let remedy = remedy(path, &source);
+        Self::Write { path: path.to_owned(), source, remedy }
+    }
+
+    /// Wraps what the operating system said when `path` was read.
+    pub(super) fn read(path: &Path, source: io::Error) -> Self {
+        Self::Read { path: path.to_owned(), source }
+    }
+
+    /// Says what is wrong with the contents of `path`.
+    pub(super) fn malformed(path: &Path, format: &'static str, reason: impl ToString) -> Self {
+        Self::Malformed { path: path.to_owned(), format, reason: reason.to_string() }
+    }
+
+    /// Says why an image cannot be written to `path`.
+    pub(super) fn unwritable(path: &Path, reason: impl ToString) -> Self {
+        Self::Unwritable { path: path.to_owned(), reason: reason.to_string() }
+    }
+}
+
+fn remedy(path: &Path, error: &io::Error) -> String {
+    let folder = super::atomic::folder_of(path);
+    let folder = folder.display();
+    match error.kind() {
+        io::ErrorKind::NotFound => format!("create the folder {folder} first"),
+        io::ErrorKind::NotADirectory => format!("{folder} is not a folder; choose another name"),
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            format!("make the folder {folder} writable or choose another")
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            format!("free space on the disk that holds {folder} or choose another")
+        }
+        io::ErrorKind::InvalidFilename => "choose a shorter or plainer name".to_owned(),
+        _ => format!("check the folder {folder}"),
+    }
+}

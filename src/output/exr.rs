@@ -1,0 +1,252 @@
+//! OpenEXR: the file that keeps everything.
+//!
+//! One unnamed part, 32-bit float, linear, scan lines, ZIP. The channels:
+//!
+//! | image | channels |
+//! |---|---|
+//! | RGB, Stokes | `R G B` and `S0.R S0.G S0.B` ... `S3.B` (Mitsuba's names; `R G B` repeat S0) |
+//! | RGB, intensity | `R G B` |
+//! | monochromatic, Stokes | `Y` and `S0` ... `S3` (`Y` repeats S0 so that viewers show it) |
+//! | monochromatic, intensity | `Y` and `S0` |
+//! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
+//!
+//! Metadata are string attributes `sunstone:KEY`; what the format itself needs is spelled with a
+//! dot, so that the two never meet: `sunstone.frame`, `sunstone.handedness`,
+//! `sunstone.wavelength_nm` (a float) and `sunstone.order`, the order of the metadata.
+//! What is written is read back bit for bit.
+
+use std::collections::HashMap;
+use std::io::{BufReader, Cursor};
+use std::path::Path;
+
+use ::exr::image::Blocks;
+use ::exr::image::read::read as read_with;
+use ::exr::image::write::WritableImage;
+use ::exr::meta::MetaData;
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatImage, FlatSamples, Image,
+    Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text,
+};
+
+use super::error::OutputError;
+use super::{atomic, check_image};
+use crate::film::image::StokesImage;
+use crate::spectrum::Color;
+
+/// The frame of S1..S3 in every file that Sunstone writes.
+pub const FRAME: &str = "right-handed (x, y, k): x to the right in the image, y up, k along the \
+                         light towards the sensor; S1 > 0 along x, S2 > 0 along x + y";
+/// The sign of S3 in every file that Sunstone writes.
+pub const HANDEDNESS: &str = "S3 > 0 is right circular: the field turns clockwise as seen by the \
+                              receiver; phasors exp(+i w t)";
+
+const FORMAT: &str = "EXR";
+const KEY_PREFIX: &str = "sunstone:";
+/// The wavelength given to a monochromatic file that does not name its own.
+pub(super) const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
+/// No lossless EXR compression that is worth its name packs tighter than this; a header that
+/// promises more pixels than the file could hold is refused before memory is asked for.
+const EXPANSION_MAX: usize = 4096;
+/// Decoded bytes that are granted to any file, however small.
+const DECODED_BYTES_FREE: usize = 64 << 20;
+
+/// Writes an image with everything that it knows.
+pub fn write(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
+    check_image(image, path)?;
+    let mut channels: Vec<(String, &[f32])> = Vec::new();
+    match image.color {
+        Color::Rgb => {
+            channels.extend((0..3).map(|i| (RGB_NAMES[i].to_owned(), image.plane(0, i))));
+        }
+        Color::Mono { .. } => channels.push(("Y".to_owned(), image.plane(0, 0))),
+    }
+    let names = stokes_names(image.color, image.components);
+    if image.color != Color::Rgb || image.components == 4 {
+        channels.extend(names.iter().cloned().zip(image.planes.iter().map(Vec::as_slice)));
+    }
+    if let Some(variance) = &image.variance {
+        let names = names.iter().map(|name| variance_name(name));
+        channels.extend(names.zip(variance.iter().map(Vec::as_slice)));
+    }
+    let list = channels.into_iter().map(|(name, plane)| {
+        AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(plane.to_vec()))
+    });
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new(
+        (image.width, image.height),
+        attributes(image, path)?,
+        encoding,
+        AnyChannels::sort(list.collect()),
+    );
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| OutputError::unwritable(path, error))?;
+    atomic::write(path, bytes.get_ref())
+}
+
+/// Reads an image that Sunstone, or the `stokes` integrator of Mitsuba 3, has written.
+///
+/// Alpha and other channels beside the known ones are left unread. 16-bit files are widened.
+pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
+    let bytes = std::fs::read(path).map_err(|error| OutputError::read(path, error))?;
+    let malformed = |reason: String| OutputError::malformed(path, FORMAT, reason);
+    check_header(&bytes).map_err(malformed)?;
+    let file: FlatImage = read_with()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(&bytes))
+        .map_err(|error| malformed(error.to_string()))?;
+    let layer = match file.layer_data.as_slice() {
+        [layer] => layer,
+        layers => return Err(malformed(format!("it has {} parts, not one", layers.len()))),
+    };
+    assemble(layer).map_err(malformed)
+}
+
+const RGB_NAMES: [&str; 3] = ["R", "G", "B"];
+
+/// The channel names of all planes, in the order of [`StokesImage::planes`].
+fn stokes_names(color: Color, components: usize) -> Vec<String> {
+    (0..components)
+        .flat_map(|component| match color {
+            Color::Rgb => RGB_NAMES.map(|name| format!("S{component}.{name}")).to_vec(),
+            Color::Mono { .. } => vec![format!("S{component}")],
+        })
+        .collect()
+}
+
+fn variance_name(name: &str) -> String {
+    format!("variance.{name}")
+}
+
+fn attributes(image: &StokesImage, path: &Path) -> Result<LayerAttributes, OutputError> {
+    let text = |value: &str| Text::from_slice_unchecked(value.as_bytes());
+    let software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
+    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
+    let other = &mut attributes.other;
+    for (key, value) in &image.metadata {
+        let name = format!("{KEY_PREFIX}{key}");
+        let refused =
+            |why| OutputError::unwritable(path, format!("the metadata key {key:?} {why}"));
+        if name.len() > 255 || key.contains('\0') {
+            return Err(refused("is too long or holds a zero byte"));
+        }
+        if other.insert(text(&name), AttributeValue::Text(text(value))).is_some() {
+            return Err(refused("is there twice"));
+        }
+    }
+    let keys: Vec<&str> = image.metadata.iter().map(|(key, _)| key.as_str()).collect();
+    let order = serde_json::Value::from(keys).to_string();
+    for (name, value) in [("order", order.as_str()), ("frame", FRAME), ("handedness", HANDEDNESS)] {
+        other.insert(text(&format!("sunstone.{name}")), AttributeValue::Text(text(value)));
+    }
+    if let Color::Mono { wavelength_nm } = image.color {
+        other.insert(text("sunstone.wavelength_nm"), AttributeValue::F32(wavelength_nm));
+    }
+    Ok(attributes)
+}
+
+/// Refuses what would make the decoder ask for absurd amounts of memory.
+fn check_header(bytes: &[u8]) -> Result<(), String> {
+    let meta = MetaData::read_from_buffered(BufReader::new(bytes), false)
+        .map_err(|error| error.to_string())?;
+    let decoded_max = bytes.len().saturating_mul(EXPANSION_MAX).max(DECODED_BYTES_FREE);
+    let mut decoded = 0_usize;
+    for header in &meta.headers {
+        let size = header.layer_size;
+        let samples = size.x().saturating_mul(size.y());
+        let pixel = header.channels.list.len().saturating_mul(4);
+        decoded = decoded.saturating_add(samples.saturating_mul(pixel));
+    }
+    if decoded > decoded_max {
+        return Err("the header promises far more pixels than the file can hold".to_owned());
+    }
+    Ok(())
+}
+
+fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {
+    let attributes = &layer.attributes.other;
+    let (width, height) = (layer.size.x(), layer.size.y());
+    let list = &layer.channel_data.list;
+    let by_name: HashMap<String, &AnyChannel<FlatSamples>> =
+        list.iter().map(|channel| (channel.name.to_string(), channel)).collect();
+    let wavelength_nm = match attributes.get("sunstone.wavelength_nm".as_bytes()) {
+        Some(AttributeValue::F32(wavelength_nm)) => *wavelength_nm,
+        _ => WAVELENGTH_UNSTATED_NM,
+    };
+    let mono = Color::Mono { wavelength_nm };
+    let rgb: Vec<String> = RGB_NAMES.map(str::to_owned).to_vec();
+    let layouts = [
+        (Color::Rgb, 4, stokes_names(Color::Rgb, 4)),
+        (mono, 4, stokes_names(mono, 4)),
+        (Color::Rgb, 1, rgb),
+        (mono, 1, stokes_names(mono, 1)),
+        (mono, 1, vec!["Y".to_owned()]),
+    ];
+    let (color, components, names) = layouts
+        .into_iter()
+        .find(|(_, _, names)| names.iter().all(|name| by_name.contains_key(name)))
+        .ok_or_else(|| unknown_channels(list))?;
+    let plane = |name: &String| plane_values(by_name.get(name).copied(), name, width * height);
+    let planes = names.iter().map(plane).collect::<Result<Vec<_>, _>>()?;
+    let variance_names: Vec<String> =
+        stokes_names(color, components).iter().map(|name| variance_name(name)).collect();
+    let variance = match variance_names.iter().all(|name| by_name.contains_key(name)) {
+        true => Some(variance_names.iter().map(plane).collect::<Result<Vec<_>, _>>()?),
+        false => None,
+    };
+    let metadata = metadata(attributes);
+    Ok(StokesImage { width, height, color, components, planes, variance, metadata })
+}
+
+fn plane_values(
+    channel: Option<&AnyChannel<FlatSamples>>,
+    name: &str,
+    pixels: usize,
+) -> Result<Vec<f32>, String> {
+    let values: Vec<f32> =
+        channel.map(|channel| channel.sample_data.values_as_f32().collect()).unwrap_or_default();
+    match values.len() == pixels {
+        true => Ok(values),
+        false => Err(format!("the channel {name} is subsampled or incomplete")),
+    }
+}
+
+fn unknown_channels(list: &[AnyChannel<FlatSamples>]) -> String {
+    let found: Vec<String> = list.iter().map(|channel| channel.name.to_string()).collect();
+    format!(
+        "its channels are {}; wanted are R G B, or S0.R S0.G S0.B ... S3.B, or S0 ... S3, or Y",
+        found.join(" ")
+    )
+}
+
+/// The metadata in their own order; keys that the order does not list follow by name.
+fn metadata(attributes: &HashMap<Text, AttributeValue>) -> Vec<(String, String)> {
+    let text = |value: &Text| String::from_utf8_lossy(value.as_slice()).into_owned();
+    let order: Vec<String> = match attributes.get("sunstone.order".as_bytes()) {
+        Some(AttributeValue::Text(order)) => serde_json::from_str(&text(order)).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    let rank: HashMap<&String, usize> = order.iter().enumerate().map(|(i, key)| (key, i)).collect();
+    let mut pairs: Vec<(String, String)> = attributes
+        .iter()
+        .filter_map(|(name, value)| match (text(name).strip_prefix(KEY_PREFIX), value) {
+            (Some(key), AttributeValue::Text(value)) => Some((key.to_owned(), text(value))),
+            _ => None,
+        })
+        .collect();
+    pairs.sort_by_cached_key(|(key, _)| {
+        (rank.get(key).copied().unwrap_or(usize::MAX), key.to_owned())
+    });
+    pairs
+}

@@ -1,0 +1,56 @@
+//! PNG: previews of the intensity, and the pictures of the visualizations.
+
+use std::path::Path;
+
+use super::error::OutputError;
+use super::palette::encode_srgb;
+use super::picture::Picture;
+use super::{atomic, check_image};
+use crate::film::image::StokesImage;
+
+/// S0 as a picture: linear values times two to the power `exposure_ev`, clipped, sRGB encoded.
+/// Monochromatic images are grey; what is not a number is black.
+pub fn preview(image: &StokesImage, exposure_ev: f32) -> Picture {
+    let gain = exposure_ev.exp2();
+    let channels = image.color.channels();
+    let pixels = (0..image.width * image.height)
+        .map(|pixel| {
+            [0, 1, 2].map(|i| encode_srgb(gain * image.plane(0, i.min(channels - 1))[pixel]))
+        })
+        .collect();
+    Picture { width: image.width, height: image.height, pixels }
+}
+
+/// Writes the preview of an image.
+pub fn write_preview(
+    image: &StokesImage,
+    path: &Path,
+    exposure_ev: f32,
+) -> Result<(), OutputError> {
+    check_image(image, path)?;
+    write(&preview(image, exposure_ev), path)
+}
+
+/// Writes a picture, with one grey channel if all of it is grey.
+pub fn write(picture: &Picture, path: &Path) -> Result<(), OutputError> {
+    let bytes = encode(picture).map_err(|error| OutputError::unwritable(path, error))?;
+    atomic::write(path, &bytes)
+}
+
+fn encode(picture: &Picture) -> Result<Vec<u8>, ::png::EncodingError> {
+    let size = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, size(picture.width), size(picture.height));
+    let grey = picture.pixels.iter().all(|[r, g, b]| r == g && g == b);
+    let data: Vec<u8> = match grey {
+        true => picture.pixels.iter().map(|pixel| pixel[0]).collect(),
+        false => picture.pixels.as_flattened().to_vec(),
+    };
+    encoder.set_color(if grey { ::png::ColorType::Grayscale } else { ::png::ColorType::Rgb });
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::RelativeColorimetric);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&data)?;
+    writer.finish()?;
+    Ok(bytes)
+}

@@ -1,0 +1,336 @@
+//! Maps of polarization: what the eye does not see, in color.
+//!
+//! Stokes vector per pixel -> a number -> a color -> a picture with its legend beneath.
+//! With P = sqrt(S1^2 + S2^2 + S3^2) and L = sqrt(S1^2 + S2^2), the degree of polarization is
+//! P / S0, the linear share L / P, the angle of linear polarization mod(atan2(S2, S1) / 2, pi),
+//! counterclockwise from the right of the image as one looks at it.
+//!
+//! The channels of RGB images are combined by luminance first, each Stokes component as
+//! 0.2126 R + 0.7152 G + 0.0722 B, and the formulas applied to the result. Where there is no light
+//! (S0 not above 0, or not a number) a map is black; where a map asks for a direction or a type
+//! that weak polarization does not have, it fades to grey below a degree of 0.02.
+
+use std::str::FromStr;
+
+use super::error::OutputError;
+use super::legend::{Legend, arrange, with_legend};
+use super::palette::{self, NEUTRAL, NO_LIGHT, mix, sample};
+use super::picture::Picture;
+use super::{check_shape, png};
+use crate::film::image::StokesImage;
+use crate::spectrum::Color;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// S0 as a picture.
+    Intensity,
+    /// Degree of polarization, the paper's blue (none) to yellow (full).
+    Dop,
+    /// Linear against circular, the paper's blue (circular) to yellow (linear).
+    LinearCircular,
+    /// Angle of linear polarization as a hue of even lightness.
+    Aolp,
+    /// Angle of linear polarization as HSV hue, degree of linear polarization as value; the dark
+    /// version of polanalyser.
+    AolpDark,
+    /// S3 / S0: left-handed blue, right-handed yellow.
+    Chirality,
+    /// The four planes: S0 as a picture and S1 to S3 on one signed scale.
+    Stokes,
+    /// S1 to S3 relative to S0, each on [-1, 1], beside S0.
+    StokesRelative,
+    /// Degree of polarization, black to red, in the manner of Wilkie and Weidlich 2010.
+    DopRed,
+    /// Linear cyan, circular yellow, as bright as polarized, in the manner of the same.
+    Type,
+    /// Orientation in the manner of the same: red along x, green along y, blue and yellow at 45
+    /// and 135 degrees, as bright as linearly polarized.
+    Orientation,
+}
+
+impl Map {
+    /// All maps.
+    pub const ALL: [Map; 11] = [
+        Map::Intensity,
+        Map::Dop,
+        Map::LinearCircular,
+        Map::Aolp,
+        Map::AolpDark,
+        Map::Chirality,
+        Map::Stokes,
+        Map::StokesRelative,
+        Map::DopRed,
+        Map::Type,
+        Map::Orientation,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Map::Intensity => "intensity",
+            Map::Dop => "dop",
+            Map::LinearCircular => "linear-circular",
+            Map::Aolp => "aolp",
+            Map::AolpDark => "aolp-dark",
+            Map::Chirality => "chirality",
+            Map::Stokes => "stokes",
+            Map::StokesRelative => "stokes-relative",
+            Map::DopRed => "dop-red",
+            Map::Type => "type",
+            Map::Orientation => "orientation",
+        }
+    }
+}
+
+impl FromStr for Map {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let known = Map::ALL.map(Map::name).join(", ");
+        let found = Map::ALL.into_iter().find(|map| map.name() == name);
+        found.ok_or_else(|| format!("there is no map {name:?}; known are {known}"))
+    }
+}
+
+/// Degree of polarization; 0 where there is no light.
+pub fn dop(stokes: [f32; 4]) -> f32 {
+    ratio(stokes[1].hypot(stokes[2]).hypot(stokes[3]), stokes[0])
+}
+
+/// Degree of linear polarization; 0 where there is no light.
+pub fn dolp(stokes: [f32; 4]) -> f32 {
+    ratio(stokes[1].hypot(stokes[2]), stokes[0])
+}
+
+/// Angle of linear polarization in radians, in [0, pi).
+pub fn aolp(stokes: [f32; 4]) -> f32 {
+    let angle = (0.5 * stokes[2].atan2(stokes[1])).rem_euclid(std::f32::consts::PI);
+    // A tiny negative angle rounds up to pi itself.
+    if angle < std::f32::consts::PI { angle } else { 0.0 }
+}
+
+/// The luminance Stokes vector of a pixel of an image with four components.
+pub fn stokes_at(image: &StokesImage, pixel: usize) -> [f32; 4] {
+    [0, 1, 2, 3].map(|component| match image.color {
+        Color::Rgb => {
+            let value = |channel| image.plane(component, channel)[pixel];
+            0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2)
+        }
+        Color::Mono { .. } => image.plane(component, 0)[pixel],
+    })
+}
+
+/// The map alone, pixel for pixel; the Stokes planes two by two.
+pub fn colorize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Picture, OutputError> {
+    let views = views(image, map, exposure_ev)?;
+    let mut pictures = views.into_iter().map(|(picture, _)| picture);
+    match (map, pictures.next()) {
+        (Map::Stokes | Map::StokesRelative, Some(first)) => {
+            let (width, height) = (first.width, first.height);
+            let mut whole = Picture::new(2 * width, 2 * height, NO_LIGHT);
+            for (i, picture) in std::iter::once(first).chain(pictures).enumerate() {
+                whole.paste(&picture, i % 2 * width, i / 2 * height);
+            }
+            Ok(whole)
+        }
+        (_, first) => Ok(first.unwrap_or_else(|| Picture::new(0, 0, NO_LIGHT))),
+    }
+}
+
+/// The map with its legend beneath; small images are enlarged.
+pub fn visualize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Picture, OutputError> {
+    let views = views(image, map, exposure_ev)?;
+    let pictures: Vec<Picture> =
+        views.iter().map(|(picture, legend)| with_legend(picture, legend)).collect();
+    Ok(arrange(&pictures, 2))
+}
+
+/// Intensity, degree of polarization and linear-versus-circular side by side, as in the paper's
+/// figures 3 and 4.
+pub fn panels(image: &StokesImage, exposure_ev: f32) -> Result<Picture, OutputError> {
+    let mut pictures = Vec::new();
+    for map in [Map::Intensity, Map::Dop, Map::LinearCircular] {
+        pictures.push(visualize(image, map, exposure_ev)?);
+    }
+    Ok(arrange(&pictures, 3))
+}
+
+fn views(
+    image: &StokesImage,
+    map: Map,
+    exposure_ev: f32,
+) -> Result<Vec<(Picture, Legend)>, OutputError> {
+    check_shape(image).map_err(|reason| OutputError::Image { reason })?;
+    if map == Map::Intensity {
+        return Ok(vec![intensity(image, exposure_ev)]);
+    }
+    if image.components != 4 {
+        let reason = "it holds the intensity alone; render it in the polarized mode";
+        return Err(OutputError::Image { reason });
+    }
+    let relative = map == Map::StokesRelative;
+    if !relative && map != Map::Stokes {
+        let picture = paint(image, |stokes| color_of(map, stokes));
+        return Ok(vec![(picture, legend_of(map))]);
+    }
+    let range = if relative { 1.0 } else { signed_range(image) };
+    let mut views = vec![intensity(image, exposure_ev)];
+    for component in 1..4 {
+        let picture = paint(image, |stokes| {
+            let scale = if relative { stokes[0] } else { range };
+            sample(palette::BLUE_WHITE_RED, 0.5 + 0.5 * stokes[component] / scale)
+        });
+        views.push((picture, plane_legend(component, relative, range)));
+    }
+    Ok(views)
+}
+
+fn paint(image: &StokesImage, color: impl Fn([f32; 4]) -> [u8; 3]) -> Picture {
+    let pixels = (0..image.width * image.height)
+        .map(|pixel| {
+            let stokes = stokes_at(image, pixel);
+            let lit = stokes[0] > 0.0 && stokes.iter().all(|value| value.is_finite());
+            if lit { color(stokes) } else { NO_LIGHT }
+        })
+        .collect();
+    Picture { width: image.width, height: image.height, pixels }
+}
+
+fn ratio(part: f32, whole: f32) -> f32 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// Full color from a degree of polarization of 0.02 on, grey at none.
+fn fade(color: [u8; 3], degree: f32) -> [u8; 3] {
+    mix(NEUTRAL, color, (degree / 0.02).clamp(0.0, 1.0))
+}
+
+fn color_of(map: Map, stokes: [f32; 4]) -> [u8; 3] {
+    let polarized = stokes[1].hypot(stokes[2]).hypot(stokes[3]);
+    let linear = ratio(stokes[1].hypot(stokes[2]), polarized);
+    let turn = aolp(stokes) / std::f32::consts::PI;
+    match map {
+        Map::Dop => sample(palette::BLUE_YELLOW, dop(stokes)),
+        Map::LinearCircular => fade(sample(palette::BLUE_YELLOW, linear), dop(stokes)),
+        Map::Aolp => fade(palette::wheel(turn), dolp(stokes)),
+        Map::AolpDark => palette::hsv(turn, dolp(stokes)),
+        Map::Chirality => {
+            sample(palette::BLUE_DARK_YELLOW, 0.5 + 0.5 * ratio(stokes[3], stokes[0]))
+        }
+        Map::DopRed => sample(palette::BLACK_RED, dop(stokes)),
+        Map::Type => {
+            mix(NO_LIGHT, sample(palette::YELLOW_CYAN, linear), dop(stokes).clamp(0.0, 1.0))
+        }
+        Map::Orientation => mix(NO_LIGHT, orientation(turn), dolp(stokes).clamp(0.0, 1.0)),
+        Map::Intensity | Map::Stokes | Map::StokesRelative => NO_LIGHT,
+    }
+}
+
+/// Red at 0, blue at 45, green at 90 and yellow at 135 degrees.
+fn orientation(turn: f32) -> [u8; 3] {
+    sample(&[[235, 50, 40], [60, 90, 255], [40, 190, 70], [250, 220, 40], [235, 50, 40]], turn)
+}
+
+/// What 99 percent of all |S1|, |S2|, |S3| stay below; 1 if there are none.
+fn signed_range(image: &StokesImage) -> f32 {
+    let mut sizes: Vec<f32> = (0..image.width * image.height)
+        .flat_map(|pixel| stokes_at(image, pixel).into_iter().skip(1))
+        .map(f32::abs)
+        .filter(|size| size.is_finite() && *size > 0.0)
+        .collect();
+    sizes.sort_by(f32::total_cmp);
+    sizes.get(sizes.len() * 99 / 100).copied().unwrap_or(1.0)
+}
+
+fn intensity(image: &StokesImage, exposure_ev: f32) -> (Picture, Legend) {
+    let end = (-exposure_ev).exp2();
+    let grey = |t: f32| [(255.0 * t).round() as u8; 3];
+    // The bar is even in sRGB code, so a linear value stands at its encoded place.
+    let tick = |share: f32| (f32::from(palette::encode_srgb(share)) / 255.0, number(share * end));
+    let legend = Legend {
+        title: "intensity S0".to_owned(),
+        bar: Some(Box::new(grey)),
+        ticks: [0.0, 0.05, 0.2, 0.5, 1.0].map(tick).to_vec(),
+        swatches: Vec::new(),
+        disk: false,
+    };
+    (png::preview(image, exposure_ev), legend)
+}
+
+fn plane_legend(component: usize, relative: bool, range: f32) -> Legend {
+    let quotient = if relative { "/S0" } else { "" };
+    let meaning = ["", "0° (+)  90° (-)", "45° (+)  135° (-)", "right (+)  left (-)"];
+    let ticks = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    Legend {
+        title: format!("S{component}{quotient}  {}", meaning[component]),
+        bar: Some(Box::new(|t| sample(palette::BLUE_WHITE_RED, t))),
+        ticks: ticks.map(|t: f32| (0.5 + 0.5 * t, number(t * range))).to_vec(),
+        swatches: vec![(NO_LIGHT, "no light")],
+        disk: false,
+    }
+}
+
+/// Three significant digits without trailing zeros.
+fn number(value: f32) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e4).contains(&size) {
+        return format!("{value:.1e}");
+    }
+    let digits = if size >= 100.0 { 0 } else { 3 };
+    let text = format!("{value:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+fn legend_of(map: Map) -> Legend {
+    let plain = |labels: &[&str]| {
+        let last = (labels.len() - 1).max(1) as f32;
+        labels.iter().enumerate().map(|(i, label)| (i as f32 / last, (*label).to_owned())).collect()
+    };
+    let tenths = ["0", "0.2", "0.4", "0.6", "0.8", "1"];
+    let share = ["0 circular", "0.5", "1 linear"];
+    let angles = ["0°", "45°", "90°", "135°", "180°"];
+    let hands = ["-1 left", "-0.5", "0", "0.5", "right 1"];
+    let half_turn = |t: f32| t.rem_euclid(1.0);
+    let (title, ticks, bar): (_, _, Box<dyn Fn(f32) -> [u8; 3]>) = match map {
+        Map::Dop => ("degree of polarization", plain(&tenths), {
+            Box::new(|t| sample(palette::BLUE_YELLOW, t))
+        }),
+        Map::DopRed => ("degree of polarization", plain(&tenths), {
+            Box::new(|t| sample(palette::BLACK_RED, t))
+        }),
+        Map::LinearCircular => ("linear share of polarization", plain(&share), {
+            Box::new(|t| sample(palette::BLUE_YELLOW, t))
+        }),
+        Map::Type => ("type, bright = polarized", plain(&share), {
+            Box::new(|t| sample(palette::YELLOW_CYAN, t))
+        }),
+        Map::Aolp => ("angle of linear polarization", plain(&angles), {
+            Box::new(move |t| palette::wheel(half_turn(t)))
+        }),
+        Map::AolpDark => ("angle, bright = linear", plain(&angles), {
+            Box::new(move |t| palette::hsv(half_turn(t), 1.0))
+        }),
+        Map::Orientation => {
+            ("orientation, bright = linear", plain(&angles), { Box::new(orientation) })
+        }
+        _ => ("circular share S3/S0", plain(&hands), {
+            Box::new(|t| sample(palette::BLUE_DARK_YELLOW, t))
+        }),
+    };
+    let unpolarized = match map {
+        Map::LinearCircular => Some((NEUTRAL, "unpolarized")),
+        Map::Aolp => Some((NEUTRAL, "not linear")),
+        _ => None,
+    };
+    Legend {
+        title: title.to_owned(),
+        bar: Some(bar),
+        ticks,
+        swatches: std::iter::once((NO_LIGHT, "no light")).chain(unpolarized).collect(),
+        disk: matches!(map, Map::Aolp | Map::AolpDark | Map::Orientation),
+    }
+}

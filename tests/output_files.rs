@@ -1,0 +1,273 @@
+//! Files of the output floor: round trips, garbage, and writing as a whole or not at all.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sunstone::film::image::StokesImage;
+use sunstone::output::{self, OutputError, atomic, exr, hdr, npy};
+use sunstone::spectrum::Color;
+
+const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
+
+/// A folder of its own for one test, empty at the start.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("output").join(name);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).unwrap();
+    }
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Uniform numbers from a seed (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.bits() % end as u64) as usize
+    }
+}
+
+/// Physical Stokes vectors over ten decades of intensity, a few of them black.
+fn sample(width: usize, height: usize, color: Color, components: usize) -> StokesImage {
+    let mut random = Random(7);
+    let mut image = StokesImage::new(width, height, color, components);
+    let channels = color.channels();
+    for pixel in 0..width * height {
+        for channel in 0..channels {
+            let s0 = if pixel % 17 == 0 { 0.0 } else { 10_f32.powf(10.0 * random.unit() - 5.0) };
+            image.planes[channel][pixel] = s0;
+            for component in 1..components {
+                let share = (2.0 * random.unit() - 1.0) / 3_f32.sqrt();
+                image.planes[component * channels + channel][pixel] = s0 * share;
+            }
+        }
+    }
+    image.metadata = vec![
+        ("scene".to_owned(), "cornell.gltf".to_owned()),
+        ("command".to_owned(), "sunstone render \"a b\" --größe 3\nsecond line".to_owned()),
+        ("a".to_owned(), String::new()),
+    ];
+    image
+}
+
+fn all_layouts() -> [StokesImage; 4] {
+    [(Color::Rgb, 4), (Color::Rgb, 1), (MONO, 4), (MONO, 1)]
+        .map(|(color, components)| sample(19, 23, color, components))
+}
+
+fn bits(planes: &[Vec<f32>]) -> Vec<Vec<u32>> {
+    planes.iter().map(|plane| plane.iter().map(|value| value.to_bits()).collect()).collect()
+}
+
+#[test]
+fn exr_round_trips_bit_for_bit() {
+    let folder = folder("exr_round_trip");
+    for (i, mut image) in all_layouts().into_iter().enumerate() {
+        for variance in [false, true] {
+            if variance {
+                let mut planes = image.planes.clone();
+                planes.reverse();
+                image.variance = Some(planes);
+            }
+            image.planes[0][3] = f32::NAN;
+            image.planes[0][4] = f32::NEG_INFINITY;
+            image.planes[0][5] = -0.0;
+            let path = folder.join(format!("{i}.exr"));
+            exr::write(&image, &path).unwrap();
+            let back = exr::read(&path).unwrap();
+            assert_eq!(bits(&back.planes), bits(&image.planes));
+            assert_eq!(back.variance.as_deref().map(bits), image.variance.as_deref().map(bits));
+            assert_eq!(back.metadata, image.metadata);
+            assert_eq!((back.width, back.height), (image.width, image.height));
+            assert_eq!((back.color, back.components), (image.color, image.components));
+        }
+    }
+}
+
+/// Reads every truncation in steps and seeded byte flips of a file; none may panic, and nothing
+/// that is cut short may pass for whole.
+fn torture(path: &Path, read: impl Fn(&Path) -> Result<StokesImage, OutputError>) {
+    let whole = fs::read(path).unwrap();
+    let torn = path.with_file_name(format!("torn_{}", path.file_name().unwrap().display()));
+    for length in (0..whole.len()).step_by(1 + whole.len() / 400) {
+        fs::write(&torn, &whole[..length]).unwrap();
+        assert!(read(&torn).is_err(), "{} bytes of {}", length, path.display());
+    }
+    let mut random = Random(11);
+    for round in 0..600 {
+        let mut bytes = whole.clone();
+        let end = if round % 2 == 0 { bytes.len() } else { bytes.len().min(1200) };
+        for _ in 0..=random.below(3) {
+            bytes[random.below(end)] = random.bits() as u8;
+        }
+        fs::write(&torn, &bytes).unwrap();
+        let _ = read(&torn);
+    }
+    let noise: Vec<u8> = (0..4096).map(|_| random.bits() as u8).collect();
+    fs::write(&torn, noise).unwrap();
+    assert!(read(&torn).is_err());
+    fs::remove_file(torn).unwrap();
+}
+
+#[test]
+fn torn_exr_files_are_refused() {
+    let folder = folder("exr_torn");
+    for (i, image) in all_layouts().iter().enumerate() {
+        let path = folder.join(format!("{i}.exr"));
+        exr::write(image, &path).unwrap();
+        torture(&path, exr::read);
+    }
+}
+
+#[test]
+fn a_failed_write_leaves_nothing() {
+    let folder = folder("atomic");
+    let file = folder.join("plain");
+    fs::write(&file, "former").unwrap();
+    let inside = file.join("image.exr");
+    let image = sample(4, 4, Color::Rgb, 4);
+    let message = exr::write(&image, &inside).unwrap_err().to_string();
+    assert!(message.contains("image.exr") && message.contains("not a folder"), "{message}");
+    let missing = folder.join("none").join("image.exr");
+    let message = atomic::probe_writable(&missing).unwrap_err().to_string();
+    assert!(message.contains("create the folder"), "{message}");
+    let message = exr::write(&image, &folder).unwrap_err().to_string();
+    assert!(message.contains("it is a folder"), "{message}");
+    assert!(atomic::write(Path::new("/dev/null"), b"x").is_err());
+    // The second of a set fails: the first must stay as it was.
+    let set = [(file.clone(), b"new".to_vec()), (missing, b"new".to_vec())];
+    assert!(atomic::write_set(&set).is_err());
+    assert_eq!(fs::read_to_string(&file).unwrap(), "former");
+    atomic::probe_writable(&file).unwrap();
+    let names: Vec<_> = fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names, ["plain"]);
+}
+
+#[test]
+fn images_that_contradict_themselves_are_refused() {
+    let path = folder("contradiction").join("image.exr");
+    let mut image = sample(4, 4, Color::Rgb, 4);
+    image.planes[5].pop();
+    assert!(exr::write(&image, &path).is_err());
+    assert!(exr::write(&StokesImage::new(0, 4, MONO, 1), &path).is_err());
+    let mut image = sample(4, 4, MONO, 1);
+    image.metadata.push(("scene".to_owned(), "again".to_owned()));
+    assert!(exr::write(&image, &path).unwrap_err().to_string().contains("twice"));
+    assert!(!path.exists());
+}
+
+#[test]
+fn hdr_round_trips_within_its_bounds() {
+    let folder = folder("hdr_round_trip");
+    for (i, mut image) in all_layouts().into_iter().enumerate() {
+        let channels = image.color.channels();
+        if image.components == 4 {
+            // Fully polarized pixels reach the ends of the scale: S' of 0 and 2.
+            for (pixel, sign) in [(1, 1.0), (2, -1.0)] {
+                let s0 = image.planes[0][pixel];
+                (1..4).for_each(|c| image.planes[c * channels][pixel] = 0.0);
+                image.planes[channels][pixel] = sign * s0;
+            }
+        }
+        let path = folder.join(format!("{i}.x.hdr"));
+        output::save(&image, &path).unwrap();
+        let back = output::load(&path).unwrap();
+        assert_eq!(back.metadata, image.metadata);
+        assert_eq!((back.width, back.height, back.color), (19, 23, image.color));
+        assert_eq!(back.components, image.components);
+        for pixel in 0..image.width * image.height {
+            let largest =
+                (0..channels).map(|c| image.plane(0, c)[pixel]).fold(0.0, |a: f32, b| a.max(b));
+            for channel in 0..channels {
+                let (s0, read) = (image.plane(0, channel)[pixel], back.plane(0, channel)[pixel]);
+                assert!((s0 - read).abs() <= largest / 255.0, "{s0} {read} of {largest}");
+                for component in 1..image.components {
+                    let share = image.plane(component, channel)[pixel] / s0;
+                    let read = back.plane(component, channel)[pixel] / read;
+                    let error = (share - read).abs();
+                    // Black pixels have no shares.
+                    assert!(s0 == 0.0 || error <= 1.0 / 128.0 + 1e-6, "{share} {read}");
+                }
+            }
+        }
+    }
+    let names = fs::read_dir(&folder).unwrap().count();
+    assert_eq!(names, 4 + 1 + 4 + 1);
+}
+
+#[test]
+fn hdr_of_unpolarized_light_is_exactly_unpolarized() {
+    let path = folder("hdr_exact").join("grey.S0.hdr");
+    let mut image = StokesImage::new(200, 3, MONO, 4);
+    image.planes[0] = (0..600).map(|i| (i / 7) as f32).collect();
+    output::save(&image, &path).unwrap();
+    let back = output::load(&path).unwrap();
+    assert!(back.planes[1..].iter().flatten().all(|&value| value == 0.0));
+    assert_eq!(back.planes[0], image.planes[0]);
+    // Written over by intensity alone, the old S1..S3 beside it must not come back.
+    output::save(&StokesImage::new(200, 3, MONO, 1), &path).unwrap();
+    assert_eq!(output::load(&path).unwrap().components, 1);
+}
+
+#[test]
+fn torn_hdr_files_are_refused() {
+    let folder = folder("hdr_torn");
+    for (i, image) in all_layouts().iter().filter(|image| image.components == 1).enumerate() {
+        let path = folder.join(format!("{i}.hdr"));
+        hdr::write(image, &path).unwrap();
+        torture(&hdr::component_path(&path, 0), hdr::read);
+    }
+}
+
+/// The bytes of a .npy file of version 1.
+fn npy(header: &str, values: &[f32]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn npy_arrays_become_stokes_images() {
+    let folder = folder("npy");
+    let path = folder.join("stokes.npy");
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }\n";
+    let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
+    fs::write(&path, npy(header, &values)).unwrap();
+    let image = output::load(&path).unwrap();
+    assert_eq!((image.width, image.height, image.components), (3, 2, 4));
+    assert_eq!(image.planes[1], [1.0, 5.0, 9.0, 13.0, 17.0, 21.0]);
+    assert_eq!(image.variance, None);
+    fs::copy(&path, folder.join("stderr.npy")).unwrap();
+    let variance = output::load(&path).unwrap().variance.unwrap();
+    assert_eq!(variance[3], [9.0, 49.0, 121.0, 225.0, 361.0, 529.0]);
+    torture(&path, npy::read_npy);
+    for (from, to) in [("<f4", "<f8"), ("False", "True"), ("(2, 3, 4)", "(99999999999999, 4)")] {
+        fs::write(&path, npy(&header.replace(from, to), &values)).unwrap();
+        assert!(npy::read_npy(&path).is_err());
+    }
+}
+
+#[test]
+fn unknown_extensions_are_refused_with_the_known_ones() {
+    let image = StokesImage::new(1, 1, MONO, 1);
+    for name in ["image.jpg", "image", ".exr"] {
+        let message = output::save(&image, Path::new(name)).unwrap_err().to_string();
+        assert!(message.contains(".exr, .hdr, .png"), "{message}");
+        assert!(output::load(Path::new(name)).unwrap_err().to_string().contains(".npy"));
+        assert!(output::check_savable(Path::new(name)).is_err());
+    }
+}
