@@ -9,18 +9,23 @@
 //! | 1 | [`polarization`] | Stokes vectors, Mueller kernels, Fresnel, carriers |
 //! | 2 | [`scene`] | glTF in, a hecs world, dense tables out |
 //! | 3 | [`geometry`] | the tree: closest hit, visibility |
+//! | 4 | [`scattering`] | materials, emitters, the sensor |
+//! | 5 | [`transport`] | tables and the stages that advance them |
 //! | 6 | [`film`] | where measured light is added up |
+//! | 7 | [`integrators`] | schedules of stages: `path`, `light`, `bdpt` |
 //! | 8 | [`output`] | EXR, HDR, PNG, comparison, reports |
 //!
 //! hecs holds the scene that the user describes; `bake` reads it once into dense tables. Paths,
 //! vertices and film samples are structure-of-arrays tables of their own and the systems that
 //! advance them are free functions, so do not look for a `World` there.
 
-pub mod math;
-pub mod spectrum;
-pub mod polarization;
-pub mod scene;
-pub mod geometry;
-pub mod transport;
 pub mod film;
+pub mod geometry;
+pub mod integrators;
+pub mod math;
 pub mod output;
+pub mod polarization;
+pub mod scattering;
+pub mod scene;
+pub mod spectrum;
+pub mod transport;

@@ -194,11 +194,7 @@ fn area_emission_pdf<const N: usize>(emitter: &Emitter<N>, cos_at_light: f32) ->
     emitter.probability * cos_at_light * FRAC_1_PI / (emitter.area * sides)
 }
 
-fn point_on<const N: usize>(
-    scene: &Scene<N>,
-    emitter: &Emitter<N>,
-    u: [f32; 2],
-) -> (Vec3, Vec3) {
+fn point_on<const N: usize>(scene: &Scene<N>, emitter: &Emitter<N>, u: [f32; 2]) -> (Vec3, Vec3) {
     let primitive = emitter.primitive as usize;
     if emitter.kind == EmitterKind::Sphere {
         let sphere = scene.tables.spheres[primitive - scene.tables.triangles.len()];
@@ -207,11 +203,8 @@ fn point_on<const N: usize>(
     }
     let [a, b, c] = scene.tables.triangles[primitive].corners;
     // Heitz 2019, as `math::warp::triangle`.
-    let (v, w) = if u[0] > u[1] {
-        (u[0] - 0.5 * u[1], 0.5 * u[1])
-    } else {
-        (0.5 * u[0], u[1] - 0.5 * u[0])
-    };
+    let (v, w) =
+        if u[0] > u[1] { (u[0] - 0.5 * u[1], 0.5 * u[1]) } else { (0.5 * u[0], u[1] - 0.5 * u[0]) };
     (a + (b - a) * v + (c - a) * w, (b - a).cross(c - a).normalize())
 }
 

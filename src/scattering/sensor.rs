@@ -91,8 +91,8 @@ impl Sensor {
         lens: impl FnOnce() -> [F32s; 2],
     ) -> (Vector<F32s>, Vector<F32s>, F32s) {
         let one = F32s::splat(1.0);
-        let x = (film[0] * F32s::splat(2.0 / self.width as f32) - one)
-            * F32s::splat(self.half_size[0]);
+        let x =
+            (film[0] * F32s::splat(2.0 / self.width as f32) - one) * F32s::splat(self.half_size[0]);
         let y = (one - film[1] * F32s::splat(2.0 / self.height as f32))
             * F32s::splat(self.half_size[1]);
         let [right, up, forward] = [self.right, self.up, self.forward].map(splat);

@@ -50,8 +50,7 @@ pub fn collect_emission<const N: usize, C: SensorSide<N>>(
                 weight_of_meeting(&met, mis, hits.t[row])
             }
         };
-        let value =
-            std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * weight);
+        let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * weight);
         let slot = paths.identity.slot[row] as usize;
         paths.carriers.measure_unpolarized(measured, row, slot, value);
     }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::kernel::Kernel;
 use crate::polarization::{Rotation, film_axis, first_event};
@@ -15,6 +17,7 @@ use crate::transport::tables::measured::Measured;
 use crate::transport::tables::partition::{Part, Partition};
 
 use super::scatter_light::{coefficient_channel, copy_axis, load_block, multiply};
+use super::splat;
 
 /// The verbs of the sensor side.
 pub trait SensorSide<const N: usize>: CarrierTable {
@@ -36,7 +39,7 @@ pub trait SensorSide<const N: usize>: CarrierTable {
         &mut self,
         kernels: &KernelColumns<N>,
         direction: &[Vec<f32>; 3],
-        film_up: Vector<F32s>,
+        film_up: Vec3,
         partition: &Partition,
     );
 
@@ -57,7 +60,7 @@ impl<const N: usize> SensorSide<N> for () {
         &mut self,
         _kernels: &KernelColumns<N>,
         _direction: &[Vec<f32>; 3],
-        _film_up: Vector<F32s>,
+        _film_up: Vec3,
         _partition: &Partition,
     ) {
     }
@@ -105,7 +108,7 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
         &mut self,
         kernels: &KernelColumns<N>,
         direction: &[Vec<f32>; 3],
-        film_up: Vector<F32s>,
+        film_up: Vec3,
         partition: &Partition,
     ) {
         for part in partition.parts.iter().filter(|part| part.kind != MaterialKind::Diffuse) {
@@ -202,14 +205,14 @@ fn begin_matrix<const N: usize>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
-    film_up: Vector<F32s>,
+    film_up: Vec3,
     part: &Part,
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let ray = Vector::load(direction, row);
         let axis = Vector::load(&kernels.axis, row);
-        let turn = Rotation::between(axis, film_axis(ray, film_up), -ray);
+        let turn = Rotation::between(axis, film_axis(ray, splat(film_up)), -ray);
         for channel in 0..N {
             let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
             store_matrix(carriers, channel, row, end, first_event(turn, block));

@@ -35,7 +35,8 @@ pub fn connect_emission<const N: usize, C>(
         let lens = numbers(Purpose::LensConnection);
         for lane in 0..LANES.min(chunk.slots() - row) {
             let of_lane = |numbers: [[f32; LANES]; 2]| numbers.map(|u| u[lane]);
-            let sample = sample_emission(scene, choice[lane], of_lane(position), of_lane(direction));
+            let sample =
+                sample_emission(scene, choice[lane], of_lane(position), of_lane(direction));
             if sample.delta {
                 continue;
             }

@@ -12,9 +12,9 @@ use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::paths::PathTable;
 
 use super::collect_emission::Strategy;
-use super::scatter_diffuse::{MaterialLanes, facing_of};
 use super::emit_light_paths::leave;
 use super::row_of;
+use super::scatter_diffuse::{MaterialLanes, facing_of};
 
 /// Eight chosen points or directions, columns of [`DirectSample`]; lanes without one carry no
 /// radiance.
@@ -110,8 +110,7 @@ fn choose<const N: usize, C>(
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
     let [choice, _] = draw(seed, iteration, path_length, Purpose::Emitter).map(|u| u.to_array());
-    let place =
-        draw(seed, iteration, path_length, Purpose::EmitterPosition).map(|u| u.to_array());
+    let place = draw(seed, iteration, path_length, Purpose::EmitterPosition).map(|u| u.to_array());
     let samples: [Option<DirectSample<N>>; LANES] = std::array::from_fn(|lane| {
         if lane >= live {
             return None;

@@ -16,10 +16,7 @@ use super::row_of;
 
 /// The normals of eight light vertices.
 #[inline(always)]
-pub(super) fn facing_of_vertices<const N: usize>(
-    vertices: &VertexTable<N>,
-    row: usize,
-) -> Facing {
+pub(super) fn facing_of_vertices<const N: usize>(vertices: &VertexTable<N>, row: usize) -> Facing {
     Facing {
         geometric: Vector::load(&vertices.geometric_normal, row),
         shading: Vector::load(&vertices.shading_normal, row),
@@ -74,9 +71,8 @@ pub fn connect_to_sensor<const N: usize>(
             direction,
             F32s::splat(scene.reach),
         ));
-        let values: [[f32; LANES]; N] = std::array::from_fn(|n| {
-            (lanes::load(&vertices.power[n], row) * factor).to_array()
-        });
+        let values: [[f32; LANES]; N] =
+            std::array::from_fn(|n| (lanes::load(&vertices.power[n], row) * factor).to_array());
         for (lane, found) in found.iter().enumerate() {
             let value = values.map(|value| value[lane]);
             let Some(found) = found.as_ref().filter(|_| value.iter().any(|&v| v > 0.0)) else {
@@ -134,6 +130,5 @@ fn connection_factor<const N: usize>(
         }
     };
     let adjoint = facing.adjoint(given, direction);
-    facing.reflects(given, direction)
-        & (adjoint * cos_shading * pdf_area * per_path * weight)
+    facing.reflects(given, direction) & (adjoint * cos_shading * pdf_area * per_path * weight)
 }

@@ -12,10 +12,7 @@ use super::collect_sensor::SensorSide;
 ///
 /// From: connect_*. To: gather_connections, splat_connections.
 /// Writes: connections.blocked. Reads: connections.rays, scene.
-pub fn trace_connections<const N: usize>(
-    connections: &mut ConnectionTable<N>,
-    scene: &Scene<N>,
-) {
+pub fn trace_connections<const N: usize>(connections: &mut ConnectionTable<N>, scene: &Scene<N>) {
     let ConnectionTable { len, rays, t_max, blocked, .. } = connections;
     trace_visibility(blocked, rays, t_max, 0..*len, &scene.accelerator);
 }
@@ -47,8 +44,10 @@ pub fn splat_connections<const N: usize>(
     connections: &ConnectionTable<N>,
 ) {
     let open = (0..connections.len).filter(|&index| connections.blocked[index] == 0);
-    splats.extend(open.map(|index| Splat {
-        pixel: connections.target[index],
-        value: connections.value[index],
-    }));
+    splats.extend(
+        open.map(|index| Splat {
+            pixel: connections.target[index],
+            value: connections.value[index],
+        }),
+    );
 }

@@ -29,12 +29,7 @@ pub(super) struct MaterialLanes<const N: usize> {
 
 impl<const N: usize> MaterialLanes<N> {
     #[inline(always)]
-    pub fn gather(
-        scene: &Scene<N>,
-        surfaces: &SurfaceColumns,
-        row: usize,
-        live: usize,
-    ) -> Self {
+    pub fn gather(scene: &Scene<N>, surfaces: &SurfaceColumns, row: usize, live: usize) -> Self {
         let materials: [_; LANES] = std::array::from_fn(|lane| {
             let primitive = surfaces.primitive[row + lane.min(live - 1)];
             let material = scene.material_of_primitive[primitive as usize];
@@ -90,8 +85,7 @@ pub fn scatter_diffuse<const N: usize, C>(
         let (direction, cosine) = warp::cosine_hemisphere(axis, u);
         let mut weight = facing.reflects(given, direction) & F32s::splat(1.0);
         if side == Side::Light {
-            weight = weight.simd_gt(F32s::splat(0.5))
-                & facing.adjoint(given, direction);
+            weight = weight.simd_gt(F32s::splat(0.5)) & facing.adjoint(given, direction);
         }
         for n in 0..N {
             let beta = lanes::load(&paths.beta[n], row) * material.reflectance[n] * weight;

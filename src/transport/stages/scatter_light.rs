@@ -107,8 +107,11 @@ fn scatter_polarized<const N: usize>(
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let axis = Vector::load(&kernels.axis, row);
-        let turn =
-            Rotation::between(Vector::load(&carriers.axis, row), axis, Vector::load(direction, row));
+        let turn = Rotation::between(
+            Vector::load(&carriers.axis, row),
+            axis,
+            Vector::load(direction, row),
+        );
         for channel in 0..N {
             let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
             let stokes =

@@ -202,10 +202,7 @@ fn pass<const N: usize, const POLARIZED: bool>(
         let axis = element_axis(surfaces, scene, lanes, row, part.rows.end);
         axis.store(&mut kernels.axis, row, part.rows.end);
     }
-    Scattered {
-        direction: lanes.direction,
-        weight: [lanes.field(|material| material.m00); N],
-    }
+    Scattered { direction: lanes.direction, weight: [lanes.field(|material| material.m00); N] }
 }
 
 /// The axis of an element, turned within its surface and then laid across the light.

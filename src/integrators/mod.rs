@@ -1,0 +1,262 @@
+//! Floor 7: schedules. Each integrator reads as the list of its stages; this file runs them over
+//! the film, the one place where scalar or polarized, and how many wavelengths, is chosen.
+
+mod bdpt;
+mod bounce;
+mod light;
+mod path;
+pub mod profile;
+mod workspace;
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use crate::film::Film;
+use crate::math::hash::combine;
+use crate::scattering::Scene;
+use crate::spectrum::Color;
+use crate::transport::chunk::{ITERATIONS, tiles};
+use crate::transport::tables::measured::Splat;
+use crate::transport::{Chunk, LightModel, Polarized, Scalar};
+
+use profile::{Profile, Stage};
+use workspace::Workspace;
+
+/// Iterations between two looks at the clock, and between two updates of the film.
+const WAVE: u32 = 16;
+
+/// How light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integrator {
+    /// From the sensor, with next-event estimation.
+    Path,
+    /// From the emitters, connected to the sensor.
+    Light,
+    /// From both, with all connections.
+    Bdpt,
+}
+
+/// Intensity only, or Stokes vectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Intensity only.
+    Scalar,
+    /// Stokes vectors.
+    Polarized,
+}
+
+/// What to render, validated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// How light is found.
+    pub integrator: Integrator,
+    /// Intensity or Stokes vectors.
+    pub mode: Mode,
+    /// What the channels stand for.
+    pub color: Color,
+    /// Samples per pixel, at least one.
+    pub iterations: u32,
+    /// Independent randomizations that the iterations are split into, from 1 to `iterations`;
+    /// variances need two or more.
+    pub replicates: u32,
+    /// Most segments of a path, at least one.
+    pub path_length_max: u32,
+    /// Path length after which roulette may end a path.
+    pub roulette_after: u32,
+    /// Seed of all randomness.
+    pub seed: u32,
+    /// Stop after the first wave of iterations that ends later than this.
+    pub time_limit: Option<Duration>,
+}
+
+/// What came out.
+pub struct Outcome {
+    /// The sums.
+    pub film: Film,
+    /// Where the time went, summed over threads.
+    pub profile: Profile,
+    /// Iterations done: fewer than asked for if time ran out.
+    pub iterations: u32,
+}
+
+/// Renders. `progress` hears of the iterations done so far.
+///
+/// Within a thread pool of any size the result has the same bits, unless time runs out.
+pub fn render<const N: usize>(
+    scene: &Scene<N>,
+    settings: &Settings,
+    progress: &(dyn Fn(u32) + Sync),
+) -> Outcome {
+    match settings.mode {
+        Mode::Scalar => render_as::<N, Scalar>(scene, settings, progress),
+        Mode::Polarized => render_as::<N, Polarized>(scene, settings, progress),
+    }
+}
+
+fn render_as<const N: usize, M: LightModel<N>>(
+    scene: &Scene<N>,
+    settings: &Settings,
+    progress: &(dyn Fn(u32) + Sync),
+) -> Outcome {
+    let start = Instant::now();
+    let (width, height) = (scene.sensor.width, scene.sensor.height);
+    let with_variance = settings.replicates > 1;
+    let mut film = Film::new(width, height, settings.color, M::COMPONENTS, with_variance);
+    let pool = Pool::<N, M>::default();
+    let mut profile = Profile::default();
+    let mut done = 0;
+    let late = || settings.time_limit.is_some_and(|limit| start.elapsed() > limit);
+    for replicate in 0..settings.replicates {
+        let iterations = share(settings, replicate + 1) - share(settings, replicate);
+        let seed = combine(settings.seed, replicate);
+        let mut first = 0;
+        while first < iterations && !(done > 0 && late()) {
+            let count = WAVE.min(iterations - first);
+            wave(&mut film, &mut profile, &pool, scene, settings, (first, count, seed));
+            first += count;
+            done += count;
+            progress(done);
+        }
+        if first > 0 {
+            film.finish_replicate(first);
+        }
+    }
+    pool.drain_profile(&mut profile);
+    Outcome { film, profile, iterations: done }
+}
+
+/// Iterations of the first `replicates` replicates.
+fn share(settings: &Settings, replicates: u32) -> u32 {
+    let iterations = u64::from(settings.iterations) * u64::from(replicates);
+    (iterations / u64::from(settings.replicates)) as u32
+}
+
+/// Workspaces at rest.
+struct Pool<const N: usize, M: LightModel<N>>(Mutex<Vec<Box<Workspace<N, M>>>>);
+
+impl<const N: usize, M: LightModel<N>> Default for Pool<N, M> {
+    fn default() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+}
+
+impl<const N: usize, M: LightModel<N>> Pool<N, M> {
+    fn with<R>(&self, work: impl FnOnce(&mut Workspace<N, M>) -> R) -> R {
+        let resting = self.0.lock().expect("no thread panics while it holds the lock").pop();
+        let mut workspace = resting.unwrap_or_default();
+        let result = work(&mut workspace);
+        self.0.lock().expect("no thread panics while it holds the lock").push(workspace);
+        result
+    }
+
+    fn drain_profile(self, profile: &mut Profile) {
+        for workspace in self.0.into_inner().expect("no thread panics while it holds the lock") {
+            profile.add(&workspace.profile);
+        }
+    }
+}
+
+/// What one tile adds to the film.
+struct TileResult<const N: usize> {
+    /// Values per pixel, summed over the iterations of the wave.
+    sums: Vec<f32>,
+    splats: Vec<Splat<N>>,
+}
+
+/// Renders `count` iterations from `first` on over all tiles and adds them to the film, tile by
+/// tile in a fixed order.
+fn wave<const N: usize, M: LightModel<N>>(
+    film: &mut Film,
+    profile: &mut Profile,
+    pool: &Pool<N, M>,
+    scene: &Scene<N>,
+    settings: &Settings,
+    (first, count, seed): (u32, u32, u32),
+) {
+    let tiles = tiles(scene.sensor.width, scene.sensor.height);
+    let results: Vec<TileResult<N>> = tiles
+        .par_iter()
+        .map(|&[x, y, width, height]| {
+            let chunk = |first_iteration: u32, iterations: u32| Chunk {
+                x,
+                y,
+                width,
+                height,
+                first_iteration,
+                iterations,
+                seed,
+                path_length_max: settings.path_length_max,
+                roulette_after: settings.roulette_after,
+            };
+            pool.with(|workspace| tile(workspace, scene, settings, (first, count), chunk))
+        })
+        .collect();
+    profile.time(Stage::Film, || {
+        for (&tile, result) in tiles.iter().zip(&results) {
+            add_sums(film, &result.sums, tile, scene.sensor.width);
+            for splat in &result.splats {
+                film.add(splat.pixel as usize, &splat.value);
+            }
+        }
+    });
+}
+
+/// All chunks of one tile and wave.
+fn tile<const N: usize, M: LightModel<N>>(
+    workspace: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    settings: &Settings,
+    (first, count): (u32, u32),
+    chunk: impl Fn(u32, u32) -> Chunk,
+) -> TileResult<N> {
+    let mut result = TileResult { sums: Vec::new(), splats: Vec::new() };
+    for start in (first..first + count).step_by(ITERATIONS as usize) {
+        let chunk = chunk(start, ITERATIONS.min(first + count - start));
+        match settings.integrator {
+            Integrator::Path => path::path(workspace, scene, &chunk),
+            Integrator::Light => light::light(workspace, scene, &chunk),
+            Integrator::Bdpt => bdpt::bdpt(workspace, scene, &chunk),
+        }
+        if settings.integrator != Integrator::Light {
+            sum_measured(&mut result.sums, workspace, &chunk);
+        }
+        if settings.integrator != Integrator::Path {
+            result.splats.append(&mut workspace.splats);
+        }
+    }
+    result
+}
+
+/// Adds the slots of a chunk to the values of its pixels.
+fn sum_measured<const N: usize, M: LightModel<N>>(
+    sums: &mut Vec<f32>,
+    workspace: &mut Workspace<N, M>,
+    chunk: &Chunk,
+) {
+    let stride = M::COMPONENTS * N;
+    let Workspace { measured, profile, .. } = workspace;
+    profile.time(Stage::Film, || {
+        sums.resize(chunk.pixels() * stride, 0.0);
+        for (offset, column) in measured.stokes.iter().flatten().enumerate() {
+            for values in column[..chunk.slots()].chunks_exact(chunk.pixels()) {
+                for (sums, value) in sums.chunks_exact_mut(stride).zip(values) {
+                    sums[offset] += value;
+                }
+            }
+        }
+    });
+}
+
+fn add_sums(film: &mut Film, sums: &[f32], [x, y, width, height]: [u32; 4], film_width: u32) {
+    if sums.is_empty() {
+        return;
+    }
+    let stride = film.values_per_pixel();
+    for (line, values) in (y..y + height).zip(sums.chunks_exact(width as usize * stride)) {
+        for (column, values) in (x..x + width).zip(values.chunks_exact(stride)) {
+            film.add((line * film_width + column) as usize, values);
+        }
+    }
+}

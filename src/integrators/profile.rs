@@ -1,0 +1,77 @@
+//! Where the time of a render goes, stage by stage.
+
+use std::time::{Duration, Instant};
+
+/// Groups of stages that are timed together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Stage {
+    /// Starting paths.
+    Start = 0,
+    /// Closest hits.
+    Trace,
+    /// Emitters met.
+    Emission,
+    /// Roulette, grouping, moving rows, surfaces, partial weights.
+    Sort,
+    /// Choosing and weighing connections, storing vertices.
+    Connect,
+    /// Visibility of connections.
+    Visibility,
+    /// Adding up open connections.
+    Gather,
+    /// New directions and kernels.
+    Scatter,
+    /// Mueller kernels applied to carriers.
+    Mueller,
+    /// Next segments.
+    Advance,
+    /// Adding to the film.
+    Film,
+}
+
+/// Names of the stages, in their order.
+pub const STAGES: [&str; 11] = [
+    "start",
+    "trace",
+    "emission",
+    "sort",
+    "connect",
+    "visibility",
+    "gather",
+    "scatter",
+    "mueller",
+    "advance",
+    "film",
+];
+
+/// Time per stage and rays traced.
+#[derive(Clone, Debug, Default)]
+pub struct Profile {
+    /// Time per stage, summed over threads.
+    pub times: [Duration; STAGES.len()],
+    /// Closest-hit rays.
+    pub rays_closest: u64,
+    /// Visibility rays.
+    pub rays_visibility: u64,
+}
+
+impl Profile {
+    /// Runs `work` on the clock of `stage`.
+    #[inline(always)]
+    pub fn time<R>(&mut self, stage: Stage, work: impl FnOnce() -> R) -> R {
+        let start = Instant::now();
+        let result = work();
+        self.times[stage as usize] += start.elapsed();
+        result
+    }
+
+    /// Adds another profile.
+    pub fn add(&mut self, other: &Profile) {
+        for (time, other) in self.times.iter_mut().zip(other.times) {
+            *time += other;
+        }
+        self.rays_closest += other.rays_closest;
+        self.rays_visibility += other.rays_visibility;
+    }
+}

@@ -1,0 +1,71 @@
+//! All tables that a chunk needs, allocated once and reused.
+
+use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::transport::LightModel;
+use crate::transport::chunk::ROWS;
+use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::measured::{Measured, Splat};
+use crate::transport::tables::partition::Partition;
+use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::vertices::{SlotOrder, VertexTable};
+use crate::transport::tables::{Column, vectors};
+
+use super::profile::Profile;
+
+/// The tables of one chunk in the making.
+pub struct Workspace<const N: usize, M: LightModel<N>> {
+    /// Sensor paths, and where they are sorted to.
+    pub sensor: [PathTable<N, M::Sensor>; 2],
+    /// Light paths, and where they are sorted to.
+    pub light: [PathTable<N, M::Light>; 2],
+    /// What rays have hit, and where that is sorted to.
+    pub hits: [HitColumns; 2],
+    /// The surfaces there.
+    pub surfaces: SurfaceColumns,
+    /// Which rows do what next.
+    pub partition: Partition,
+    /// New directions.
+    pub drawn: [Column; 3],
+    /// Kernels of polarizing events.
+    pub kernels: KernelColumns<N>,
+    /// Connections under test.
+    pub connections: ConnectionTable<N>,
+    /// Light vertices in the order of storing, and by slot.
+    pub vertices: [VertexTable<N>; 2],
+    /// How vertices are ordered by slot.
+    pub slot_order: SlotOrder,
+    /// What the sensor paths of the chunk have measured.
+    pub measured: Measured<N>,
+    /// What connections to the sensor have brought.
+    pub splats: Vec<Splat<N>>,
+    /// Where time went.
+    pub profile: Profile,
+}
+
+impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
+    /// Empty tables.
+    pub fn new() -> Self {
+        Self {
+            sensor: std::array::from_fn(|_| PathTable::new(ROWS)),
+            light: std::array::from_fn(|_| PathTable::new(ROWS)),
+            hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
+            surfaces: SurfaceColumns::new(ROWS),
+            partition: Partition::default(),
+            drawn: vectors(ROWS),
+            kernels: KernelColumns::new(ROWS),
+            connections: ConnectionTable::new(4 * ROWS),
+            vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
+            slot_order: SlotOrder::default(),
+            measured: Measured::new(ROWS, M::COMPONENTS),
+            splats: Vec::new(),
+            profile: Profile::default(),
+        }
+    }
+}
+
+impl<const N: usize, M: LightModel<N>> Default for Workspace<N, M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
