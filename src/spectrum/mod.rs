@@ -3,6 +3,12 @@
 //! The renderer is generic over the number of wavelengths `N`; this floor says which they are and
 //! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`.
 
+mod metals;
+mod spectra;
+
+pub use metals::{metal, metal_names};
+pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
+
 /// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a
 /// spectral quantity (an index of refraction, say) is reduced to RGB, and for which the channels
 /// stand when an RGB triple is asked for its value at one wavelength.

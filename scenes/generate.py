@@ -1,0 +1,479 @@
+#!/usr/bin/env python3
+"""Writes the shipped scenes: glTF 2.0 with embedded buffers, from this description of them.
+
+    python3 scenes/generate.py            writes them beside this file
+    python3 scenes/generate.py --check    fails if a file differs from what would be written
+
+Only the standard library is needed. `reference/` holds exact counterparts of the Mitsuba 3 scenes
+that the images under tests are compared with; the helpers below therefore speak Mitsuba's
+language: a rectangle is [-1, 1]^2 and faces +z, a cube is [-1, 1]^3, transforms are applied in the
+order in which they are written, and `look_at` turns +z towards the target.
+"""
+
+import base64
+import json
+import math
+import struct
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+EXTENSION = "SUNSTONE_polarization"
+
+
+# -- transforms: 4x4 matrices as lists of rows --------------------------------------------------
+
+def identity():
+    return [[float(i == j) for j in range(4)] for i in range(4)]
+
+
+def compose(*steps):
+    """The transform that applies the steps one after the other."""
+    result = identity()
+    for step in steps:
+        result = [[sum(step[i][k] * result[k][j] for k in range(4)) for j in range(4)]
+                  for i in range(4)]
+    return result
+
+
+def translate(x=0.0, y=0.0, z=0.0):
+    result = identity()
+    for row, value in enumerate((x, y, z)):
+        result[row][3] = value
+    return result
+
+
+def scale(x, y=None, z=None):
+    result = identity()
+    for row, value in enumerate((x, x if y is None else y, x if z is None else z)):
+        result[row][row] = value
+    return result
+
+
+def rotate(axis, degrees):
+    """A turn about one of the axes "x", "y" or "z", counter-clockwise seen from its tip."""
+    quarter, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(quarter) % 4):  # exact at multiples of 90 degrees
+        cos, sin = -sin, cos
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    result = identity()
+    result[i][i], result[i][j], result[j][i], result[j][j] = cos, -sin, sin, cos
+    return result
+
+
+def normalize(v):
+    length = math.sqrt(sum(x * x for x in v))
+    return [x / length for x in v]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def from_axes(x, y, z, origin):
+    return [[x[i], y[i], z[i], origin[i]] for i in range(3)] + [[0.0, 0.0, 0.0, 1.0]]
+
+
+def look_at(origin, target, up=(0.0, 1.0, 0.0)):
+    """Puts the origin of a shape at `origin` and its +z axis towards `target`."""
+    forward = normalize([t - o for t, o in zip(target, origin)])
+    left = normalize(cross(up, forward))
+    return from_axes(left, cross(forward, left), forward, origin)
+
+
+def camera_look_at(origin, target, up=(0.0, 1.0, 0.0)):
+    """Puts a glTF camera, which looks along -z with x to the right, where Mitsuba's would be."""
+    forward = normalize([t - o for t, o in zip(target, origin)])
+    right = normalize(cross(forward, up))
+    return from_axes(right, cross(right, forward), [-x for x in forward], origin)
+
+
+# -- geometry: positions, normals (or None), triangles ------------------------------------------
+
+def rectangle():
+    positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    return positions, [(0, 0, 1)] * 4, [(0, 1, 2), (0, 2, 3)]
+
+
+def flat_mesh(faces):
+    """A mesh of convex planar faces, each a list of points counter-clockwise from outside."""
+    positions, normals, triangles = [], [], []
+    for face in faces:
+        first = len(positions)
+        edges = [[b - a for a, b in zip(face[0], corner)] for corner in face[1:3]]
+        positions += face
+        normals += [normalize(cross(*edges))] * len(face)
+        triangles += [(first, first + i, first + i + 1) for i in range(1, len(face) - 1)]
+    return positions, normals, triangles
+
+
+def cube():
+    faces = []
+    for axis in range(3):
+        for side in (-1, 1):
+            square = [(-1, -1), (1, -1), (1, 1), (-1, 1)][::side]
+            face = []
+            for u, v in square:
+                point = [0, 0, 0]
+                point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3] = side, u, v
+                face.append(tuple(point))
+            faces.append(face)
+    return flat_mesh(faces)
+
+
+def prism():
+    """Equilateral triangles of circumradius 1 in xy, from z = -1 to 1; one edge at the top."""
+    angles = [math.radians(90 + 120 * i) for i in range(3)]
+    corners = [(math.cos(angle), math.sin(angle)) for angle in angles]
+    front = [(x, y, 1.0) for x, y in corners]
+    back = [(x, y, -1.0) for x, y in corners]
+    sides = [[back[i], back[(i + 1) % 3], front[(i + 1) % 3], front[i]] for i in range(3)]
+    return flat_mesh([front, back[::-1]] + sides)
+
+
+def ball(rings=12, segments=24):
+    """A coarse unit sphere with smooth normals: what viewers without analytic spheres show."""
+    points = [(0.0, 1.0, 0.0)]
+    for ring in range(1, rings):
+        polar = math.pi * ring / rings
+        for segment in range(segments):
+            azimuth = 2 * math.pi * segment / segments
+            points.append((math.sin(polar) * math.sin(azimuth), math.cos(polar),
+                           math.sin(polar) * math.cos(azimuth)))
+    points.append((0.0, -1.0, 0.0))
+    row = lambda ring, segment: 1 + (ring - 1) * segments + segment % segments
+    triangles = []
+    for s in range(segments):
+        triangles.append((0, row(1, s), row(1, s + 1)))
+        for r in range(1, rings - 1):
+            a, b, c, d = row(r, s), row(r + 1, s), row(r + 1, s + 1), row(r, s + 1)
+            triangles += [(a, b, c), (a, c, d)]
+        triangles.append((row(rings - 1, s), len(points) - 1, row(rings - 1, s + 1)))
+    return points, points, triangles
+
+
+SHAPES = {"rectangle": rectangle, "cube": cube, "prism": prism, "ball": ball}
+
+
+# -- materials ----------------------------------------------------------------------------------
+
+def extended(body, color=(1.0, 1.0, 1.0), metallic=0.0, roughness=1.0, alpha=1.0, **other):
+    """A material with our extension, and with what other viewers should show instead of it."""
+    material = {"pbrMetallicRoughness": {"baseColorFactor": [*color, alpha],
+                                         "metallicFactor": metallic,
+                                         "roughnessFactor": roughness}}
+    if alpha < 1.0:
+        material.update(alphaMode="BLEND", doubleSided=True)
+    extensions = other.pop("extensions", {})
+    material.update(other)
+    material["extensions"] = {**extensions, EXTENSION: body}
+    return material
+
+
+def diffuse(reflectance):
+    color = reflectance if isinstance(reflectance, list) else [reflectance] * 3
+    return extended({"bsdf": "diffuse", "reflectance": reflectance}, color)
+
+
+def light(radiance):
+    """A black surface that emits from its front."""
+    rgb = radiance if isinstance(radiance, list) else [radiance] * 3
+    strength = max(rgb)
+    return extended({"bsdf": "absorber"}, (0.0, 0.0, 0.0),
+                    emissiveFactor=[x / strength for x in rgb],
+                    extensions={"KHR_materials_emissive_strength": {"emissiveStrength": strength}})
+
+
+def glass(ior):
+    return extended({"bsdf": "dielectric", "ior": ior}, roughness=0.0,
+                    extensions={"KHR_materials_ior": {"ior": ior},
+                                "KHR_materials_transmission": {"transmissionFactor": 1.0}})
+
+
+def conductor(color, **body):
+    return extended({"bsdf": "conductor", **body}, color, metallic=1.0, roughness=0.0)
+
+
+def polarizer(axis_deg):
+    return extended({"bsdf": "polarizer", "axis_deg": axis_deg}, (0.25, 0.25, 0.25), alpha=0.5)
+
+
+def retarder(axis_deg, retardance_deg):
+    body = {"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg}
+    return extended(body, (0.8, 0.8, 0.9), alpha=0.2)
+
+
+# Palik's at 550 nm, as Mitsuba ships them.
+ALUMINUM_550 = conductor((0.92, 0.92, 0.92), eta=0.9586, k=6.687)
+ALUMINUM = conductor((0.91, 0.92, 0.92), metal="Al")
+GOLD = conductor((1.0, 0.77, 0.34), metal="Au")
+COPPER = conductor((0.95, 0.64, 0.54), metal="Cu")
+
+
+# -- files --------------------------------------------------------------------------------------
+
+class Scene:
+    """Collects nodes; shapes and materials are stored once, whoever uses them."""
+
+    def __init__(self, name):
+        self.blob = b""
+        self.accessors_of, self.mesh_of = {}, {}
+        self.gltf = {
+            "asset": {"version": "2.0", "generator": "sunstone scenes/generate.py"},
+            "extensionsUsed": [],
+            "scene": 0,
+            "scenes": [{"name": name, "nodes": []}],
+        }
+
+    def add(self, array, element):
+        elements = self.gltf.setdefault(array, [])
+        elements.append(element)
+        return len(elements) - 1
+
+    def node(self, name, transform, **content):
+        columns = [round(transform[i][j], 12) + 0.0 for j in range(4) for i in range(4)]
+        node = {"name": name, "matrix": columns, **content}
+        self.gltf["scenes"][0]["nodes"].append(self.add("nodes", node))
+
+    def material(self, name, body):
+        return self.add("materials", {"name": name, **body})
+
+    def shape(self, name, kind, material, *steps):
+        self.node(name, compose(*steps), mesh=self.mesh(kind, material))
+
+    def sphere(self, name, material, center, radius):
+        """An analytic sphere with a tessellated stand-in for viewers that know none."""
+        shapes = {"shapes": [{"type": "sphere", "sphere": {"radius": 1.0}}]}
+        self.gltf.setdefault("extensions", {})["KHR_implicit_shapes"] = shapes
+        self.node(name, compose(scale(radius), translate(*center)),
+                  mesh=self.mesh("ball", material), extensions={EXTENSION: {"shape": 0}})
+
+    def mesh(self, kind, material):
+        if (kind, material) not in self.mesh_of:
+            if kind not in self.accessors_of:
+                self.accessors_of[kind] = self.geometry(*SHAPES[kind]())
+            positions, normals, indices = self.accessors_of[kind]
+            primitive = {"attributes": {"POSITION": positions, "NORMAL": normals},
+                         "indices": indices, "material": material}
+            name = f"{kind} {self.gltf['materials'][material]['name']}"
+            self.mesh_of[kind, material] = self.add(
+                "meshes", {"name": name, "primitives": [primitive]})
+        return self.mesh_of[kind, material]
+
+    def geometry(self, positions, normals, triangles):
+        as_float32 = lambda x: struct.unpack("<f", struct.pack("<f", x))[0]
+        columns = [[as_float32(x) for x in column] for column in zip(*positions)]
+        extent = {"min": [min(c) for c in columns], "max": [max(c) for c in columns]}
+        return (self.accessor(positions, "f", "VEC3", 34962, **extent),
+                self.accessor(normals, "f", "VEC3", 34962),
+                self.accessor([(i,) for row in triangles for i in row], "H", "SCALAR", 34963))
+
+    def accessor(self, rows, code, kind, target, **extent):
+        data = b"".join(struct.pack(f"<{len(row)}{code}", *row) for row in rows)
+        view = {"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(data),
+                "target": target}
+        self.blob += data + bytes(-len(data) % 4)
+        component = {"f": 5126, "H": 5123}[code]
+        return self.add("accessors", {"bufferView": self.add("bufferViews", view), "type": kind,
+                                      "componentType": component, "count": len(rows), **extent})
+
+    def camera(self, projection, transform, resolution):
+        kind = "perspective" if "yfov" in projection else "orthographic"
+        camera = {"name": "camera", "type": kind, kind: {**projection, "znear": 0.01},
+                  "extensions": {EXTENSION: {"film": {"resolution": resolution}}}}
+        self.node("camera", transform, camera=self.add("cameras", camera))
+
+    def text(self):
+        uri = "data:application/octet-stream;base64," + base64.b64encode(self.blob).decode()
+        gltf = {**self.gltf, "buffers": [{"byteLength": len(self.blob), "uri": uri}]}
+        used = {name for name in ("KHR_implicit_shapes", "KHR_materials_emissive_strength",
+                                  "KHR_materials_ior", "KHR_materials_transmission", EXTENSION)
+                if f'"{name}"' in json.dumps(gltf)}
+        gltf["extensionsUsed"] = sorted(used)
+        # One line per element: readable, and easy on diffs.
+        entries = []
+        for key, value in gltf.items():
+            if isinstance(value, list) and value and isinstance(value[0], dict):
+                lines = ",\n    ".join(json.dumps(element) for element in value)
+                entries.append(f'  "{key}": [\n    {lines}\n  ]')
+            else:
+                entries.append(f'  "{key}": {json.dumps(value)}')
+        return "{\n" + ",\n".join(entries) + "\n}\n"
+
+
+def square_fov(degrees):
+    """The projection of a square picture."""
+    return {"yfov": math.radians(degrees), "aspectRatio": 1.0}
+
+
+def box_walls(scene, white, left, right):
+    """The inside of a [-1, 1]^3 box without its front."""
+    scene.shape("floor", "rectangle", white, rotate("x", -90), translate(y=-1))
+    scene.shape("ceiling", "rectangle", white, rotate("x", 90), translate(y=1))
+    scene.shape("back", "rectangle", white, translate(z=-1))
+    scene.shape("left wall", "rectangle", left, rotate("y", 90), translate(x=-1))
+    scene.shape("right wall", "rectangle", right, rotate("y", -90), translate(x=1))
+
+
+# -- the reference scenes -----------------------------------------------------------------------
+
+def reference_cornell():
+    scene = Scene("cornell reference")
+    white = scene.material("white", diffuse(0.73))
+    red = scene.material("red", diffuse(0.60))
+    green = scene.material("green", diffuse(0.30))
+    box_walls(scene, white, red, green)
+    scene.shape("light", "rectangle", scene.material("light", light(6.0)),
+                scale(0.5), rotate("x", 90), translate(y=0.995))
+    scene.sphere("glass ball", scene.material("glass", glass(1.5)), (0.45, -0.6, 0.35), 0.38)
+    aluminum = scene.material("aluminum", ALUMINUM_550)
+    scene.sphere("aluminum ball", aluminum, (-0.42, -0.55, -0.25), 0.44)
+    scene.camera(square_fov(39), camera_look_at((0, 0, 3.9), (0, 0, 0)), [64, 64])
+    return scene
+
+
+def reference_mirror():
+    scene = Scene("mirror reference")
+    white = scene.material("white", diffuse(0.6))
+    red = scene.material("red", diffuse(0.7))
+    green = scene.material("green", diffuse(0.45))
+    blue = scene.material("blue", diffuse(0.25))
+    clear = scene.material("glass", glass(1.5))
+    aluminum = scene.material("aluminum", ALUMINUM_550)
+    scene.sphere("big mirror", aluminum, (0, 0, 0), 2.0)
+    scene.shape("floor", "rectangle", white, scale(14), rotate("x", -90), translate(y=-2))
+    scene.shape("back wall", "rectangle", white, scale(14), rotate("y", 180), translate(z=12))
+    scene.shape("cube 1", "cube", red, scale(0.8), rotate("y", 30), translate(-2.5, -1.2, 7.5))
+    scene.shape("cube 2", "cube", green, scale(0.6, 1.2, 0.6), rotate("y", -20),
+                translate(2.8, -0.8, 8.5))
+    scene.sphere("ball", blue, (-3.5, -1, 4.2), 1.0)
+    scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
+                translate(4, -0.1, 4.5))
+    scene.sphere("glass ball", clear, (1.7, -1.1, 4.6), 0.8)
+    scene.shape("light", "rectangle", scene.material("light", light(8.0)),
+                scale(2), rotate("x", 90), translate(y=6, z=5))
+    scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [64, 64])
+    return scene
+
+
+def reference_brewster():
+    scene = Scene("brewster reference")
+    scene.shape("plate", "rectangle", scene.material("glass", glass(1.5)),
+                scale(40), rotate("x", -90))
+    scene.shape("light", "rectangle", scene.material("light", light(1.0)),
+                scale(8), look_at((0, 6.65640235, -9.98460353), (0, 0, 0)))
+    scene.camera(square_fov(30), camera_look_at((0, 2.21880078, 3.32820118), (0, 0, 0)), [64, 64])
+    return scene
+
+
+def reference_polarizers():
+    """A 3x3 grid of stacks; light travels towards +z and meets the layers of a stack in order.
+
+    Mitsuba's polarizer angle is clockwise, so its sign is turned; its retarder's is not.
+    """
+    p = lambda theta: ("polarizer", -theta)
+    r = lambda theta, delta: ("retarder", theta, delta)
+    grid = [  # column, row from the center, turn of the shapes, layers
+        (-1, 1, 0, [p(0)]), (0, 1, 0, [p(30)]), (1, 1, 30, [p(0)]),
+        (-1, 0, 0, [p(0), p(90)]), (0, 0, 0, [p(0), p(45), p(90)]), (1, 0, 0, [p(0), r(45, 90)]),
+        (-1, -1, 0, [p(0), r(45, 90), p(90)]), (0, -1, 0, [p(0), r(22.5, 180)]),
+        (1, -1, 0, [p(0), r(30, 60)]),
+    ]
+    scene = Scene("polarizers reference")
+    scene.shape("light", "rectangle", scene.material("light", light(1.0)), scale(3),
+                translate(z=-1))
+    materials = {}
+    for column, row, turn, layers in grid:
+        for index, (kind, axis, *more) in enumerate(layers):
+            key = (kind, axis, *more)
+            if key not in materials:
+                body = polarizer(axis) if kind == "polarizer" else retarder(axis, *more)
+                materials[key] = scene.material(" ".join(map(str, key)), body)
+            scene.shape(f"row {1 - row} column {column + 1} layer {index}", "rectangle",
+                        materials[key], scale(0.42), rotate("z", turn),
+                        translate(0.95 * column, 0.95 * row, 0.3 * index))
+    scene.camera({"xmag": 1.5, "ymag": 1.5, "zfar": 100.0},
+                 camera_look_at((0, 0, 10), (0, 0, 0)), [128, 128])
+    return scene
+
+
+# -- the scenes to look at ----------------------------------------------------------------------
+
+def cornell():
+    """A Cornell box of glass and metals behind two crossed polarizers and a half-wave plate.
+
+    Where the two sheets overlap the picture is black, but for the strip where the plate between
+    them turns the polarization by 90 degrees.
+    """
+    scene = Scene("cornell")
+    white = scene.material("white", diffuse([0.73, 0.72, 0.70]))
+    red = scene.material("red", diffuse([0.61, 0.07, 0.05]))
+    green = scene.material("green", diffuse([0.13, 0.44, 0.09]))
+    clear = scene.material("glass", glass(1.5))
+    aluminum = scene.material("aluminum", ALUMINUM)
+    gold = scene.material("gold", GOLD)
+    copper = scene.material("copper", COPPER)
+    box_walls(scene, white, red, green)
+    scene.shape("light", "rectangle", scene.material("light", light([16.0, 12.5, 8.5])),
+                scale(0.36), rotate("x", 90), translate(y=0.995))
+    scene.shape("mirror block", "cube", aluminum, scale(0.27, 0.6, 0.27), rotate("y", 24),
+                translate(-0.44, -0.4, -0.42))
+    scene.sphere("glass ball", clear, (0.47, -0.64, 0.22), 0.36)
+    scene.sphere("gold ball", gold, (0.2, -0.7, -0.55), 0.3)
+    scene.sphere("copper ball", copper, (-0.3, -0.82, 0.42), 0.18)
+    horizontal = scene.material("polarizer, horizontal", polarizer(0))
+    vertical = scene.material("polarizer, vertical", polarizer(90))
+    half_wave = scene.material("half-wave plate", retarder(45, 180))
+    scene.shape("back sheet", "rectangle", horizontal, scale(0.3), translate(0.2, 0.12, 0.70))
+    scene.shape("strip", "rectangle", half_wave, scale(0.07, 0.25, 1),
+                translate(0.42, -0.03, 0.74))
+    scene.shape("front sheet", "rectangle", vertical, scale(0.3), translate(0.44, -0.22, 0.78))
+    scene.camera(square_fov(39), camera_look_at((0, 0, 3.9), (0, 0, 0)), [512, 512])
+    return scene
+
+
+def caustic_glass():
+    """Glass on a diffuse floor under a lamp of 5 cm: nearly all variance is in the caustics."""
+    scene = Scene("caustic glass")
+    floor = scene.material("floor", diffuse([0.72, 0.70, 0.66]))
+    wall = scene.material("wall", diffuse([0.55, 0.60, 0.66]))
+    clear = scene.material("glass", glass(1.5))
+    scene.shape("floor", "rectangle", floor, scale(4), rotate("x", -90))
+    scene.shape("back wall", "rectangle", wall, scale(4, 2, 1), translate(y=2, z=-1.6))
+    scene.shape("light", "rectangle", scene.material("light", light([2700.0, 2500.0, 2200.0])),
+                scale(0.025), look_at((-1.4, 2.3, 0.9), (0.0, 0.2, 0.0)))
+    scene.sphere("ball", clear, (-0.5, 0.45, 0.15), 0.45)
+    scene.shape("prism", "prism", clear, scale(0.32, 0.32, 0.55), translate(y=0.165),
+                rotate("y", 65), translate(x=0.62, z=0.55))
+    scene.shape("cube", "cube", clear, scale(0.3), rotate("y", 28),
+                translate(0.75, 0.305, -0.55))
+    scene.camera(square_fov(40), camera_look_at((0.25, 1.7, 4.0), (0.15, 0.3, 0.0)), [512, 512])
+    return scene
+
+
+SCENES = {
+    "reference/cornell.gltf": reference_cornell,
+    "reference/mirror.gltf": reference_mirror,
+    "reference/brewster.gltf": reference_brewster,
+    "reference/polarizers.gltf": reference_polarizers,
+    "cornell.gltf": cornell,
+    "caustic_glass.gltf": caustic_glass,
+}
+
+
+def main():
+    stale = []
+    for name, build in SCENES.items():
+        path, text = HERE / name, build().text()
+        if "--check" not in sys.argv:
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text)
+        elif not path.exists() or path.read_text() != text:
+            stale.append(name)
+    if stale:
+        sys.exit(f"out of date, run scenes/generate.py: {', '.join(stale)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,218 @@
+//! From the world to the tables: materials -> primitives -> bounds -> emitters, and the camera.
+//!
+//! The order of every table follows the file's order alone, so that the same file gives the same
+//! tables, bit for bit. What can still fail here is what depends on the wavelengths of the render
+//! or on world space in `f32`.
+
+mod emitters;
+mod primitives;
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+use hecs::Entity;
+
+use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, Projection};
+use super::error::SceneError;
+use super::world::{Bsdf, Emission, Film, Lens, Name, Sides, Transform, World};
+use crate::spectrum::{Color, OutsideTable, Spectrum};
+
+/// Evaluates the world at the wavelengths of `color`, in world space. `N` is the number of
+/// channels of `color`.
+///
+/// # Errors
+/// When `N` does not fit, a spectrum's table does not cover the wavelengths, a triangle has no
+/// area left in `f32`, coordinates are out of range, or nothing emits.
+pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
+    bake_tables(world, color).map_err(|error| error.in_file(&world.file))
+}
+
+fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
+    if N != color.channels() {
+        let problem = format!("{N} channels were asked for, but {color:?} has another number");
+        return Err(SceneError::new("bake", problem, ""));
+    }
+    let materials = materials(world, color)?;
+    let primitives = primitives::primitives(world, &materials)?;
+    let bounds = bounds(world, &primitives)?;
+    let emitters = emitters::emitters(world, color, &materials, &primitives, &bounds)?;
+    let rows = materials.rows;
+    Ok(BakedScene {
+        triangles: primitives.triangles,
+        shading_normals: primitives.shading_normals,
+        spheres: primitives.spheres,
+        surface_of_primitive: primitives.surface_of_primitive,
+        emitter_of_primitive: emitters.emitter_of_primitive,
+        surfaces: primitives.surfaces,
+        materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
+        emitters: emitters.rows,
+        environment: emitters.environment,
+        camera: camera(world)?,
+        bounds,
+    })
+}
+
+/// The material table, and which row an entity became.
+struct Materials<const N: usize> {
+    rows: Vec<Material<N>>,
+    /// Emitted radiance of each row; zero if it does not emit.
+    radiance: Vec<[f32; N]>,
+    row_of: HashMap<Entity, u32>,
+}
+
+fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>, SceneError> {
+    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
+    let mut table = Materials { rows: Vec::new(), radiance: Vec::new(), row_of: HashMap::new() };
+    let rows = world.in_order::<Components, _>(|(entity, name, bsdf, sides, emission)| {
+        let black = Spectrum::Constant(0.0);
+        let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
+        let row = material(bsdf, *sides, color).and_then(|row| Ok((entity, row, radiance?)));
+        row.map_err(|error| outside_table(&name.0, error))
+    });
+    for row in rows {
+        let (entity, material, radiance) = row?;
+        table.row_of.insert(entity, table.rows.len() as u32);
+        table.rows.push(material);
+        table.radiance.push(radiance);
+    }
+    Ok(table)
+}
+
+fn outside_table(place: &str, error: OutsideTable) -> SceneError {
+    let remedy = "render within the table, or extend it";
+    SceneError::new(place, format!("a spectrum does not cover the render: {error}"), remedy)
+}
+
+fn material<const N: usize>(
+    bsdf: &Bsdf,
+    sides: Sides,
+    color: Color,
+) -> Result<Material<N>, OutsideTable> {
+    let blank = Material { two_sided: sides.two_sided, ..Material::absorber() };
+    let axis = |axis_deg: f64| {
+        let (sin, cos) = exact_sin_cos_deg(axis_deg);
+        [cos as f32, sin as f32]
+    };
+    Ok(match bsdf {
+        Bsdf::Absorber => Material { kind: MaterialKind::Absorber, ..blank },
+        Bsdf::Diffuse { reflectance } => Material {
+            kind: MaterialKind::Diffuse,
+            reflectance: reflectance.sample(color)?,
+            ..blank
+        },
+        Bsdf::Conductor { eta, k } => Material {
+            kind: MaterialKind::Conductor,
+            eta: eta.sample(color)?,
+            k: k.sample(color)?,
+            ..blank
+        },
+        Bsdf::Dielectric { ior } => Material { kind: MaterialKind::Dielectric, ior: *ior, ..blank },
+        Bsdf::Polarizer { axis_deg, extinction_ratio } => {
+            // The greatest transmittance is 1, the least its reciprocal.
+            let t_min = extinction_ratio.recip();
+            Material {
+                kind: MaterialKind::Polarizer,
+                m00: (0.5 * (1.0 + t_min)) as f32,
+                a: ((1.0 - t_min) / (1.0 + t_min)) as f32,
+                c: (2.0 * t_min.sqrt() / (1.0 + t_min)) as f32,
+                axis: axis(*axis_deg),
+                ..blank
+            }
+        }
+        Bsdf::Retarder { axis_deg, retardance_deg } => {
+            let (sin, cos) = exact_sin_cos_deg(*retardance_deg);
+            let kind = MaterialKind::Retarder;
+            Material { kind, c: cos as f32, s: sin as f32, axis: axis(*axis_deg), ..blank }
+        }
+    })
+}
+
+/// Sine and cosine of an angle in degrees, exact at multiples of 90 degrees: crossed polarizers
+/// and quarter-wave plates are the commonest of all.
+fn exact_sin_cos_deg(degrees: f64) -> (f64, f64) {
+    let turned = degrees.rem_euclid(360.0);
+    let quarter = (turned / 90.0).round();
+    let (sin, cos) = (turned - 90.0 * quarter).to_radians().sin_cos();
+    match quarter as u32 % 4 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+/// Sphere about the box of all primitives and of the lights that have a place. Its radius is a
+/// little larger than half the diagonal, so that rounding leaves nothing outside.
+fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, SceneError> {
+    const MARGIN: f64 = 1.0 + 1e-5;
+    const COORDINATE_MAX: f64 = 1e15;
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    let mut add = |point: Vec3, radius: f32| {
+        low = low.min(point.as_dvec3() - f64::from(radius));
+        high = high.max(point.as_dvec3() + f64::from(radius));
+    };
+    for triangle in &primitives.triangles {
+        triangle.corners.iter().for_each(|corner| add(*corner, 0.0));
+    }
+    primitives.spheres.iter().for_each(|sphere| add(sphere.center, sphere.radius));
+    emitters::positions(world).into_iter().for_each(|position| add(position, 0.0));
+    if low.x > high.x {
+        // Nothing but an environment or directional light.
+        return Ok(Bounds { center: Vec3::ZERO, radius: 1.0 });
+    }
+    if low.abs().max(high.abs()).max_element() > COORDINATE_MAX {
+        let problem = format!("coordinates reach beyond {COORDINATE_MAX:e}");
+        return Err(SceneError::new("bounds", problem, "scale the scene down"));
+    }
+    let half = 0.5 * (high - low).length() * MARGIN;
+    let radius = if half > 0.0 { half as f32 } else { 1.0 };
+    Ok(Bounds { center: (0.5 * (low + high)).as_vec3(), radius: radius.max(f32::MIN_POSITIVE) })
+}
+
+fn camera(world: &World) -> Result<Camera, SceneError> {
+    type Components<'a> = (&'a Transform, &'a Lens, Option<&'a Film>);
+    let cameras =
+        world.in_order::<Components, _>(|(place, lens, film)| (*place, *lens, film.copied()));
+    let Some((place, lens, film)) = cameras.into_iter().next() else {
+        return Err(SceneError::new("bake", "the world has no camera", "add one"));
+    };
+    // Rounded from orthonormal double-precision axes, hence orthonormal to the last bit of f32.
+    let right = place.0.matrix3.x_axis.normalize();
+    let up = place.0.matrix3.y_axis.reject_from_normalized(right).normalize();
+    let projection = match lens {
+        Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
+            let tan_half_y = (0.5 * yfov).tan() as f32;
+            Projection::Perspective { tan_half_y, aspect, aperture_radius, focus_distance }
+        }
+        Lens::Orthographic { half_width, half_height } => {
+            Projection::Orthographic { half_width, half_height }
+        }
+    };
+    Ok(Camera {
+        projection,
+        position: place.0.translation.as_vec3(),
+        right: right.as_vec3(),
+        up: up.as_vec3(),
+        forward: up.cross(right).as_vec3(),
+        resolution: film.map(|film| film.resolution),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        for (degrees, sin, cos) in [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (-90.0, -1.0, 0.0)] {
+            let found = exact_sin_cos_deg(degrees);
+            assert_eq!((found.0.abs(), found.1.abs()), (f64::abs(sin), f64::abs(cos)));
+            assert!(found.0 * sin >= 0.0 && found.1 * cos >= 0.0);
+        }
+        assert_eq!(exact_sin_cos_deg(180.0).1, -1.0);
+        let (sin, cos) = exact_sin_cos_deg(200.0);
+        assert!((sin - 200f64.to_radians().sin()).abs() < 1e-15);
+        assert!((cos - 200f64.to_radians().cos()).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,133 @@
+//! The world in words, for people who want to know what was understood of their file.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write};
+
+use glam::DVec3;
+use hecs::Entity;
+
+use super::world::{
+    Ball, Bsdf, Emission, Environment, Film, Lens, MadeOf, Mesh, Name, Punctual, Sides, Transform,
+    World,
+};
+use crate::spectrum::Spectrum;
+
+impl World {
+    /// Meshes, spheres, materials, lights, camera and bounds, a line each.
+    pub fn describe(&self) -> String {
+        let mut text = format!("scene `{}`\n", self.name());
+        // Writing to a string cannot fail.
+        let _ = write_shapes(self, &mut text)
+            .and_then(|()| write_materials(self, &mut text))
+            .and_then(|()| write_lights(self, &mut text))
+            .and_then(|()| write_camera(self, &mut text));
+        for warning in self.warnings() {
+            let _ = writeln!(text, "warning: {warning}");
+        }
+        text
+    }
+}
+
+fn write_shapes(world: &World, text: &mut String) -> fmt::Result {
+    let meshes = world.in_order::<(&Mesh, &Transform), _>(|(mesh, place)| (mesh.clone(), place.0));
+    let balls = world.in_order::<(&Ball, &Transform), _>(|(ball, place)| {
+        (place.0.translation, ball.radius * place.0.matrix3.x_axis.length())
+    });
+    let triangles: usize = meshes.iter().map(|(mesh, _)| mesh.0.triangles.len()).sum();
+    let (parts, spheres) = (meshes.len(), balls.len());
+    writeln!(text, "  {triangles} triangles in {parts} mesh parts, {spheres} analytic spheres")?;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (mesh, to_world) in &meshes {
+        for position in &mesh.0.positions {
+            let position = to_world.transform_point3(position.as_dvec3());
+            (low, high) = (low.min(position), high.max(position));
+        }
+    }
+    for (center, radius) in &balls {
+        (low, high) = (low.min(center - *radius), high.max(center + *radius));
+    }
+    if low.x <= high.x {
+        writeln!(text, "  bounds {} to {}", vector(low), vector(high))?;
+    }
+    Ok(())
+}
+
+fn vector(v: DVec3) -> String {
+    format!("({:.4}, {:.4}, {:.4})", v.x, v.y, v.z)
+}
+
+fn write_materials(world: &World, text: &mut String) -> fmt::Result {
+    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
+    let mut users: BTreeMap<Entity, usize> = BTreeMap::new();
+    for of in world.in_order::<&MadeOf, _>(|of| of.0) {
+        *users.entry(of).or_default() += 1;
+    }
+    let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, emission)| {
+        let sides = if sides.two_sided { ", two-sided" } else { "" };
+        let light = emission.map_or_else(String::new, |emission| {
+            format!(", emits radiance {}", spectrum(&emission.radiance))
+        });
+        let count = users.get(&entity).copied().unwrap_or(0);
+        format!("  {}: {}{sides}{light}; on {count} shapes", name.0, model(bsdf))
+    });
+    lines(text, &materials)
+}
+
+fn model(bsdf: &Bsdf) -> String {
+    match bsdf {
+        Bsdf::Absorber => "absorber".to_owned(),
+        Bsdf::Diffuse { reflectance } => format!("diffuse, reflectance {}", spectrum(reflectance)),
+        Bsdf::Conductor { eta, k } => {
+            format!("smooth conductor, eta {}, k {}", spectrum(eta), spectrum(k))
+        }
+        Bsdf::Dielectric { ior } => format!("smooth dielectric, ior {ior}"),
+        Bsdf::Polarizer { axis_deg, extinction_ratio } => {
+            format!("linear polarizer at {axis_deg} degrees, extinction ratio {extinction_ratio}")
+        }
+        Bsdf::Retarder { axis_deg, retardance_deg } => {
+            format!("linear retarder of {retardance_deg} degrees at {axis_deg} degrees")
+        }
+    }
+}
+
+fn spectrum(spectrum: &Spectrum) -> String {
+    match spectrum {
+        Spectrum::Constant(value) => format!("{value}"),
+        Spectrum::Rgb([red, green, blue]) => format!("[{red}, {green}, {blue}]"),
+        Spectrum::Table(_) => format!("table of {} wavelengths", spectrum.values().len()),
+    }
+}
+
+fn write_lights(world: &World, text: &mut String) -> fmt::Result {
+    let lights = world.in_order::<(&Name, &Punctual), _>(|(name, light)| {
+        format!("  {}: {:?}, intensity {}", name.0, light.kind, spectrum(&light.intensity))
+    });
+    let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+        format!("  {}: radiance {}", name.0, spectrum(&sky.radiance))
+    });
+    lines(text, &[lights, skies].concat())
+}
+
+fn write_camera(world: &World, text: &mut String) -> fmt::Result {
+    type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Option<&'a Film>);
+    let cameras = world.in_order::<Components, _>(|(name, place, lens, film)| {
+        let lens = match lens {
+            Lens::Perspective { yfov, aperture_radius, .. } => {
+                let degrees = yfov.to_degrees();
+                format!("perspective, {degrees:.2} degrees high, lens radius {aperture_radius}")
+            }
+            Lens::Orthographic { half_width, half_height } => {
+                format!("orthographic, {} wide and {} high", 2.0 * half_width, 2.0 * half_height)
+            }
+        };
+        let film = film.map_or_else(String::new, |film| {
+            format!(", {} x {} pixels", film.resolution[0], film.resolution[1])
+        });
+        format!("  {}: {lens}{film}, at {}", name.0, vector(place.0.translation))
+    });
+    lines(text, &cameras)
+}
+
+fn lines(text: &mut String, lines: &[String]) -> fmt::Result {
+    lines.iter().try_for_each(|line| writeln!(text, "{line}"))
+}

@@ -1,0 +1,207 @@
+//! From a file to its validated JSON and its buffers.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use base64::Engine;
+use gltf::json;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::validate;
+use crate::scene::error::SceneError;
+
+/// A glTF file in memory.
+pub struct Document {
+    /// The JSON as it is; the extension's keys and extras are read from here.
+    pub value: Value,
+    /// The same, typed. Every index in it that the loader follows is within range.
+    pub root: json::Root,
+    /// The buffers, each at least as long as its `byteLength`.
+    pub buffers: Vec<Vec<u8>>,
+}
+
+impl Document {
+    /// Reads and validates a .gltf or .glb file and everything that it refers to.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        let bytes = read_file(path, u64::MAX)
+            .map_err(|problem| SceneError::new("", problem, "is the path right?"))?;
+        let (text, binary) =
+            if bytes.starts_with(b"glTF") { split_glb(&bytes)? } else { (&bytes[..], None) };
+        let value: Value = serde_json::from_slice(text).map_err(|error| {
+            let remedy = "a scene is a glTF 2.0 file, .gltf or .glb";
+            SceneError::new("", format!("is not glTF: {error}"), remedy)
+        })?;
+        validate::check(&value)?;
+        let root = json::Root::from_slice(text).map_err(|error| type_error(&value, &error))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut buffers = Vec::with_capacity(root.buffers.len());
+        for (index, buffer) in root.buffers.iter().enumerate() {
+            let label = validate::label(&value, "buffers", index);
+            buffers.push(read_buffer(buffer, index, &label, folder, binary)?);
+        }
+        Ok(Self { value, root, buffers })
+    }
+
+    /// How errors call an element of one of the file's arrays: kind, index and name.
+    pub fn label(&self, array: &str, index: usize) -> String {
+        validate::label(&self.value, array, index)
+    }
+}
+
+/// The file's bytes, not more than `limit`; what went wrong otherwise.
+fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
+    let read = || {
+        // Whatever is not a file (a pipe, a device) might never end.
+        if !fs::metadata(path)?.is_file() {
+            return Err(std::io::Error::other("not a file"));
+        }
+        let mut bytes = Vec::new();
+        File::open(path)?.take(limit).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| format!("cannot read {}: {error}", path.display()))
+}
+
+/// The JSON chunk and the binary chunk of a .glb file.
+fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), SceneError> {
+    const HEADER: usize = 12;
+    let broken = |problem: String| {
+        SceneError::new("glb container", problem, "the file is cut off or damaged: export it again")
+    };
+    let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
+        return Err(broken("the header is cut off".to_owned()));
+    };
+    if version != 2 {
+        let remedy = "only glTF 2.0 is read";
+        return Err(SceneError::new("glb container", format!("has version {version}"), remedy));
+    }
+    let Some(mut rest) = bytes.get(HEADER..length) else {
+        let problem = format!("claims {length} bytes, but the file has {}", bytes.len());
+        return Err(broken(problem));
+    };
+    let mut chunks = Vec::new();
+    while !rest.is_empty() && chunks.len() < 2 {
+        let chunk = u32_at(rest, 0).and_then(|len| Some((rest.get(4..8)?, rest.get(8..8 + len)?)));
+        let Some((kind, data)) = chunk else {
+            return Err(broken(format!("chunk {} is cut off", chunks.len())));
+        };
+        chunks.push((kind, data));
+        rest = &rest[8 + data.len()..];
+    }
+    match chunks[..] {
+        [(b"JSON", text), (b"BIN\0", binary)] => Ok((text, Some(binary))),
+        [(b"JSON", text), ..] => Ok((text, None)),
+        _ => Err(broken("does not begin with a JSON chunk".to_owned())),
+    }
+}
+
+fn u32_at(bytes: &[u8], offset: usize) -> Option<usize> {
+    let word = bytes.get(offset..offset + 4)?.try_into().ok()?;
+    usize::try_from(u32::from_le_bytes(word)).ok()
+}
+
+/// The bytes of a buffer, wherever they are.
+fn read_buffer(
+    buffer: &json::Buffer,
+    index: usize,
+    label: &str,
+    folder: &Path,
+    binary: Option<&[u8]>,
+) -> Result<Vec<u8>, SceneError> {
+    let claimed = buffer.byte_length.0;
+    let bytes = match (&buffer.uri, binary) {
+        (None, Some(binary)) if index == 0 => binary.to_vec(),
+        (None, _) => {
+            let problem = "has no uri, and the file has no binary chunk for it";
+            return Err(SceneError::new(label, problem, "export the scene again"));
+        }
+        (Some(uri), _) => match uri.strip_prefix("data:") {
+            Some(data) => decode_data_uri(data, label)?,
+            None => read_external(uri, label, folder, claimed)?,
+        },
+    };
+    if (bytes.len() as u64) < claimed {
+        let problem = format!("claims {claimed} bytes, but there are {}", bytes.len());
+        return Err(SceneError::new(format!("{label}, byteLength"), problem, "export it again"));
+    }
+    Ok(bytes)
+}
+
+fn decode_data_uri(data: &str, label: &str) -> Result<Vec<u8>, SceneError> {
+    let place = format!("{label}, uri");
+    let Some((_, text)) = data.split_once(";base64,") else {
+        return Err(SceneError::new(place, "is a data URI without base64", "encode it as base64"));
+    };
+    // Padding is optional: not every exporter writes it.
+    let engine = base64::engine::GeneralPurpose::new(
+        &base64::alphabet::STANDARD,
+        base64::engine::GeneralPurposeConfig::new()
+            .with_decode_padding_mode(base64::engine::DecodePaddingMode::Indifferent),
+    );
+    engine.decode(text).map_err(|error| {
+        SceneError::new(place, format!("is not base64: {error}"), "export the scene again")
+    })
+}
+
+fn read_external(
+    uri: &str,
+    label: &str,
+    folder: &Path,
+    claimed: u64,
+) -> Result<Vec<u8>, SceneError> {
+    let place = format!("{label}, uri");
+    let name = percent_decoded(uri);
+    if name.contains("://") || Path::new(&name).is_absolute() || name.starts_with('/') {
+        let problem = format!("`{uri}` is not a path relative to the scene");
+        return Err(SceneError::new(place, problem, "put the buffer beside the scene"));
+    }
+    read_file(&folder.join(&name), claimed)
+        .map_err(|problem| SceneError::new(place, problem, "put the buffer beside the scene"))
+}
+
+/// A URI's path with its %xx resolved; what is no valid escape stays as it is.
+fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, tail @ ..] = rest {
+        let hex = tail.get(..2).and_then(|hex| std::str::from_utf8(hex).ok());
+        let escaped = hex.filter(|hex| hex.bytes().all(|digit| digit.is_ascii_hexdigit()));
+        match escaped.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(byte) if *first == b'%' => {
+                bytes.push(byte);
+                rest = &tail[2..];
+            }
+            _ => {
+                bytes.push(*first);
+                rest = tail;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// The error of the typed parser, with the name of the object that it is about if that is found.
+fn type_error(value: &Value, error: &serde_json::Error) -> SceneError {
+    let found = first_bad::<json::Node>(value, "nodes")
+        .or_else(|| first_bad::<json::Material>(value, "materials"))
+        .or_else(|| first_bad::<json::Mesh>(value, "meshes"))
+        .or_else(|| first_bad::<json::Camera>(value, "cameras"))
+        .or_else(|| first_bad::<json::Accessor>(value, "accessors"))
+        .or_else(|| first_bad::<json::buffer::View>(value, "bufferViews"))
+        .or_else(|| first_bad::<json::Buffer>(value, "buffers"))
+        .or_else(|| first_bad::<json::Scene>(value, "scenes"));
+    let (place, problem) = found.unwrap_or_else(|| (String::new(), error.to_string()));
+    SceneError::new(place, format!("is not glTF 2.0: {problem}"), "export the scene again")
+}
+
+/// Name and error of the first element of an array that does not parse.
+fn first_bad<T: DeserializeOwned>(value: &Value, array: &str) -> Option<(String, String)> {
+    value[array].as_array()?.iter().enumerate().find_map(|(index, element)| {
+        let error = serde_json::from_str::<T>(&element.to_string()).err()?.to_string();
+        // The position is one within the element alone, which is nowhere to be seen.
+        let problem = error.split(" at line").next().unwrap_or_default().to_owned();
+        Some((validate::label(value, array, index), problem))
+    })
+}

@@ -1,0 +1,303 @@
+//! The vendor extension: which keys there are, and reading them with errors that name them.
+//!
+//! glTF has no words for polarization. What is missing goes into `SUNSTONE_polarization`, whose
+//! body is also accepted as the object `extras.sunstone` and, key by key, as `extras.sunstone_*`,
+//! the way Blender exports custom properties. `scenes/sunstone.schema.json` documents the keys;
+//! a test compares it with the tables here.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::scene::error::SceneError;
+use crate::spectrum::{Spectrum, SpectrumTable};
+
+/// Name of the extension in glTF files.
+pub const EXTENSION: &str = "SUNSTONE_polarization";
+
+/// An object that the extension can describe, and the keys that it may have there.
+pub struct Keys {
+    /// Name of its definition in the schema.
+    pub definition: &'static str,
+    /// Keys that are understood.
+    pub known: &'static [&'static str],
+    /// Keys and values of the design that this version refuses by name.
+    pub planned: &'static [&'static str],
+}
+
+/// Keys of a material.
+pub const MATERIAL: Keys = Keys {
+    definition: "material",
+    known: &[
+        "axis_deg",
+        "bsdf",
+        "eta",
+        "extinction_ratio",
+        "ior",
+        "k",
+        "metal",
+        "reflectance",
+        "retardance_deg",
+    ],
+    planned: &["alpha", "emission"],
+};
+/// Keys of a node.
+pub const NODE: Keys = Keys {
+    definition: "node",
+    known: &["material", "shape", "sphere_radius"],
+    planned: &["exterior", "interior"],
+};
+/// Keys of a camera.
+pub const CAMERA: Keys = Keys {
+    definition: "camera",
+    known: &["aperture_radius", "film", "focus_distance"],
+    planned: &[],
+};
+/// Keys of a camera's film.
+pub const FILM: Keys = Keys { definition: "film", known: &["resolution"], planned: &["analyzer"] };
+/// Keys of a punctual light.
+pub const LIGHT: Keys = Keys { definition: "light", known: &["units"], planned: &["emission"] };
+/// Keys of a scene, or of the root of the file.
+pub const SCENE: Keys =
+    Keys { definition: "scene", known: &["environment"], planned: &["media", "medium"] };
+/// Keys of the environment.
+pub const ENVIRONMENT: Keys =
+    Keys { definition: "environment", known: &["radiance"], planned: &["uri"] };
+/// Keys of a tabulated spectrum.
+pub const SPECTRUM: Keys =
+    Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };
+
+/// All of the above: what the schema must define.
+pub const ALL: [&Keys; 8] =
+    [&MATERIAL, &NODE, &CAMERA, &FILM, &LIGHT, &SCENE, &ENVIRONMENT, &SPECTRUM];
+
+/// A set of numbers, and its name in errors.
+#[derive(Clone, Copy)]
+pub struct Range {
+    text: &'static str,
+    contains: fn(f64) -> bool,
+}
+
+impl Range {
+    /// Finite numbers.
+    pub const ANY: Self = Self { text: "a finite number", contains: |_| true };
+    /// More than zero.
+    pub const POSITIVE: Self =
+        Self { text: "greater than 0", contains: |x| x as f32 >= f32::MIN_POSITIVE };
+    /// Zero or more.
+    pub const NOT_NEGATIVE: Self = Self { text: "not negative", contains: |x| x >= 0.0 };
+    /// From zero to one.
+    pub const UNIT: Self = Self { text: "within [0, 1]", contains: |x| (0.0..=1.0).contains(&x) };
+    /// One or more.
+    pub const AT_LEAST_ONE: Self = Self { text: "at least 1", contains: |x| x >= 1.0 };
+
+    /// The number, if it is finite as an `f32` too and in the range.
+    pub fn check(self, number: f64, field: &str) -> Result<f64, SceneError> {
+        if (number as f32).is_finite() && (self.contains)(number) {
+            return Ok(number);
+        }
+        Err(SceneError::new(field, format!("{number} must be {}", self.text), String::new()))
+    }
+}
+
+/// The extension's keys of one object of the file.
+pub struct Body<'a> {
+    /// The object's name in errors.
+    label: String,
+    /// Value and field name in errors, by key.
+    values: BTreeMap<&'a str, (&'a Value, String)>,
+}
+
+impl<'a> Body<'a> {
+    /// Gathers the keys of a glTF object from its extension and its extras.
+    pub fn of(object: &'a Value, label: &str, keys: &Keys) -> Result<Self, SceneError> {
+        let mut body = Self { label: label.to_owned(), values: BTreeMap::new() };
+        let extension = &object["extensions"][EXTENSION];
+        body.add_object(extension, &format!("{label}, {EXTENSION}"), keys)?;
+        let extras = &object["extras"];
+        body.add_object(&extras["sunstone"], &format!("{label}, extras.sunstone"), keys)?;
+        for (name, value) in extras.as_object().into_iter().flatten() {
+            if let Some(key) = name.strip_prefix("sunstone_") {
+                body.add(key, value, format!("{label}, extras.{name}"), keys)?;
+            }
+        }
+        Ok(body)
+    }
+
+    fn add_object(&mut self, object: &'a Value, at: &str, keys: &Keys) -> Result<(), SceneError> {
+        if object.is_null() {
+            return Ok(());
+        }
+        let Some(map) = object.as_object() else {
+            return Err(SceneError::new(at, "is not an object", keys.advice()));
+        };
+        for (key, value) in map {
+            self.add(key, value, format!("{at}.{key}"), keys)?;
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        key: &'a str,
+        value: &'a Value,
+        field: String,
+        keys: &Keys,
+    ) -> Result<(), SceneError> {
+        if keys.planned.contains(&key) {
+            return Err(SceneError::new(field, "is not supported yet", "remove it"));
+        }
+        if !keys.known.contains(&key) {
+            return Err(SceneError::new(field, "is not a key of the extension", keys.advice()));
+        }
+        if let Some((other, other_field)) = self.values.get(key)
+            && !same(other, value)
+        {
+            let problem = format!("contradicts {other_field}");
+            return Err(SceneError::new(field, problem, "state the value once"));
+        }
+        self.values.insert(key, (value, field));
+        Ok(())
+    }
+
+    /// The object's name in errors.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Whether no key is there at all.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Whether a key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.contains_key(key)
+    }
+
+    /// The keys that are there.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().copied()
+    }
+
+    /// How errors call a key of this object.
+    pub fn field(&self, key: &str) -> String {
+        match self.values.get(key) {
+            Some((_, field)) => field.clone(),
+            None => format!("{}, {EXTENSION}.{key}", self.label),
+        }
+    }
+
+    /// A number within a range.
+    pub fn number(&self, key: &str, range: Range) -> Result<Option<f64>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let Some(number) = value.as_f64() else {
+            return Err(SceneError::new(field, "is not a number", String::new()));
+        };
+        range.check(number, field).map(Some)
+    }
+
+    /// An index into an array of the file.
+    pub fn index(&self, key: &str, what: &str, len: usize) -> Result<Option<usize>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        match value.as_u64() {
+            Some(index) if index < len as u64 => Ok(Some(index as usize)),
+            _ => {
+                let problem = format!("{value} is not an index into the file's {len} {what}");
+                Err(SceneError::new(field, problem, String::new()))
+            }
+        }
+    }
+
+    /// A word.
+    pub fn word(&self, key: &str) -> Result<Option<&'a str>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        match value.as_str() {
+            Some(word) => Ok(Some(word)),
+            None => Err(SceneError::new(field, "is not a string", String::new())),
+        }
+    }
+
+    /// An object with keys of its own.
+    pub fn object(&self, key: &str, keys: &Keys) -> Result<Option<Body<'a>>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let mut body = Body { label: field.clone(), values: BTreeMap::new() };
+        body.add_object(value, field, keys)?;
+        Ok(Some(body))
+    }
+
+    /// Width and height in pixels.
+    pub fn resolution(&self, key: &str) -> Result<Option<[u32; 2]>, SceneError> {
+        const SIDE_MAX: u64 = 65_536;
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let sides: Option<Vec<u64>> =
+            value.as_array().and_then(|sides| sides.iter().map(Value::as_u64).collect());
+        match sides.as_deref() {
+            Some(&[width, height])
+                if (1..=SIDE_MAX).contains(&width) && (1..=SIDE_MAX).contains(&height) =>
+            {
+                Ok(Some([width as u32, height as u32]))
+            }
+            _ => {
+                let problem =
+                    format!("must be [width, height], whole numbers from 1 to {SIDE_MAX}");
+                Err(SceneError::new(field, problem, String::new()))
+            }
+        }
+    }
+
+    /// A spectrum whose values are all within a range.
+    pub fn spectrum(&self, key: &str, range: Range) -> Result<Option<Spectrum>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let number = |value: &Value| {
+            let number = value.as_f64().ok_or_else(|| not_a_spectrum(field))?;
+            range.check(number, field).map(|number| number as f32)
+        };
+        if value.is_object() {
+            return spectrum_table(value, field, range).map(Some);
+        }
+        let Some(array) = value.as_array() else {
+            return Ok(Some(Spectrum::Constant(number(value)?)));
+        };
+        let rgb: Vec<f32> = array.iter().map(number).collect::<Result<_, _>>()?;
+        match rgb[..] {
+            [red, green, blue] => Ok(Some(Spectrum::Rgb([red, green, blue]))),
+            _ => Err(not_a_spectrum(field)),
+        }
+    }
+}
+
+impl Keys {
+    fn advice(&self) -> String {
+        let known = self.known.join(", ");
+        format!("the keys of a {} are {known} (see sunstone.schema.json)", self.definition)
+    }
+}
+
+fn not_a_spectrum(field: &str) -> SceneError {
+    let remedy = "write a number, [red, green, blue] or {\"nm\": [...], \"value\": [...]}";
+    SceneError::new(field, "is not a spectrum", remedy)
+}
+
+fn spectrum_table(value: &Value, field: &str, range: Range) -> Result<Spectrum, SceneError> {
+    let mut body = Body { label: field.to_owned(), values: BTreeMap::new() };
+    body.add_object(value, field, &SPECTRUM)?;
+    let column = |key: &str, range: Range| -> Result<Vec<f32>, SceneError> {
+        let rows = value[key].as_array().ok_or_else(|| not_a_spectrum(field))?;
+        let number = |row: &Value| {
+            let number = row.as_f64().ok_or_else(|| not_a_spectrum(field))?;
+            range.check(number, &format!("{field}.{key}")).map(|number| number as f32)
+        };
+        rows.iter().map(number).collect()
+    };
+    let table = SpectrumTable::new(column("nm", Range::POSITIVE)?, column("value", range)?);
+    table.map(Spectrum::Table).map_err(|problem| SceneError::new(field, problem, String::new()))
+}
+
+/// Equality that does not tell 1 from 1.0.
+fn same(a: &Value, b: &Value) -> bool {
+    match (a.as_f64(), b.as_f64()) {
+        (Some(a), Some(b)) => a == b,
+        _ => a == b,
+    }
+}

@@ -1,0 +1,234 @@
+//! glTF 2.0 in: from a file to a [`World`].
+//!
+//! `document` reads and validates; `hierarchy` walks the nodes; `meshes`, `materials`, `lights`
+//! and `cameras` turn what hangs on them into entities; `extension` reads the vendor keys.
+
+mod accessors;
+mod cameras;
+mod document;
+mod extension;
+mod hierarchy;
+mod lights;
+mod materials;
+mod meshes;
+mod validate;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use hecs::Entity;
+
+use self::document::Document;
+use self::extension::{Body, ENVIRONMENT, NODE, Range, SCENE};
+use self::hierarchy::PlacedNode;
+use super::error::SceneError;
+use super::world::{Ball, Environment, Geometry, MadeOf, Name, Order, Transform, World};
+
+/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
+///
+/// # Errors
+/// With the file's name, the object and field in it, and the remedy, whenever something in the
+/// scene is missing, invalid, unphysical, or would silently render as something else.
+pub fn load(path: &Path) -> Result<World, SceneError> {
+    load_with(path, None)
+}
+
+/// Like [`load`], seen by the camera (or camera node) of the given name.
+///
+/// # Errors
+/// As [`load`], and when there is no such camera.
+pub fn load_with(path: &Path, camera: Option<&str>) -> Result<World, SceneError> {
+    let import = || {
+        let document = Document::read(path)?;
+        let mut import = Import::new(&document);
+        let scene = import.scene()?;
+        import.add_scene(scene, camera)?;
+        let name = document.root.scenes[scene].name.clone();
+        Ok((import.entities, import.warnings, name))
+    };
+    let (entities, warnings, name) = import().map_err(|error: SceneError| error.in_file(path))?;
+    let file_name = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = name.unwrap_or_else(file_name);
+    Ok(World { entities, name, file: path.to_owned(), warnings })
+}
+
+/// Keys of the vendor extension, by the name of their definition in `sunstone.schema.json`.
+pub fn extension_keys() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    extension::ALL.iter().map(|keys| (keys.definition, keys.known))
+}
+
+/// A scene on its way from the document to the world.
+struct Import<'a> {
+    document: &'a Document,
+    entities: hecs::World,
+    warnings: Vec<String>,
+    order: u32,
+    /// Material entities, by index in the file; `None` is the material of what has none.
+    materials: BTreeMap<Option<usize>, Entity>,
+    /// Triangles, by mesh and primitive.
+    geometries: BTreeMap<(usize, usize), Arc<Geometry>>,
+    /// Triangles and vertices that all instances together ask for.
+    elements: u64,
+}
+
+impl<'a> Import<'a> {
+    fn new(document: &'a Document) -> Self {
+        let ignored = |name| format!("extension {name} is not known and ignored");
+        let mut warnings: Vec<String> =
+            validate::unknown_extensions(&document.value).into_iter().map(ignored).collect();
+        if !document.root.animations.is_empty() {
+            warnings.push("animations are ignored".to_owned());
+        }
+        Self {
+            document,
+            entities: hecs::World::new(),
+            warnings,
+            order: 0,
+            materials: BTreeMap::new(),
+            geometries: BTreeMap::new(),
+            elements: 0,
+        }
+    }
+
+    /// The components that every entity has.
+    fn identity(&mut self, name: String) -> (Order, Name) {
+        self.order += 1;
+        (Order(self.order), Name(name))
+    }
+
+    fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
+    /// The scene to load: the default one, else the first.
+    fn scene(&self) -> Result<usize, SceneError> {
+        let root = &self.document.root;
+        let scene = root.scene.map_or(0, |scene| scene.value());
+        if scene < root.scenes.len() {
+            return Ok(scene);
+        }
+        Err(SceneError::new("scenes", "the file has no scene", "export the scene again"))
+    }
+
+    fn add_scene(&mut self, scene: usize, camera: Option<&str>) -> Result<(), SceneError> {
+        let nodes = hierarchy::placed_nodes(self.document, scene)?;
+        for node in &nodes {
+            self.add_node(node)?;
+        }
+        self.add_camera(&nodes, camera)?;
+        self.add_environment(scene)
+    }
+
+    fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
+        let node = &self.document.root.nodes[placed.node];
+        let label = self.document.label("nodes", placed.node);
+        let body = Body::of(&self.document.value["nodes"][placed.node], &label, &NODE)?;
+        if node.skin.is_some() {
+            self.warn(format!("{label}: the skin is ignored, the mesh stays in its bind pose"));
+        }
+        if body.has("shape") || body.has("sphere_radius") {
+            self.add_sphere(placed, &body)?;
+        } else if body.has("material") {
+            let remedy = "add `shape` or `sphere_radius`; meshes have materials of their own";
+            return Err(SceneError::new(body.field("material"), "belongs to a sphere", remedy));
+        } else if let Some(mesh) = node.mesh {
+            self.add_mesh(mesh.value(), &label, placed.to_world)?;
+        }
+        let extensions = node.extensions.as_ref();
+        if let Some(light) = extensions.and_then(|all| all.khr_lights_punctual.as_ref()) {
+            self.add_light(light.light.value(), &label, placed.to_world)?;
+        }
+        Ok(())
+    }
+
+    /// Adds an analytic sphere. A mesh on the same node is a stand-in for viewers that know none:
+    /// its first material is the sphere's, and its triangles are not used.
+    fn add_sphere(&mut self, placed: &PlacedNode, body: &Body) -> Result<(), SceneError> {
+        let radius = self.sphere_radius(body)?;
+        if !hierarchy::is_similarity(&placed.to_world) {
+            let remedy = "apply the scale, or scale all axes by the same factor";
+            let problem = "a sphere cannot be scaled differently along its axes, or sheared";
+            return Err(SceneError::new(body.label(), problem, remedy));
+        }
+        let materials = self.document.root.materials.len();
+        let own = body.index("material", "materials", materials)?;
+        let mesh = self.document.root.nodes[placed.node].mesh;
+        let stand_in = mesh.and_then(|mesh| {
+            let primitive = self.document.root.meshes[mesh.value()].primitives.first()?;
+            primitive.material.map(|material| material.value())
+        });
+        let material = match (own, stand_in) {
+            (Some(own), Some(other)) if own != other => {
+                let problem = format!("{own} contradicts the mesh, which has material {other}");
+                let remedy = "state the material once";
+                return Err(SceneError::new(body.field("material"), problem, remedy));
+            }
+            (None, None) => {
+                let remedy = "add `material`, or a mesh that has one";
+                return Err(SceneError::new(body.label(), "the sphere has no material", remedy));
+            }
+            _ => own.or(stand_in),
+        };
+        let material = self.material(material, body.label())?;
+        let identity = self.identity(format!("{}, sphere", body.label()));
+        let place = Transform(placed.to_world);
+        self.entities.spawn((identity.0, identity.1, place, Ball { radius }, MadeOf(material)));
+        Ok(())
+    }
+
+    fn sphere_radius(&self, body: &Body) -> Result<f64, SceneError> {
+        const DEFAULT_RADIUS: f64 = 0.5;
+        if body.has("shape") && body.has("sphere_radius") {
+            let problem = "a node has either `shape` or `sphere_radius`";
+            return Err(SceneError::new(body.label(), problem, "remove one of them"));
+        }
+        if let Some(radius) = body.number("sphere_radius", Range::POSITIVE)? {
+            return Ok(radius);
+        }
+        let shapes = &self.document.value["extensions"]["KHR_implicit_shapes"]["shapes"];
+        let len = shapes.as_array().map_or(0, Vec::len);
+        let index = body.index("shape", "KHR_implicit_shapes", len)?.unwrap_or(0);
+        let field = format!("KHR_implicit_shapes, shape {index}");
+        let kind = shapes[index]["type"].as_str().unwrap_or("without type");
+        if kind != "sphere" {
+            let problem = format!("is a `{kind}`, and only spheres are supported");
+            return Err(SceneError::new(field, problem, "use a mesh"));
+        }
+        let radius = &shapes[index]["sphere"]["radius"];
+        match radius.as_f64() {
+            Some(radius) => Range::POSITIVE.check(radius, &format!("{field}, sphere.radius")),
+            None if radius.is_null() => Ok(DEFAULT_RADIUS),
+            None => Err(SceneError::new(format!("{field}, sphere.radius"), "is not a number", "")),
+        }
+    }
+
+    /// Adds the environment that the scene, or the root of the file, describes.
+    fn add_environment(&mut self, scene: usize) -> Result<(), SceneError> {
+        let value = &self.document.value;
+        let label = self.document.label("scenes", scene);
+        let mut found: Option<(String, Environment)> = None;
+        for (object, label) in [(&value["scenes"][scene], label.as_str()), (value, "root")] {
+            let body = Body::of(object, label, &SCENE)?;
+            let Some(environment) = body.object("environment", &ENVIRONMENT)? else { continue };
+            let field = body.field("environment");
+            let Some(radiance) = environment.spectrum("radiance", Range::NOT_NEGATIVE)? else {
+                return Err(SceneError::new(field, "has no `radiance`", "add it"));
+            };
+            if let Some((other, _)) = &found {
+                let problem = format!("is described twice, by {other} too");
+                return Err(SceneError::new(field, problem, "keep one of them"));
+            }
+            found = Some((field, Environment { radiance }));
+        }
+        if let Some((_, environment)) = found
+            && environment.radiance.values().iter().any(|value| *value > 0.0)
+        {
+            let identity = self.identity("environment".to_owned());
+            self.entities.spawn((identity.0, identity.1, environment));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,181 @@
+//! The shipped scenes, baked: counts, places and cameras.
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use sunstone::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE, Projection};
+use sunstone::scene::{bake, load};
+use sunstone::spectrum::Color;
+
+const GREEN: Color = Color::Mono { wavelength_nm: 550.0 };
+
+fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
+}
+
+fn baked(name: &str) -> BakedScene<1> {
+    let world = load(&scene(name)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(world.warnings(), [] as [String; 0], "{name}");
+    bake::<1>(&world, GREEN).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn near(a: Vec3, b: Vec3) -> bool {
+    (a - b).length() < 1e-5
+}
+
+#[track_caller]
+fn assert_near(a: Vec3, b: Vec3) {
+    assert!(near(a, b), "{a} is not {b}");
+}
+
+/// The two triangles of every rectangle whose material has the wanted property, as corners.
+fn emitting_corners(scene: &BakedScene<1>) -> Vec<Vec3> {
+    let rows = scene.emitters.iter().filter(|row| row.kind == EmitterKind::Triangle);
+    rows.flat_map(|row| scene.triangles[row.primitive as usize].corners).collect()
+}
+
+fn normal(scene: &BakedScene<1>, triangle: usize) -> Vec3 {
+    let [a, b, c] = scene.triangles[triangle].corners;
+    (b - a).cross(c - a).normalize()
+}
+
+#[test]
+fn cornell() {
+    let scene = baked("reference/cornell.gltf");
+    assert_eq!((scene.triangles.len(), scene.spheres.len(), scene.surfaces.len()), (12, 2, 8));
+    assert!(scene.shading_normals.is_empty());
+    assert_near(scene.spheres[0].center, Vec3::new(0.45, -0.6, 0.35));
+    assert!((scene.spheres[0].radius - 0.38).abs() < 1e-6);
+    assert_near(scene.spheres[1].center, Vec3::new(-0.42, -0.55, -0.25));
+    let kinds: Vec<MaterialKind> = scene.materials.iter().map(|m| m.kind).collect();
+    use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse};
+    assert_eq!(kinds, [Diffuse, Diffuse, Diffuse, Absorber, Dielectric, Conductor]);
+    assert_eq!(scene.materials[0].reflectance, [0.73]);
+    assert_eq!(scene.materials[1].reflectance, [0.60]);
+    assert_eq!(scene.materials[2].reflectance, [0.30]);
+    assert_eq!((scene.materials[5].eta, scene.materials[5].k), ([0.9586], [6.687]));
+    assert_eq!(scene.materials[4].ior, 1.5);
+
+    assert_eq!(scene.emitters.len(), 2);
+    let total: f32 = scene.emitters.iter().map(|row| row.probability).sum();
+    assert!((total - 1.0).abs() < 1e-6);
+    for row in &scene.emitters {
+        assert_eq!((row.radiance, row.two_sided), ([6.0], false));
+        assert!((row.area - 0.5).abs() < 1e-6);
+        assert_near(normal(&scene, row.primitive as usize), Vec3::NEG_Y);
+    }
+    for corner in emitting_corners(&scene) {
+        assert_near(corner.abs(), Vec3::new(0.5, 0.995, 0.5));
+    }
+    assert_eq!(scene.emitter_of_primitive.iter().filter(|&&row| row != NONE).count(), 2);
+    // All walls face the middle of the box.
+    for (triangle, row) in scene.triangles.iter().enumerate().take(10) {
+        assert!(normal(&scene, triangle).dot(-row.corners[0]) > 0.9);
+    }
+    assert!((scene.bounds.radius - 3f32.sqrt()).abs() < 1e-3);
+
+    assert_near(scene.camera.position, Vec3::new(0.0, 0.0, 3.9));
+    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
+    assert_eq!((scene.camera.right, scene.camera.up), (Vec3::X, Vec3::Y));
+    assert_eq!(scene.camera.resolution, Some([64, 64]));
+    let Projection::Perspective { tan_half_y, aspect, aperture_radius, .. } =
+        scene.camera.projection
+    else {
+        panic!("not a perspective camera");
+    };
+    assert!((tan_half_y - 19.5f32.to_radians().tan()).abs() < 1e-6);
+    assert_eq!((aspect, aperture_radius), (Some(1.0), 0.0));
+}
+
+#[test]
+fn mirror() {
+    let scene = baked("reference/mirror.gltf");
+    // floor, wall, mirror and light of two triangles, two cubes of twelve.
+    assert_eq!((scene.triangles.len(), scene.spheres.len()), (32, 3));
+    assert!(scene.shading_normals.is_empty());
+    let of = |triangle: usize| scene.surface_of_primitive[triangle] as usize;
+    // The back wall looks towards -z, the plane mirror back at the big sphere.
+    assert_near(normal(&scene, 2), Vec3::NEG_Z);
+    assert_near(scene.triangles[2].corners[0].abs(), Vec3::new(14.0, 14.0, 12.0));
+    let plane = normal(&scene, 28);
+    let angle = (-140f32).to_radians();
+    assert_near(plane, Vec3::new(angle.sin(), 0.0, angle.cos()));
+    let material = &scene.materials[scene.surfaces[of(28)].material as usize];
+    assert_eq!((material.kind, material.two_sided), (MaterialKind::Conductor, false));
+    // Cube 1: centered, outward normals.
+    let center = Vec3::new(-2.5, -1.2, 7.5);
+    for triangle in 4..16 {
+        let out = scene.triangles[triangle].corners.iter().sum::<Vec3>() / 3.0 - center;
+        assert!(normal(&scene, triangle).dot(out) > 0.79);
+        for corner in scene.triangles[triangle].corners {
+            assert!(((corner - center).length() - 0.8 * 3f32.sqrt()).abs() < 1e-5);
+        }
+    }
+    for corner in emitting_corners(&scene) {
+        assert!((corner.y - 6.0).abs() < 1e-6 && (3.0..=7.0).contains(&corner.z));
+    }
+    let forward = Vec3::new(0.0, -0.5, -6.5).normalize();
+    assert_near(scene.camera.forward, forward);
+    assert_near(scene.camera.right, Vec3::X);
+    assert_near(scene.camera.up, Vec3::X.cross(forward));
+}
+
+#[test]
+fn brewster() {
+    let scene = baked("reference/brewster.gltf");
+    assert_eq!((scene.triangles.len(), scene.spheres.len()), (4, 0));
+    assert_near(normal(&scene, 0), Vec3::Y);
+    let origin = Vec3::new(0.0, 6.656_402, -9.984_603);
+    assert_near(normal(&scene, 2), -origin.normalize());
+    let middle = emitting_corners(&scene).iter().sum::<Vec3>() / 6.0;
+    assert!((middle - origin).length() < 5.0);
+    let tangent = scene.camera.position.z / scene.camera.position.y;
+    assert!((tangent - 1.5).abs() < 1e-6, "the camera sits at Brewster's angle");
+    assert_near(scene.camera.forward, -scene.camera.position.normalize());
+}
+
+#[test]
+fn polarizers() {
+    let scene = baked("reference/polarizers.gltf");
+    assert_eq!(scene.triangles.len(), 2 * (1 + 3 + 2 + 3 + 2 + 3 + 2 + 2));
+    let Projection::Orthographic { half_width, half_height } = scene.camera.projection else {
+        panic!("not an orthographic camera");
+    };
+    assert_eq!((half_width, half_height), (1.5, 1.5));
+    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
+    assert_eq!(scene.camera.resolution, Some([128, 128]));
+    let surface = |triangle: usize| scene.surfaces[scene.surface_of_primitive[triangle] as usize];
+    let material = |triangle: usize| scene.materials[surface(triangle).material as usize];
+    let ideal = material(2);
+    assert_eq!(ideal.kind, MaterialKind::Polarizer);
+    assert_eq!((ideal.m00, ideal.a, ideal.c, ideal.axis), (0.5, 1.0, 0.0, [1.0, 0.0]));
+    // Mitsuba's 30 degrees are clockwise.
+    let turned = material(4).axis;
+    assert!((turned[0] - 0.866_025_4).abs() < 1e-6 && (turned[1] + 0.5).abs() < 1e-6);
+    // The third is turned with its node.
+    assert_eq!(material(6).axis, [1.0, 0.0]);
+    assert_near(surface(6).axis_x, Vec3::new(0.866_025_4, 0.5, 0.0));
+    assert_near(surface(6).axis_y, Vec3::new(-0.5, 0.866_025_4, 0.0));
+    let quarter = material(20);
+    assert_eq!(quarter.kind, MaterialKind::Retarder);
+    assert_eq!((quarter.c, quarter.s), (0.0, 1.0));
+    assert!((quarter.axis[0] - quarter.axis[1]).abs() < 1e-7);
+    // A stack is ordered towards the camera.
+    assert!((scene.triangles[16].corners[0].z - 0.6).abs() < 1e-6);
+}
+
+#[test]
+fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
+    for name in ["cornell.gltf", "caustic_glass.gltf"] {
+        let world = load(&scene(name)).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(world.warnings(), [] as [String; 0]);
+        let rgb = bake::<3>(&world, Color::Rgb).unwrap();
+        assert!(rgb.shading_normals.is_empty());
+        assert_eq!(rgb.camera.resolution, Some([512, 512]));
+        let radiance = rgb.emitters[0].radiance;
+        assert!(radiance[0] > radiance[1] && radiance[1] > radiance[2]);
+        let mono = bake::<1>(&world, GREEN).unwrap();
+        assert_eq!(mono.emitters[0].radiance, [radiance[1]]);
+        assert!(world.describe().contains("smooth dielectric"));
+    }
+}
