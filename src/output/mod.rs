@@ -10,18 +10,24 @@
 //! | [`npy`] | NumPy arrays in |
 //! | [`png`], [`picture`] | previews and pictures |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
+//! | [`compare`] | how far apart two images are, and whether noise explains it |
+//! | [`inspect`], [`stats`] | words about an image and about a render |
 
 pub mod atomic;
+pub mod compare;
 pub mod error;
 pub mod exr;
 mod font;
 pub mod hdr;
+pub mod inspect;
 mod legend;
 pub mod npy;
 pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
+mod statistics;
+pub mod stats;
 pub mod visualize;
 
 use std::path::Path;

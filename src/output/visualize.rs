@@ -112,13 +112,16 @@ pub fn aolp(stokes: [f32; 4]) -> f32 {
 
 /// The luminance Stokes vector of a pixel of an image with four components.
 pub fn stokes_at(image: &StokesImage, pixel: usize) -> [f32; 4] {
-    [0, 1, 2, 3].map(|component| match image.color {
-        Color::Rgb => {
-            let value = |channel| image.plane(component, channel)[pixel];
-            0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2)
-        }
-        Color::Mono { .. } => image.plane(component, 0)[pixel],
-    })
+    [0, 1, 2, 3].map(|component| luminance_at(image, component, pixel))
+}
+
+/// One Stokes component of a pixel, its channels combined by luminance.
+pub(super) fn luminance_at(image: &StokesImage, component: usize, pixel: usize) -> f32 {
+    let value = |channel| image.plane(component, channel)[pixel];
+    match image.color {
+        Color::Rgb => 0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2),
+        Color::Mono { .. } => value(0),
+    }
 }
 
 /// The map alone, pixel for pixel; the Stokes planes two by two.
@@ -234,11 +237,14 @@ fn orientation(turn: f32) -> [u8; 3] {
 
 /// What 99 percent of all |S1|, |S2|, |S3| stay below; 1 if there are none.
 fn signed_range(image: &StokesImage) -> f32 {
-    let mut sizes: Vec<f32> = (0..image.width * image.height)
-        .flat_map(|pixel| stokes_at(image, pixel).into_iter().skip(1))
-        .map(f32::abs)
-        .filter(|size| size.is_finite() && *size > 0.0)
-        .collect();
+    let pixels = 0..image.width * image.height;
+    range_of(pixels.flat_map(|pixel| stokes_at(image, pixel).into_iter().skip(1)))
+}
+
+/// What the sizes of 99 percent of the values that are not 0 stay below; 1 if there are none.
+pub(super) fn range_of(values: impl Iterator<Item = f32>) -> f32 {
+    let mut sizes: Vec<f32> =
+        values.map(f32::abs).filter(|size| size.is_finite() && *size > 0.0).collect();
     sizes.sort_by(f32::total_cmp);
     sizes.get(sizes.len() * 99 / 100).copied().unwrap_or(1.0)
 }
@@ -261,12 +267,16 @@ fn intensity(image: &StokesImage, exposure_ev: f32) -> (Picture, Legend) {
 fn plane_legend(component: usize, relative: bool, range: f32) -> Legend {
     let quotient = if relative { "/S0" } else { "" };
     let meaning = ["", "0° (+)  90° (-)", "45° (+)  135° (-)", "right (+)  left (-)"];
-    let ticks = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    signed_legend(format!("S{component}{quotient}  {}", meaning[component]), range, "no light")
+}
+
+/// The legend of a signed value whose colors end at plus and minus `range`; black is `black`.
+pub(super) fn signed_legend(title: String, range: f32, black: &'static str) -> Legend {
     Legend {
-        title: format!("S{component}{quotient}  {}", meaning[component]),
+        title,
         bar: Some(Box::new(|t| sample(palette::BLUE_WHITE_RED, t))),
-        ticks: ticks.map(|t: f32| (0.5 + 0.5 * t, number(t * range))).to_vec(),
-        swatches: vec![(NO_LIGHT, "no light")],
+        ticks: [-1.0, 0.0, 1.0].map(|t: f32| (0.5 + 0.5 * t, number(t * range))).to_vec(),
+        swatches: vec![(NO_LIGHT, black)],
         disk: false,
     }
 }
@@ -293,7 +303,7 @@ fn legend_of(map: Map) -> Legend {
     let tenths = ["0", "0.2", "0.4", "0.6", "0.8", "1"];
     let share = ["0 circular", "0.5", "1 linear"];
     let angles = ["0°", "45°", "90°", "135°", "180°"];
-    let hands = ["-1 left", "-0.5", "0", "0.5", "right 1"];
+    let hands = ["-1 left", "0", "right 1"];
     let half_turn = |t: f32| t.rem_euclid(1.0);
     let (title, ticks, bar): (_, _, Box<dyn Fn(f32) -> [u8; 3]>) = match map {
         Map::Dop => ("degree of polarization", plain(&tenths), {
