@@ -16,10 +16,10 @@
 //! vertices and film samples are structure-of-arrays tables of their own and the systems that
 //! advance them are free functions, so do not look for a `World` there.
 
-pub mod film;
-pub mod geometry;
 pub mod math;
-pub mod output;
+pub mod spectrum;
 pub mod polarization;
 pub mod scene;
-pub mod spectrum;
+pub mod geometry;
+pub mod film;
+pub mod output;
