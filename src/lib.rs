@@ -10,15 +10,17 @@
 //! | 2 | [`scene`] | glTF in, a hecs world, dense tables out |
 //! | 3 | [`geometry`] | the tree: closest hit, visibility |
 //! | 4 | [`scattering`] | materials, emitters, the sensor |
-//! | 5 | [`transport`] | tables and the stages that advance them |
+//! | 5 | [`transport`] | tables of paths and the stages that advance them |
 //! | 6 | [`film`] | where measured light is added up |
 //! | 7 | [`integrators`] | schedules of stages: `path`, `light`, `bdpt` |
 //! | 8 | [`output`] | EXR, HDR, PNG, comparison, reports |
+//! | 9 | [`cli`] | arguments, jobs, verbs |
 //!
 //! hecs holds the scene that the user describes; `bake` reads it once into dense tables. Paths,
 //! vertices and film samples are structure-of-arrays tables of their own and the systems that
 //! advance them are free functions, so do not look for a `World` there.
 
+pub mod cli;
 pub mod film;
 pub mod geometry;
 pub mod integrators;

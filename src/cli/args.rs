@@ -177,12 +177,9 @@ pub struct CompareArguments {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-    /// Also draw the difference of one Stokes component as PNG
+    /// Also draw the differences as PNG
     #[arg(long, value_name = "PNG")]
     pub difference: Option<PathBuf>,
-    /// Which component the difference shows, 0 to 3
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..4))]
-    pub component: u8,
 }
 
 /// `inspect` as typed.

@@ -1,0 +1,179 @@
+//! The verb `render`: load, check, render, write.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::film::StokesImage;
+use crate::integrators::profile::STAGES;
+use crate::integrators::{self, Integrator, Mode, Outcome, Settings};
+use crate::output::statistics::{RenderStatistics, peak_memory_bytes};
+use crate::scattering::Scene;
+use crate::scene::{self, World};
+use crate::spectrum::Color;
+
+use super::CliError;
+use super::args::{RenderArguments, StatsFormat};
+use super::job;
+
+/// Renders a scene to a file.
+pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
+    let settings = job::settings(arguments)?;
+    crate::output::check_savable(&arguments.output)?;
+    let world = scene::load_with(&arguments.scene, arguments.camera.as_deref())?;
+    for warning in world.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    match settings.color {
+        Color::Rgb => render_with::<3>(arguments, &settings, &world),
+        Color::Mono { .. } => render_with::<1>(arguments, &settings, &world),
+    }
+}
+
+fn render_with<const N: usize>(
+    arguments: &RenderArguments,
+    settings: &Settings,
+    world: &World,
+) -> Result<(), CliError> {
+    let tables = scene::bake::<N>(world, settings.color)?;
+    let (width, height) = job::film_size(arguments, &tables.camera)?;
+    let scene = Scene::new(tables, width, height);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.unwrap_or(0))
+        .build()
+        .map_err(|error| CliError::System(format!("cannot start threads: {error}")))?;
+    let progress = progress_bar(arguments, settings);
+    let start = Instant::now();
+    let outcome = pool.install(|| {
+        integrators::render(&scene, settings, &|done| progress.set_position(u64::from(done)))
+    });
+    let elapsed = start.elapsed();
+    progress.finish_and_clear();
+
+    let statistics = statistics(arguments, settings, (width, height), &outcome, elapsed, &pool);
+    let mut image = outcome.film.develop();
+    if !arguments.variance {
+        image.variance = None;
+    }
+    image.metadata = metadata(arguments, settings, &statistics);
+    crate::output::save(&image, &arguments.output)?;
+    report(arguments, &statistics, &image)
+}
+
+fn progress_bar(arguments: &RenderArguments, settings: &Settings) -> ProgressBar {
+    if arguments.quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(u64::from(settings.iterations));
+    let template = "{wide_bar} {pos}/{len} iterations, {per_sec}, {eta} left";
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
+    bar
+}
+
+fn name_of(integrator: Integrator) -> &'static str {
+    match integrator {
+        Integrator::Path => "path",
+        Integrator::Light => "light",
+        Integrator::Bdpt => "bdpt",
+    }
+}
+
+fn mode_of(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Scalar => "scalar",
+        Mode::Polarized => "polarized",
+    }
+}
+
+fn color_of(color: Color) -> String {
+    match color {
+        Color::Rgb => "RGB".into(),
+        Color::Mono { wavelength_nm } => format!("{wavelength_nm} nm"),
+    }
+}
+
+fn statistics(
+    arguments: &RenderArguments,
+    settings: &Settings,
+    (width, height): (u32, u32),
+    outcome: &Outcome,
+    elapsed: Duration,
+    pool: &rayon::ThreadPool,
+) -> RenderStatistics {
+    let times = outcome.profile.times.map(|time| time.as_secs_f64());
+    let mut statistics = RenderStatistics {
+        scene: arguments.scene.display().to_string(),
+        integrator: name_of(settings.integrator).into(),
+        mode: mode_of(settings.mode).into(),
+        color: color_of(settings.color),
+        width: width as usize,
+        height: height as usize,
+        iterations: u64::from(outcome.iterations),
+        threads: pool.current_num_threads(),
+        seconds: elapsed.as_secs_f64(),
+        cpu_seconds: None,
+        samples_per_second: 0.0,
+        rays_closest: outcome.profile.rays_closest,
+        rays_visibility: outcome.profile.rays_visibility,
+        stages: STAGES.map(String::from).into_iter().zip(times).collect(),
+        peak_memory_bytes: peak_memory_bytes(),
+    };
+    statistics.count_samples();
+    statistics
+}
+
+fn metadata(
+    arguments: &RenderArguments,
+    settings: &Settings,
+    statistics: &RenderStatistics,
+) -> Vec<(String, String)> {
+    let command: Vec<String> = std::env::args().collect();
+    let replicates = settings.replicates.to_string();
+    [
+        ("scene", statistics.scene.clone()),
+        ("command", command.join(" ")),
+        ("integrator", statistics.integrator.clone()),
+        ("mode", statistics.mode.clone()),
+        ("color", statistics.color.clone()),
+        ("iterations", statistics.iterations.to_string()),
+        ("replicates", replicates),
+        ("max path length", arguments.max_path_length.to_string()),
+        ("roulette after", arguments.roulette_after.to_string()),
+        ("seed", settings.seed.to_string()),
+        ("seconds", format!("{:.3}", statistics.seconds)),
+        ("version", env!("CARGO_PKG_VERSION").into()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .to_vec()
+}
+
+/// Says what was done: statistics on standard output if asked for, a line on standard error.
+fn report(
+    arguments: &RenderArguments,
+    statistics: &RenderStatistics,
+    image: &StokesImage,
+) -> Result<(), CliError> {
+    match arguments.stats {
+        Some(StatsFormat::Json) => {
+            let text = serde_json::to_string_pretty(statistics)
+                .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
+            println!("{text}");
+        }
+        Some(StatsFormat::Text) => println!("{statistics}"),
+        None => {}
+    }
+    if !arguments.quiet {
+        eprintln!(
+            "{}: {} x {}, {} iterations of {} ({}) in {:.2} s",
+            arguments.output.display(),
+            image.width,
+            image.height,
+            statistics.iterations,
+            statistics.integrator,
+            statistics.mode,
+            statistics.seconds
+        );
+    }
+    Ok(())
+}
