@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use sunstone::film::image::StokesImage;
 use sunstone::output::picture::Picture;
-use sunstone::output::visualize::{self, Map, aolp, colorize, dop};
+use sunstone::output::visualize::{self, Map, View, aolp, colorize, dop};
 use sunstone::output::{palette, png};
 use sunstone::spectrum::Color;
 
@@ -27,7 +27,7 @@ fn row(vectors: &[[f32; 4]], color: Color) -> StokesImage {
 }
 
 fn colors(vectors: &[[f32; 4]], map: Map) -> Vec<[u8; 3]> {
-    colorize(&row(vectors, MONO), map, 0.0).unwrap().pixels
+    colorize(&row(vectors, MONO), map, &View::default()).unwrap().pixels
 }
 
 /// A sky: full intensity range over x, a turning and ellipticizing polarization over y.
@@ -160,12 +160,12 @@ fn angles_are_cyclic_hues() {
 #[test]
 fn stokes_planes_are_signed() {
     let vectors = [[2.0, 2.0, -2.0, 0.0], [1.0, -1.0, 0.0, 1.0]];
-    let picture = colorize(&row(&vectors, MONO), Map::StokesRelative, 0.0).unwrap();
+    let picture = colorize(&row(&vectors, MONO), Map::StokesRelative, &View::default()).unwrap();
     let [minus, zero, plus] = [[10, 50, 130], [247, 247, 245], [130, 5, 30]];
     let white = [255; 3];
     assert_eq!((picture.width, picture.height), (4, 2));
     assert_eq!(picture.pixels, [white, white, plus, minus, minus, zero, zero, plus]);
-    let absolute = colorize(&row(&vectors, MONO), Map::Stokes, 0.0).unwrap();
+    let absolute = colorize(&row(&vectors, MONO), Map::Stokes, &View::default()).unwrap();
     assert_eq!(absolute.pixels[2], plus);
 }
 
@@ -183,7 +183,10 @@ fn rgb_is_combined_by_luminance() {
 fn images_of_intensity_alone_show_only_that() {
     let image = StokesImage::new(3, 2, MONO, 1);
     for map in Map::ALL {
-        assert_eq!(visualize::visualize(&image, map, 0.0).is_ok(), map == Map::Intensity);
+        assert_eq!(
+            visualize::visualize(&image, map, &View::default()).is_ok(),
+            map == Map::Intensity
+        );
         assert_eq!(map.name().parse(), Ok(map));
     }
     assert!("rainbow".parse::<Map>().unwrap_err().contains("linear-circular"));
@@ -194,12 +197,33 @@ fn legends_are_drawn_at_every_size() {
     for (width, height) in [(1, 1), (3, 200), (64, 64), (251, 10), (900, 300)] {
         let image = ramps(width.max(2), height.max(2), Color::Rgb);
         for map in Map::ALL {
-            let bare = colorize(&image, map, 0.0).unwrap();
-            let full = visualize::visualize(&image, map, 0.0).unwrap();
+            let bare = colorize(&image, map, &View::default()).unwrap();
+            let full = visualize::visualize(&image, map, &View::default()).unwrap();
             assert!(full.width >= 250 && full.height > bare.height);
             assert_eq!(full.pixels.len(), full.width * full.height);
         }
     }
+}
+
+#[test]
+fn weak_polarization_can_be_shown_on_a_shorter_scale() {
+    let weak = row(&[[1.0, 0.03, 0.0, 0.0], [1.0, 0.0, 0.0, -0.05], [1.0, 0.0, 0.0, 0.0]], MONO);
+    let view = View::fitted(&weak);
+    assert_eq!(view.degree_max, 0.05);
+    let picture = colorize(&weak, Map::Dop, &view).unwrap();
+    assert_eq!(picture.pixels[1..], [[255, 226, 48], [22, 38, 148]]);
+    let picture = colorize(&weak, Map::Chirality, &view).unwrap();
+    assert_eq!(picture.pixels[1], [90, 190, 255]);
+    // Below the fading degree a color is mixed with grey, from there on it is full.
+    let faded = View { degree_faded: 0.04, ..view };
+    let pixels = colorize(&weak, Map::LinearCircular, &faded).unwrap().pixels;
+    assert_eq!(pixels[1..], [[22, 38, 148], palette::NEUTRAL]);
+    assert_eq!(pixels[0], palette::mix(palette::NEUTRAL, [255, 226, 48], 0.75));
+    for odd in [0.0, -1.0, f32::NAN] {
+        let view = View { degree_max: odd, degree_faded: odd, exposure_ev: odd };
+        assert!(Map::ALL.into_iter().all(|map| visualize::visualize(&weak, map, &view).is_ok()));
+    }
+    assert_eq!(View::fitted(&StokesImage::new(2, 2, MONO, 1)), View::default());
 }
 
 /// Writes the gallery that a person looks at after a change to the palettes or legends.
@@ -207,10 +231,10 @@ fn legends_are_drawn_at_every_size() {
 fn gallery() {
     for (name, image) in [("large", ramps(480, 360, Color::Rgb)), ("small", ramps(64, 48, MONO))] {
         for map in Map::ALL {
-            let picture = visualize::visualize(&image, map, 0.0).unwrap();
+            let picture = visualize::visualize(&image, map, &View::default()).unwrap();
             png::write(&picture, &folder().join(format!("{name}-{}.png", map.name()))).unwrap();
         }
-        let picture = visualize::panels(&image, 0.0).unwrap();
+        let picture = visualize::panels(&image, &View::default()).unwrap();
         png::write(&picture, &folder().join(format!("{name}-panels.png"))).unwrap();
     }
 }

@@ -7,8 +7,8 @@
 //! A z-score is a difference over the combined standard error of both images; an image without
 //! variance counts as exact. Limits are what images that differ by Gaussian noise of the stated
 //! variance exceed in one of a thousand comparisons; variances that are estimated from few runs
-//! have heavier tails (16 runs: an rms z of 1.07 is expected). Channels of one pixel may share all of
-//! their noise, so that a limit counts pixels and not channels.
+//! have heavier tails (16 runs: an rms z of 1.07 is expected). Channels of one pixel may share all
+//! of their noise, so that a limit counts pixels and not channels.
 
 use std::fmt;
 
@@ -351,6 +351,14 @@ impl Comparison {
         )?;
         let rows = self.components.iter().filter_map(|row| Some((row, row.significance.as_ref()?)));
         for (row, found) in rows {
+            if found.count == 0 {
+                writeln!(
+                    f,
+                    "{:<4} exact in both images, {} values differ",
+                    row.name, found.exact_mismatches
+                )?;
+                continue;
+            }
             let (x, y) = found.worst_block;
             writeln!(
                 f,

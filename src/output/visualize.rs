@@ -8,7 +8,7 @@
 //! The channels of RGB images are combined by luminance first, each Stokes component as
 //! 0.2126 R + 0.7152 G + 0.0722 B, and the formulas applied to the result. Where there is no light
 //! (S0 not above 0, or not a number) a map is black; where a map asks for a direction or a type
-//! that weak polarization does not have, it fades to grey below a degree of 0.02.
+//! that weak polarization does not have, it fades to grey ([`View::degree_faded`]).
 
 use std::str::FromStr;
 
@@ -83,6 +83,50 @@ impl Map {
     }
 }
 
+/// How a map is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Exposure of intensities: values are multiplied by two to this power.
+    pub exposure_ev: f32,
+    /// The degree of polarization at which a scale, or a brightness, reaches its end; 1 shows the
+    /// whole range and less shows weak polarization.
+    pub degree_max: f32,
+    /// The degree of polarization from which on a type or a direction has its full color; below,
+    /// it fades to grey, for there it would be noise.
+    pub degree_faded: f32,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self { exposure_ev: 0.0, degree_max: 1.0, degree_faded: 0.01 }
+    }
+}
+
+impl View {
+    /// Scales that end at the first of 1, 0.5, 0.2, 0.1, ... 0.001 that holds 99 percent of what is
+    /// polarized.
+    pub fn fitted(image: &StokesImage) -> Self {
+        let polarized = image.components == 4 && check_shape(image).is_ok();
+        let pixels = if polarized { image.width * image.height } else { 0 };
+        let range = range_of((0..pixels).map(|pixel| dop(stokes_at(image, pixel))));
+        let ends = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
+        let degree_max = ends.into_iter().find(|end| range <= *end).unwrap_or(1.0);
+        Self { degree_max, ..Self::default() }
+    }
+
+    /// A degree or signed share on the scale that ends at `degree_max`.
+    fn scaled(&self, degree: f32) -> f32 {
+        if self.degree_max > 0.0 { (degree / self.degree_max).clamp(-1.0, 1.0) } else { 0.0 }
+    }
+
+    fn fade(&self, color: [u8; 3], degree: f32) -> [u8; 3] {
+        match degree < self.degree_faded {
+            true => mix(NEUTRAL, color, degree / self.degree_faded),
+            false => color,
+        }
+    }
+}
+
 impl FromStr for Map {
     type Err = String;
 
@@ -125,8 +169,8 @@ pub(super) fn luminance_at(image: &StokesImage, component: usize, pixel: usize) 
 }
 
 /// The map alone, pixel for pixel; the Stokes planes two by two.
-pub fn colorize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Picture, OutputError> {
-    let views = views(image, map, exposure_ev)?;
+pub fn colorize(image: &StokesImage, map: Map, view: &View) -> Result<Picture, OutputError> {
+    let views = views(image, map, view)?;
     let mut pictures = views.into_iter().map(|(picture, _)| picture);
     match (map, pictures.next()) {
         (Map::Stokes | Map::StokesRelative, Some(first)) => {
@@ -142,8 +186,8 @@ pub fn colorize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Pictu
 }
 
 /// The map with its legend beneath; small images are enlarged.
-pub fn visualize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Picture, OutputError> {
-    let views = views(image, map, exposure_ev)?;
+pub fn visualize(image: &StokesImage, map: Map, view: &View) -> Result<Picture, OutputError> {
+    let views = views(image, map, view)?;
     let pictures: Vec<Picture> =
         views.iter().map(|(picture, legend)| with_legend(picture, legend)).collect();
     Ok(arrange(&pictures, 2))
@@ -151,10 +195,10 @@ pub fn visualize(image: &StokesImage, map: Map, exposure_ev: f32) -> Result<Pict
 
 /// Intensity, degree of polarization and linear-versus-circular side by side, as in the paper's
 /// figures 3 and 4.
-pub fn panels(image: &StokesImage, exposure_ev: f32) -> Result<Picture, OutputError> {
+pub fn panels(image: &StokesImage, view: &View) -> Result<Picture, OutputError> {
     let mut pictures = Vec::new();
     for map in [Map::Intensity, Map::Dop, Map::LinearCircular] {
-        pictures.push(visualize(image, map, exposure_ev)?);
+        pictures.push(visualize(image, map, view)?);
     }
     Ok(arrange(&pictures, 3))
 }
@@ -162,11 +206,11 @@ pub fn panels(image: &StokesImage, exposure_ev: f32) -> Result<Picture, OutputEr
 fn views(
     image: &StokesImage,
     map: Map,
-    exposure_ev: f32,
+    view: &View,
 ) -> Result<Vec<(Picture, Legend)>, OutputError> {
     check_shape(image).map_err(|reason| OutputError::Image { reason })?;
     if map == Map::Intensity {
-        return Ok(vec![intensity(image, exposure_ev)]);
+        return Ok(vec![intensity(image, view.exposure_ev)]);
     }
     if image.components != 4 {
         let reason = "it holds the intensity alone; render it in the polarized mode";
@@ -174,14 +218,14 @@ fn views(
     }
     let relative = map == Map::StokesRelative;
     if !relative && map != Map::Stokes {
-        let picture = paint(image, |stokes| color_of(map, stokes));
-        return Ok(vec![(picture, legend_of(map))]);
+        let picture = paint(image, |stokes| color_of(map, stokes, view));
+        return Ok(vec![(picture, legend_of(map, view))]);
     }
-    let range = if relative { 1.0 } else { signed_range(image) };
-    let mut views = vec![intensity(image, exposure_ev)];
+    let range = if relative { view.degree_max } else { signed_range(image) };
+    let mut views = vec![intensity(image, view.exposure_ev)];
     for component in 1..4 {
         let picture = paint(image, |stokes| {
-            let scale = if relative { stokes[0] } else { range };
+            let scale = if relative { range * stokes[0] } else { range };
             sample(palette::BLUE_WHITE_RED, 0.5 + 0.5 * stokes[component] / scale)
         });
         views.push((picture, plane_legend(component, relative, range)));
@@ -204,28 +248,23 @@ fn ratio(part: f32, whole: f32) -> f32 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// Full color from a degree of polarization of 0.02 on, grey at none.
-fn fade(color: [u8; 3], degree: f32) -> [u8; 3] {
-    mix(NEUTRAL, color, (degree / 0.02).clamp(0.0, 1.0))
-}
-
-fn color_of(map: Map, stokes: [f32; 4]) -> [u8; 3] {
+fn color_of(map: Map, stokes: [f32; 4], view: &View) -> [u8; 3] {
     let polarized = stokes[1].hypot(stokes[2]).hypot(stokes[3]);
     let linear = ratio(stokes[1].hypot(stokes[2]), polarized);
     let turn = aolp(stokes) / std::f32::consts::PI;
+    let (degree, degree_linear) = (view.scaled(dop(stokes)), view.scaled(dolp(stokes)));
     match map {
-        Map::Dop => sample(palette::BLUE_YELLOW, dop(stokes)),
-        Map::LinearCircular => fade(sample(palette::BLUE_YELLOW, linear), dop(stokes)),
-        Map::Aolp => fade(palette::wheel(turn), dolp(stokes)),
-        Map::AolpDark => palette::hsv(turn, dolp(stokes)),
+        Map::Dop => sample(palette::BLUE_YELLOW, degree),
+        Map::LinearCircular => view.fade(sample(palette::BLUE_YELLOW, linear), dop(stokes)),
+        Map::Aolp => view.fade(palette::wheel(turn), dolp(stokes)),
+        Map::AolpDark => palette::hsv(turn, degree_linear),
         Map::Chirality => {
-            sample(palette::BLUE_DARK_YELLOW, 0.5 + 0.5 * ratio(stokes[3], stokes[0]))
+            let share = view.scaled(ratio(stokes[3], stokes[0]));
+            sample(palette::BLUE_DARK_YELLOW, 0.5 + 0.5 * share)
         }
-        Map::DopRed => sample(palette::BLACK_RED, dop(stokes)),
-        Map::Type => {
-            mix(NO_LIGHT, sample(palette::YELLOW_CYAN, linear), dop(stokes).clamp(0.0, 1.0))
-        }
-        Map::Orientation => mix(NO_LIGHT, orientation(turn), dolp(stokes).clamp(0.0, 1.0)),
+        Map::DopRed => sample(palette::BLACK_RED, degree),
+        Map::Type => mix(NO_LIGHT, sample(palette::YELLOW_CYAN, linear), degree),
+        Map::Orientation => mix(NO_LIGHT, orientation(turn), degree_linear),
         Map::Intensity | Map::Stokes | Map::StokesRelative => NO_LIGHT,
     }
 }
@@ -284,52 +323,53 @@ pub(super) fn signed_legend(title: String, range: f32, black: &'static str) -> L
 /// Three significant digits without trailing zeros.
 fn number(value: f32) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-3..1e4).contains(&size) {
-        return format!("{value:.1e}");
+    if size != 0.0 && !(1e-4..1e5).contains(&size) {
+        return format!("{value:.2e}");
     }
-    let digits = if size >= 100.0 { 0 } else { 3 };
-    let text = format!("{value:.digits$}");
+    let digits = if size == 0.0 { 0.0 } else { (2.0 - size.log10().floor()).max(0.0) };
+    let text = format!("{value:.*}", digits as usize);
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
     }
 }
 
-fn legend_of(map: Map) -> Legend {
-    let plain = |labels: &[&str]| {
+fn legend_of(map: Map, view: &View) -> Legend {
+    let spread = |labels: &[&str]| {
         let last = (labels.len() - 1).max(1) as f32;
         labels.iter().enumerate().map(|(i, label)| (i as f32 / last, (*label).to_owned())).collect()
     };
-    let tenths = ["0", "0.2", "0.4", "0.6", "0.8", "1"];
+    let end = view.degree_max;
+    let degrees = || [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|t: f32| (t, number(t * end))).to_vec();
+    let hands =
+        [format!("{} left", number(-end)), "0".to_owned(), format!("right {}", number(end))];
     let share = ["0 circular", "0.5", "1 linear"];
     let angles = ["0°", "45°", "90°", "135°", "180°"];
-    let hands = ["-1 left", "0", "right 1"];
-    let half_turn = |t: f32| t.rem_euclid(1.0);
-    let (title, ticks, bar): (_, _, Box<dyn Fn(f32) -> [u8; 3]>) = match map {
-        Map::Dop => ("degree of polarization", plain(&tenths), {
-            Box::new(|t| sample(palette::BLUE_YELLOW, t))
-        }),
-        Map::DopRed => ("degree of polarization", plain(&tenths), {
-            Box::new(|t| sample(palette::BLACK_RED, t))
-        }),
-        Map::LinearCircular => ("linear share of polarization", plain(&share), {
-            Box::new(|t| sample(palette::BLUE_YELLOW, t))
-        }),
-        Map::Type => ("type, bright = polarized", plain(&share), {
-            Box::new(|t| sample(palette::YELLOW_CYAN, t))
-        }),
-        Map::Aolp => ("angle of linear polarization", plain(&angles), {
-            Box::new(move |t| palette::wheel(half_turn(t)))
-        }),
-        Map::AolpDark => ("angle, bright = linear", plain(&angles), {
-            Box::new(move |t| palette::hsv(half_turn(t), 1.0))
-        }),
-        Map::Orientation => {
-            ("orientation, bright = linear", plain(&angles), { Box::new(orientation) })
+    let bright = |what: &str, how: &str| match end < 1.0 {
+        true => format!("{what}, bright = {how} {}", number(end)),
+        false => format!("{what}, bright = {how}"),
+    };
+    let (title, ticks, bar): (String, _, fn(f32) -> [u8; 3]) = match map {
+        Map::DopRed => {
+            ("degree of polarization".into(), degrees(), |t| sample(palette::BLACK_RED, t))
         }
-        _ => ("circular share S3/S0", plain(&hands), {
-            Box::new(|t| sample(palette::BLUE_DARK_YELLOW, t))
+        Map::LinearCircular => ("linear share of polarization".into(), spread(&share), |t| {
+            sample(palette::BLUE_YELLOW, t)
         }),
+        Map::Type => {
+            (bright("type", "polarized"), spread(&share), |t| sample(palette::YELLOW_CYAN, t))
+        }
+        Map::Aolp => ("angle of linear polarization".into(), spread(&angles), palette::wheel),
+        Map::AolpDark => (bright("angle", "linear"), spread(&angles), |t| palette::hsv(t, 1.0)),
+        Map::Orientation => (bright("orientation", "linear"), spread(&angles), orientation),
+        Map::Chirality => {
+            ("circular share S3/S0".into(), spread(&hands.each_ref().map(String::as_str)), |t| {
+                sample(palette::BLUE_DARK_YELLOW, t)
+            })
+        }
+        Map::Dop | Map::Intensity | Map::Stokes | Map::StokesRelative => {
+            ("degree of polarization".into(), degrees(), |t| sample(palette::BLUE_YELLOW, t))
+        }
     };
     let unpolarized = match map {
         Map::LinearCircular => Some((NEUTRAL, "unpolarized")),
@@ -337,8 +377,8 @@ fn legend_of(map: Map) -> Legend {
         _ => None,
     };
     Legend {
-        title: title.to_owned(),
-        bar: Some(bar),
+        title,
+        bar: Some(Box::new(bar)),
         ticks,
         swatches: std::iter::once((NO_LIGHT, "no light")).chain(unpolarized).collect(),
         disk: matches!(map, Map::Aolp | Map::AolpDark | Map::Orientation),
