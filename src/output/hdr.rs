@@ -5,8 +5,9 @@
 //!
 //! The price is precision. A channel of S0 is off by at most 1/255 of the largest channel of its
 //! pixel; S/S0 is off by at most 1/128 where a channel of S' comes to 255/128 and 1/256 elsewhere,
-//! so 1/128 always (a channel of S0 that rounds to 0 takes its S1..S3 along). Values that a physical Stokes vector cannot have are clipped: S0 < 0 to 0,
-//! S/S0 < -1 to -1. Variances are not stored. For the full precision there is [`super::exr`].
+//! so 1/128 always; a channel of S0 that rounds to 0 takes its S1..S3 along. Values that a
+//! physical Stokes vector cannot have are clipped: S0 < 0 to 0, S/S0 < -1 to -1. Variances are not
+//! stored. For the full precision there is [`super::exr`].
 //!
 //! Metadata, the wavelength and the number of components stand in the header of `NAME.S0.hdr`,
 //! where other programs pass over them.
