@@ -161,6 +161,9 @@ pub struct VisualizeArguments {
     /// Exposure of intensities in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
+    /// Fit the scales to the image, so that weak polarization shows
+    #[arg(long)]
+    pub fit: bool,
 }
 
 fn map_names() -> PossibleValuesParser {

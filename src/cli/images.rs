@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::output::visualize::{Map, panels, visualize as draw};
+use crate::output::visualize::{Map, View, panels, visualize as draw};
 use crate::output::{self, compare as comparison, inspect as image_inspection, png};
 use crate::scene;
 
@@ -13,11 +13,13 @@ use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments
 pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {
     require_png(&arguments.output)?;
     let image = output::load(&arguments.image)?;
+    let mut view = if arguments.fit { View::fitted(&image) } else { View::default() };
+    view.exposure_ev = arguments.exposure;
     let picture = match Map::ALL.into_iter().find(|map| map.name() == arguments.map) {
-        Some(map) => draw(&image, map, arguments.exposure)?,
+        Some(map) => draw(&image, map, &view)?,
         None => {
             debug_assert_eq!(arguments.map, PANELS);
-            panels(&image, arguments.exposure)?
+            panels(&image, &view)?
         }
     };
     Ok(png::write(&picture, &arguments.output)?)

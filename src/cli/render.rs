@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::film::StokesImage;
 use crate::integrators::profile::STAGES;
 use crate::integrators::{self, Integrator, Mode, Outcome, Settings};
-use crate::output::statistics::{RenderStatistics, peak_memory_bytes};
+use crate::output::stats::{RenderStatistics, peak_memory_bytes};
 use crate::scattering::Scene;
 use crate::scene::{self, World};
 use crate::spectrum::Color;

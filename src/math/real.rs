@@ -134,6 +134,6 @@ impl Real for F32s {
     }
     #[inline(always)]
     fn select(mask: Self, if_true: Self, if_false: Self) -> Self {
-        mask.bitselect(if_true, if_false)
+        mask.select(if_true, if_false)
     }
 }
