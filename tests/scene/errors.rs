@@ -435,7 +435,7 @@ fn a_camera_that_is_not_there_lists_those_that_are() {
     let path = scratch("cameras.gltf");
     fs::write(&path, good().to_string()).unwrap();
     assert!(load_with(&path, Some("eye")).is_ok() && load_with(&path, Some("lens")).is_ok());
-    let error = load_with(&path, Some("nose")).err().unwrap().to_string();
+    let error = load_with(&path, Some("nose")).unwrap_err().to_string();
     assert!(error.contains("`nose`") && error.contains("eye, lens"), "{error}");
 }
 
@@ -451,10 +451,10 @@ fn files_that_are_no_scenes() {
         ("g.glb", b"glTF\x02\0\0\0\x14\0\0\0\xff\xff\xff\x7fJSON".to_vec(), "chunk 0 is cut off"),
     ];
     for (name, bytes, expected) in cases {
-        let error = load_bytes(name, &bytes).err().expect(name);
+        let error = load_bytes(name, &bytes).expect_err(name);
         assert!(error.contains(expected) && error.contains(name), "{error}");
     }
-    let missing = load(&scratch("missing.gltf")).err().unwrap().to_string();
+    let missing = load(&scratch("missing.gltf")).unwrap_err().to_string();
     assert!(missing.contains("missing.gltf") && missing.contains("cannot read"), "{missing}");
     assert!(load(scratch("x").parent().unwrap()).is_err(), "a folder is no scene");
 }
@@ -482,7 +482,7 @@ fn a_small_file_cannot_ask_for_billions_of_triangles() {
     let first = nodes.len();
     nodes.extend((0..10_000).map(|_| json!({"mesh": 0})));
     document["nodes"][1]["children"] = (first..first + 10_000).collect::<Vec<_>>().into();
-    let error = load_json(&document).err().unwrap();
+    let error = load_json(&document).unwrap_err();
     assert!(error.contains("vertices and corners"), "{error}");
 }
 

@@ -49,7 +49,7 @@ fn the_schema_has_the_loaders_keys() {
     let mut document = good();
     document["materials"][0]["extras"] = json!({"sunstone": {"bsdf": ""}});
     document["materials"][0]["extensions"] = json!({});
-    let error = load_json(&document).err().unwrap();
+    let error = load_json(&document).unwrap_err();
     let models = schema["$defs"]["material"]["properties"]["bsdf"]["enum"].as_array().unwrap();
     let models: Vec<&str> = models.iter().filter_map(Value::as_str).collect();
     assert!(error.ends_with(&format!("use one of {}", models.join(", "))), "{error}");
