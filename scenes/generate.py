@@ -418,10 +418,10 @@ def cornell():
     scene.shape("light", "rectangle", scene.material("light", light([16.0, 12.5, 8.5])),
                 scale(0.36), rotate("x", 90), translate(y=0.995))
     scene.shape("mirror block", "cube", aluminum, scale(0.27, 0.6, 0.27), rotate("y", 24),
-                translate(-0.44, -0.4, -0.42))
-    scene.sphere("glass ball", clear, (0.47, -0.64, 0.22), 0.36)
-    scene.sphere("gold ball", gold, (0.2, -0.7, -0.55), 0.3)
-    scene.sphere("copper ball", copper, (-0.3, -0.82, 0.42), 0.18)
+                translate(-0.44, -0.399, -0.42))
+    scene.sphere("glass ball", clear, (0.47, -0.635, 0.22), 0.36)
+    scene.sphere("gold ball", gold, (0.2, -0.695, -0.55), 0.3)
+    scene.sphere("copper ball", copper, (-0.3, -0.815, 0.42), 0.18)
     horizontal = scene.material("polarizer, horizontal", polarizer(0))
     vertical = scene.material("polarizer, vertical", polarizer(90))
     half_wave = scene.material("half-wave plate", retarder(45, 180))
@@ -443,7 +443,7 @@ def caustic_glass():
     scene.shape("back wall", "rectangle", wall, scale(4, 2, 1), translate(y=2, z=-1.6))
     scene.shape("light", "rectangle", scene.material("light", light([2700.0, 2500.0, 2200.0])),
                 scale(0.025), look_at((-1.4, 2.3, 0.9), (0.0, 0.2, 0.0)))
-    scene.sphere("ball", clear, (-0.5, 0.45, 0.15), 0.45)
+    scene.sphere("ball", clear, (-0.5, 0.455, 0.15), 0.45)
     scene.shape("prism", "prism", clear, scale(0.32, 0.32, 0.55), translate(y=0.165),
                 rotate("y", 65), translate(x=0.62, z=0.55))
     scene.shape("cube", "cube", clear, scale(0.3), rotate("y", 28),

@@ -28,13 +28,15 @@ pub struct BakedScene<const N: usize> {
     pub surfaces: Vec<Surface>,
     /// Materials; row 0 always exists.
     pub materials: Vec<Material<N>>,
-    /// Everything that emits, the environment included; at least one row.
+    /// Everything that emits, the environment included; at least one row, none without power.
+    /// Primitives come first, in their order, then punctual lights, then the environment.
     pub emitters: Vec<Emitter<N>>,
     /// The row of the constant environment in `emitters`, or [`NONE`].
     pub environment: u32,
     /// The camera.
     pub camera: Camera,
-    /// Smallest sphere about the bounding box of all primitives, and of the punctual lights.
+    /// Sphere about the bounding box of all primitives and of the punctual lights, larger than
+    /// the smallest one by no more than rounding needs. The camera may be outside.
     pub bounds: Bounds,
 }
 
@@ -167,7 +169,8 @@ pub struct Emitter<const N: usize> {
     pub direction: Vec3,
     /// Spot: cosine of the angle from the axis within which the intensity is full.
     pub cos_inner: f32,
-    /// Spot: cosine of the angle from the axis beyond which it is zero; less than `cos_inner`.
+    /// Spot: cosine of the angle from the axis beyond which it is zero; less than `cos_inner` by
+    /// 0.001 at least.
     /// Between them it falls off as KHR_lights_punctual recommends.
     pub cos_outer: f32,
     /// Triangle, Sphere: area.

@@ -12,6 +12,7 @@
 //! Everything in here has been validated by the loader; `bake` adds what depends on the
 //! wavelengths and on world space.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,6 +27,13 @@ pub struct World {
     pub(super) name: String,
     pub(super) file: PathBuf,
     pub(super) warnings: Vec<String>,
+}
+
+impl fmt::Debug for World {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let count = self.entities.len();
+        write!(f, "World {:?} from {:?} of {count} entities", self.name, self.file)
+    }
 }
 
 impl World {

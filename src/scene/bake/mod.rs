@@ -141,11 +141,22 @@ fn exact_sin_cos_deg(degrees: f64) -> (f64, f64) {
     }
 }
 
+/// Greatest coordinate that tables may hold: squares of areas must still fit into an `f32`.
+const COORDINATE_MAX: f64 = 1e9;
+
+/// Refuses what is further out.
+fn check_range(low: DVec3, high: DVec3, place: &str) -> Result<(), SceneError> {
+    if low.abs().max(high.abs()).max_element() <= COORDINATE_MAX {
+        return Ok(());
+    }
+    let problem = format!("coordinates reach beyond {COORDINATE_MAX:e}");
+    Err(SceneError::new(place, problem, "scale the scene down"))
+}
+
 /// Sphere about the box of all primitives and of the lights that have a place. Its radius is a
 /// little larger than half the diagonal, so that rounding leaves nothing outside.
 fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, SceneError> {
     const MARGIN: f64 = 1.0 + 1e-5;
-    const COORDINATE_MAX: f64 = 1e15;
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     let mut add = |point: Vec3, radius: f32| {
@@ -161,10 +172,7 @@ fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, 
         // Nothing but an environment or directional light.
         return Ok(Bounds { center: Vec3::ZERO, radius: 1.0 });
     }
-    if low.abs().max(high.abs()).max_element() > COORDINATE_MAX {
-        let problem = format!("coordinates reach beyond {COORDINATE_MAX:e}");
-        return Err(SceneError::new("bounds", problem, "scale the scene down"));
-    }
+    check_range(low, high, "bounds of the scene")?;
     let half = 0.5 * (high - low).length() * MARGIN;
     let radius = if half > 0.0 { half as f32 } else { 1.0 };
     Ok(Bounds { center: (0.5 * (low + high)).as_vec3(), radius: radius.max(f32::MIN_POSITIVE) })

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
-use super::Materials;
+use super::{Materials, check_range};
 use crate::scene::baked::{Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Ball, Geometry, MadeOf, Mesh, Name, Transform, World};
@@ -85,6 +85,9 @@ impl Primitives {
             .iter()
             .map(|position| to_world.transform_point3(position.as_dvec3()).as_vec3())
             .collect();
+        for position in &positions {
+            check_range(position.as_dvec3(), position.as_dvec3(), name)?;
+        }
         for (index, triangle) in geometry.triangles.iter().enumerate() {
             // A reflection turns the winding round; the front stays the front.
             let [a, b, c] = *triangle;

@@ -67,7 +67,10 @@ pub const ENVIRONMENT: Keys =
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };
 
-/// All of the above: what the schema must define.
+/// A mesh can have none.
+pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
+
+/// All that have keys: what the schema must define.
 pub const ALL: [&Keys; 8] =
     [&MATERIAL, &NODE, &CAMERA, &FILM, &LIGHT, &SCENE, &ENVIRONMENT, &SPECTRUM];
 
@@ -269,6 +272,9 @@ impl<'a> Body<'a> {
 
 impl Keys {
     fn advice(&self) -> String {
+        if self.known.is_empty() {
+            return format!("a {} has no keys: use its material or node", self.definition);
+        }
         let known = self.known.join(", ");
         format!("the keys of a {} are {known} (see sunstone.schema.json)", self.definition)
     }

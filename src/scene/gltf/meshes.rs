@@ -6,13 +6,16 @@ use glam::{DAffine3, DVec3, Vec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
+use super::extension::{Body, MESH};
 use super::{Import, accessors};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Geometry, MadeOf, Mesh, Transform};
 
-/// Most triangles and vertices that all instances of a scene together may have: what a file of a
+/// Most vertices and corners that all instances of a scene together may have: what a file of a
 /// few kilobytes can ask for must not fill the memory.
 const ELEMENTS_MAX: u64 = 1 << 27;
+/// What a part of a mesh instance counts for beside its vertices and corners.
+const ELEMENTS_OF_PART: u64 = 1 << 8;
 
 impl Import<'_> {
     /// Adds the parts of a mesh instance.
@@ -24,6 +27,7 @@ impl Import<'_> {
     ) -> Result<(), SceneError> {
         let object = &self.document.root.meshes[mesh];
         let label = self.document.label("meshes", mesh);
+        Body::of(&self.document.value["meshes"][mesh], &label, &MESH)?;
         if object.weights.is_some() {
             self.warn(format!("{label}: morph targets are ignored"));
         }
@@ -54,7 +58,9 @@ impl Import<'_> {
         // Counted before anything is read, and again for each instance.
         let corners = primitive.indices.unwrap_or(positions).value();
         let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
-        self.elements = claims.iter().fold(self.elements, |sum, &claim| sum.saturating_add(claim));
+        self.elements = claims
+            .iter()
+            .fold(self.elements + ELEMENTS_OF_PART, |sum, &claim| sum.saturating_add(claim));
         if self.elements > ELEMENTS_MAX {
             let problem = format!("brings the scene above {ELEMENTS_MAX} vertices and corners");
             return Err(SceneError::new(place, problem, "use smaller or fewer meshes"));

@@ -1,6 +1,7 @@
 //! The shipped scenes, baked: counts, places and cameras.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use glam::Vec3;
 use sunstone::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE, Projection};
@@ -177,5 +178,14 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
         let mono = bake::<1>(&world, GREEN).unwrap();
         assert_eq!(mono.emitters[0].radiance, [radiance[1]]);
         assert!(world.describe().contains("smooth dielectric"));
+    }
+}
+
+#[test]
+fn the_files_are_what_the_generator_writes() {
+    let check = Command::new("python3").arg(scene("generate.py")).arg("--check").output();
+    // Machines without Python take the files as they are.
+    if let Ok(output) = check {
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 }

@@ -1,0 +1,7 @@
+//! The scene floor: what glTF files mean, what is refused, and the shipped scenes.
+
+mod common;
+mod errors;
+mod fuzz;
+mod meaning;
+mod reference;

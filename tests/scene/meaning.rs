@@ -1,0 +1,310 @@
+//! What glTF files mean: geometry, materials, lights and the extension's three spellings.
+
+use std::collections::BTreeSet;
+use std::f32::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use crate::common::{data_uri, good, load_json, scratch, square_bytes};
+use glam::Vec3;
+use serde_json::{Value, json};
+use sunstone::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE};
+use sunstone::scene::{bake, extension_keys, load};
+use sunstone::spectrum::Color;
+
+#[track_caller]
+fn baked(document: &Value) -> BakedScene<3> {
+    let world = load_json(document).unwrap_or_else(|error| panic!("{error}"));
+    bake::<3>(&world, Color::Rgb).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn warnings(document: &Value) -> String {
+    load_json(document).unwrap_or_else(|error| panic!("{error}")).warnings().join("\n")
+}
+
+fn normal(scene: &BakedScene<3>, triangle: usize) -> Vec3 {
+    let [a, b, c] = scene.triangles[triangle].corners;
+    (b - a).cross(c - a).normalize()
+}
+
+#[test]
+fn the_schema_has_the_loaders_keys() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sunstone.schema.json");
+    let schema: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+    let definitions = schema["$defs"].as_object().unwrap();
+    let with_keys: BTreeSet<&str> = definitions
+        .iter()
+        .filter(|(_, definition)| definition["properties"].is_object())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert_eq!(with_keys, extension_keys().map(|(name, _)| name).collect());
+    for (name, known) in extension_keys() {
+        let properties = definitions[name]["properties"].as_object().unwrap();
+        let documented: BTreeSet<&str> = properties.keys().map(String::as_str).collect();
+        assert_eq!(documented, known.iter().copied().collect(), "{name}");
+        assert_eq!(definitions[name]["additionalProperties"], json!(false), "{name}");
+        assert!(properties.values().all(|key| key["description"].is_string()), "{name}");
+    }
+    let mut document = good();
+    document["materials"][0]["extras"] = json!({"sunstone": {"bsdf": ""}});
+    document["materials"][0]["extensions"] = json!({});
+    let error = load_json(&document).unwrap_err();
+    let models = schema["$defs"]["material"]["properties"]["bsdf"]["enum"].as_array().unwrap();
+    let models: Vec<&str> = models.iter().filter_map(Value::as_str).collect();
+    assert!(error.ends_with(&format!("use one of {}", models.join(", "))), "{error}");
+}
+
+#[test]
+fn mirrored_meshes_keep_their_front() {
+    for scale in [[1, 1, 1], [-1, 1, 1], [1, -2, 1], [-1, -1, 1]] {
+        let mut document = good();
+        document["nodes"][1]["scale"] = json!(scale);
+        assert!(normal(&baked(&document), 0).z > 0.9, "{scale:?}");
+    }
+    let mut document = good();
+    document["nodes"][1]["scale"] = json!([1, 1, -1]);
+    let scene = baked(&document);
+    assert!(normal(&scene, 0).z < -0.9);
+    assert!(scene.shading_normals.is_empty(), "normals follow their mesh");
+}
+
+#[test]
+fn children_move_with_their_parents() {
+    let mut document = good();
+    document["scenes"][0]["nodes"] = json!([0, 1, 3]);
+    document["nodes"][1]["children"] = json!([2]);
+    document["nodes"][1]["scale"] = json!([2, 2, 2]);
+    document["nodes"][1]["translation"] = json!([1, 0, 0]);
+    let scene = baked(&document);
+    assert_eq!(scene.spheres[0].center, Vec3::new(1.0, 0.0, 4.0));
+    assert_eq!(scene.spheres[0].radius, 1.0);
+    assert_eq!(scene.triangles[0].corners[0], Vec3::new(-1.0, -2.0, 0.0));
+}
+
+/// Replaces the normals of the square's four vertices.
+fn with_normals(normals: [[f32; 3]; 4]) -> Value {
+    let mut bytes = square_bytes();
+    let new: Vec<u8> = normals.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes[48..96].copy_from_slice(&new);
+    let mut document = good();
+    document["buffers"][0]["uri"] = data_uri(&bytes).into();
+    document
+}
+
+#[test]
+fn shading_normals_stay_on_the_front() {
+    let up = [0.0, 0.0, 1.0];
+    let scene = baked(&with_normals([[0.6, 0.0, 0.8], up, up, up]));
+    assert_eq!(scene.shading_normals.len(), 2);
+    assert!((scene.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+
+    let document = with_normals([[0.6, 0.0, -0.8], [0.0; 3], [1.0, 0.0, 0.0], up]);
+    assert!(warnings(&document).contains("normal on the back"));
+    let scene = baked(&document);
+    for (triangle, normals) in scene.shading_normals.iter().enumerate() {
+        for shading in normals {
+            assert!(shading.dot(normal(&scene, triangle)) > 0.0);
+            assert!((shading.length() - 1.0).abs() < 1e-6);
+        }
+    }
+    assert!((scene.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+    assert_eq!(scene.shading_normals[0][1], Vec3::Z);
+    assert!(baked(&with_normals([[0.0, 0.0, 7.0]; 4])).shading_normals.is_empty());
+}
+
+#[test]
+fn strips_fans_and_lists_without_indices() {
+    // The square's vertices in the order of the buffer are a fan; a strip crosses over.
+    for (mode, count) in [(6, 2), (5, 2)] {
+        let mut document = good();
+        let primitive = &mut document["meshes"][0]["primitives"][0];
+        primitive["mode"] = json!(mode);
+        primitive["indices"] = Value::Null;
+        let scene = baked(&document);
+        assert_eq!(scene.triangles.len(), count);
+        assert!(normal(&scene, 0).z > 0.9);
+        assert_eq!(normal(&scene, 1).z > 0.9, mode == 6);
+    }
+    let mut document = good();
+    document["meshes"][0]["primitives"][0]["indices"] = Value::Null;
+    document["accessors"][0]["count"] = json!(3);
+    document["accessors"][1]["count"] = json!(3);
+    assert_eq!(baked(&document).triangles.len(), 1);
+}
+
+#[test]
+fn equal_corners_are_dropped_with_a_warning() {
+    let mut bytes = square_bytes();
+    bytes[104] = 0;
+    let mut document = good();
+    document["buffers"][0]["uri"] = data_uri(&bytes).into();
+    assert_eq!(baked(&document).triangles.len(), 1);
+    assert!(warnings(&document).contains("1 triangles with two equal corners"));
+}
+
+#[test]
+fn interleaved_vertices_and_external_buffers() {
+    let square = square_bytes();
+    let mut bytes: Vec<u8> = (0..4)
+        .flat_map(|v| [&square[12 * v..][..12], &square[48 + 12 * v..][..12]].concat())
+        .collect();
+    bytes.extend(&square[96..]);
+    let path = scratch("external.gltf");
+    let buffer = format!("{} b.bin", path.file_stem().unwrap().to_str().unwrap());
+    fs::write(path.with_file_name(&buffer), &bytes).unwrap();
+    let mut document = good();
+    document["bufferViews"][0] = json!({"buffer": 0, "byteLength": 96, "byteStride": 24});
+    document["bufferViews"][1] = document["bufferViews"][0].clone();
+    document["accessors"][1]["byteOffset"] = json!(12);
+    document["buffers"][0]["uri"] = buffer.replace(' ', "%20").into();
+    fs::write(&path, document.to_string()).unwrap();
+    let scene = bake::<3>(&load(&path).unwrap(), Color::Rgb).unwrap();
+    let reference = baked(&good());
+    assert_eq!(scene.triangles, reference.triangles);
+    assert_eq!(scene.shading_normals, reference.shading_normals);
+}
+
+#[test]
+fn the_extension_has_three_spellings() {
+    let reference = baked(&good()).materials;
+    let mut object = good();
+    object["materials"][0]["extensions"] = json!({});
+    object["materials"][0]["extras"] = json!({"sunstone": {"bsdf": "diffuse", "reflectance": 0.5}});
+    let mut flat = object.clone();
+    flat["materials"][0]["extras"] =
+        json!({"sunstone_bsdf": "diffuse", "sunstone_reflectance": 0.5});
+    let mut both = good();
+    both["materials"][0]["extras"] = json!({"sunstone_reflectance": 0.5, "unrelated": [1]});
+    for document in [object, flat, both] {
+        assert_eq!(baked(&document).materials, reference);
+    }
+}
+
+#[test]
+fn metallic_roughness() {
+    let with = |material: Value| {
+        let mut document = good();
+        document["materials"][0] = material;
+        document
+    };
+    let metal = with(json!({"pbrMetallicRoughness":
+        {"baseColorFactor": [1.0, 0.5, 0.25, 1.0], "roughnessFactor": 0.0}}));
+    let row = baked(&metal).materials[0];
+    assert_eq!((row.kind, row.two_sided), (MaterialKind::Conductor, false));
+    for (f0, channel) in [0.999f32, 0.5, 0.25].into_iter().zip(0..) {
+        let (eta, k) = (row.eta[channel], row.k[channel]);
+        let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+        assert!((found - f0).abs() < 1e-5, "{found} {f0}");
+    }
+    let glass = with(json!({
+        "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
+                       "KHR_materials_ior": {"ior": 1.33}}}));
+    let row = baked(&glass).materials[0];
+    assert_eq!((row.kind, row.ior), (MaterialKind::Dielectric, 1.33));
+    let matte = with(json!({"doubleSided": true, "pbrMetallicRoughness":
+        {"metallicFactor": 0.0, "baseColorFactor": [0.1, 0.2, 0.3, 1.0]}}));
+    let row = baked(&matte).materials[0];
+    assert_eq!((row.kind, row.two_sided), (MaterialKind::Diffuse, true));
+    assert_eq!(row.reflectance, [0.1, 0.2, 0.3]);
+    assert_eq!(warnings(&matte), "");
+    let coated = with(json!({"pbrMetallicRoughness":
+        {"metallicFactor": 0.0, "roughnessFactor": 0.5}}));
+    assert!(warnings(&coated).contains("without glTF's coat"));
+    let mut none = good();
+    none["meshes"][0]["primitives"][0]["material"] = Value::Null;
+    assert_eq!(baked(&none).materials[0].reflectance, [0.8; 3]);
+    assert!(warnings(&none).contains("has no material"));
+}
+
+#[test]
+fn emitters_and_their_probabilities() {
+    let mut document = good();
+    document["materials"][0]["doubleSided"] = json!(true);
+    document["materials"][1]["emissiveFactor"] = json!([1, 1, 1]);
+    document["materials"][1]["extensions"]["KHR_materials_emissive_strength"] =
+        json!({"emissiveStrength": 3.0});
+    document["scenes"][0]["extras"] = json!({"sunstone": {"environment": {"radiance": 0.125}}});
+    let scene = baked(&document);
+    let kinds: Vec<EmitterKind> = scene.emitters.iter().map(|row| row.kind).collect();
+    use EmitterKind::{Environment, Point, Sphere, Triangle};
+    assert_eq!(kinds, [Triangle, Triangle, Sphere, Point, Environment]);
+    assert_eq!(scene.emitter_of_primitive, [0, 1, 2]);
+    assert_eq!(scene.environment, 4);
+    assert_eq!(scene.emitters[2].radiance, [3.0; 3]);
+    assert_eq!(scene.emitters[3].radiance, [1.0; 3], "683 candela are 1 W/sr");
+    let r2 = scene.bounds.radius.powi(2);
+    let powers = [
+        PI * 2.0 * 2.0 * (1.75 / 3.0),
+        PI * 2.0 * 2.0 * (1.75 / 3.0),
+        PI * PI * 3.0,
+        4.0 * PI,
+        4.0 * PI * PI * r2 * 0.125,
+    ];
+    let total: f32 = powers.iter().sum();
+    for (row, power) in scene.emitters.iter().zip(powers) {
+        assert!((row.probability - power / total).abs() < 1e-6, "{:?}", row.kind);
+    }
+}
+
+#[test]
+fn spots_directional_lights_and_units() {
+    let mut document = good();
+    document["nodes"][3]["rotation"] = json!([-0.5f32.sqrt(), 0.0, 0.0, 0.5f32.sqrt()]);
+    document["extensions"]["KHR_lights_punctual"]["lights"][0] = json!({
+        "type": "spot", "intensity": 2.0, "color": [1.0, 0.5, 0.25], "range": 10.0,
+        "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.3},
+        "extensions": {"SUNSTONE_polarization": {"units": "radiometric"}}});
+    assert!(warnings(&document).contains("range is ignored"));
+    let spot = *baked(&document).emitters.last().unwrap();
+    assert_eq!((spot.kind, spot.radiance), (EmitterKind::Spot, [2.0, 1.0, 0.5]));
+    assert!((spot.direction - Vec3::NEG_Y).length() < 1e-6);
+    assert!(spot.cos_outer < spot.cos_inner && spot.cos_inner == 0.3f32.cos());
+    assert_eq!(spot.position, Vec3::new(0.0, 3.0, 0.0));
+
+    document["extensions"]["KHR_lights_punctual"]["lights"][0] =
+        json!({"type": "directional", "intensity": 683.0});
+    let scene = baked(&document);
+    let sun = *scene.emitters.last().unwrap();
+    assert_eq!((sun.kind, sun.radiance), (EmitterKind::Directional, [1.0; 3]));
+    assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6);
+    assert!(scene.bounds.center.y.abs() < 1e-6, "a sun is nowhere");
+}
+
+#[test]
+fn an_environment_alone_is_a_scene() {
+    let document = json!({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}],
+        "extras": {"sunstone_environment": {"radiance": [1, 2, 3]}}});
+    let scene = baked(&document);
+    assert_eq!((scene.environment, scene.emitters[0].probability), (0, 1.0));
+    assert_eq!(scene.emitters[0].radiance, [1.0, 2.0, 3.0]);
+    assert_eq!((scene.materials.len(), scene.camera.resolution), (1, None));
+    assert!(scene.bounds.radius > 0.0 && scene.emitters[0].primitive == NONE);
+}
+
+#[test]
+fn what_is_ignored_is_said() {
+    let mut document = good();
+    document["extensionsUsed"] = json!(["EXT_sparkle"]);
+    document["materials"][0]["extensions"]["KHR_materials_sheen"] = json!({});
+    document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
+    document["cameras"][0]["extensions"] =
+        json!({"SUNSTONE_polarization": {"film": {"resolution": [64, 32]}}});
+    let said = warnings(&document);
+    for expected in ["EXT_sparkle", "KHR_materials_sheen", "vertex colors", "stretched"] {
+        assert!(said.contains(expected), "no `{expected}` in: {said}");
+    }
+}
+
+#[test]
+fn the_same_file_gives_the_same_tables() {
+    let [first, second] = [0, 1].map(|_| format!("{:?}", baked(&good())));
+    assert_eq!(first, second);
+    let text = load_json(&good()).unwrap().describe();
+    for expected in ["2 triangles", "1 analytic spheres", "smooth dielectric, ior 1.5", "Point"] {
+        assert!(text.contains(expected), "no `{expected}` in: {text}");
+    }
+}
