@@ -6,6 +6,7 @@ mod bounce;
 mod light;
 mod path;
 pub mod profile;
+pub mod threads;
 mod workspace;
 
 use std::sync::Mutex;
