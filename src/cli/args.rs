@@ -94,7 +94,7 @@ pub enum StatsFormat {
 
 /// `render` as typed.
 #[derive(Debug, Args)]
-#[command(after_long_help = RENDER_NOTES)]
+#[command(after_long_help = RENDER_NOTES, args_override_self = true)]
 pub struct RenderArguments {
     /// The scene: .gltf or .glb
     #[arg(value_name = "SCENE")]
