@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // Nothing may come before the check of the processor that `run` begins with.
     sunstone::cli::run()
 }

@@ -30,7 +30,16 @@ Examples:
   sunstone inspect scenes/cornell.gltf
       what is in a scene (or an image), in words
 
+'sunstone help render' explains all options of a verb, 'sunstone render -h' lists them.
 Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong.";
+
+const RENDER_NOTES: &str = "\
+Results go to the output file and, with --stats, to standard output; progress, warnings and the \
+closing line go to standard error. The output appears under its name when it is complete: a \
+render that is interrupted or fails leaves a former file as it was.
+
+The image depends on the scene, the options above --threads and the seed alone: the same command \
+gives the same bits on any number of threads, unless --time-limit ends it.";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
@@ -48,29 +57,29 @@ pub enum Command {
 /// Integrators by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum IntegratorName {
-    /// From the sensor, with next-event estimation
+    /// From the sensor, with next-event estimation: plain path tracing
     Path,
-    /// From the emitters, connected to the sensor
+    /// From the emitters, connected to the sensor; sees nothing behind glass or in mirrors
     Light,
-    /// From both, with all connections
+    /// From both, with all connections, each weighted by what it is good at
     Bdpt,
 }
 
 /// Modes by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ModeName {
-    /// Intensity only
+    /// Intensity only; traces the same paths as `polarized`
     Scalar,
-    /// Stokes vectors
+    /// Stokes vectors: S0 to S3
     Polarized,
 }
 
 /// Color modes by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ColorName {
-    /// Red, green and blue
+    /// Red, green and blue, linear, sRGB primaries
     Rgb,
-    /// One wavelength
+    /// One wavelength; see --wavelength
     Mono,
 }
 
@@ -85,64 +94,81 @@ pub enum StatsFormat {
 
 /// `render` as typed.
 #[derive(Debug, Args)]
+#[command(after_long_help = RENDER_NOTES, args_override_self = true)]
 pub struct RenderArguments {
     /// The scene: .gltf or .glb
+    #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Where to write: .exr (everything), .hdr (S0 and S' of Jarabo and Gutierrez 2016), .png
-    #[arg(short, long)]
+    /// Where to write: .exr keeps everything, .hdr is a set of pictures, .png a preview
+    ///
+    /// .exr: OpenEXR, 32-bit float, with all Stokes components, variances and metadata.
+    /// .hdr: Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and
+    /// Gutierrez 2016 store them, with 8 bits of precision.
+    /// .png: S0 alone, as sRGB.
+    #[arg(short, long, value_name = "FILE", verbatim_doc_comment)]
     pub output: PathBuf,
+
     /// How light is found
-    #[arg(long, value_enum, default_value = "bdpt")]
+    #[arg(long, value_enum, default_value = "bdpt", help_heading = LIGHT)]
     pub integrator: IntegratorName,
     /// Intensity only, or Stokes vectors
-    #[arg(long, value_enum, default_value = "polarized")]
+    #[arg(long, value_enum, default_value = "polarized", help_heading = LIGHT)]
     pub mode: ModeName,
     /// What the channels stand for
-    #[arg(long, value_enum, default_value = "rgb")]
+    #[arg(long, value_enum, default_value = "rgb", help_heading = LIGHT)]
     pub color: ColorName,
-    /// Wavelength of `--color mono`, in nanometers [default: 550]
-    #[arg(long, value_name = "NM")]
+    /// Wavelength of --color mono, in nanometers [default: 550]
+    #[arg(long, value_name = "NM", help_heading = LIGHT)]
     pub wavelength: Option<f32>,
-    /// Samples per pixel (also --iterations)
-    #[arg(long, visible_alias = "iterations", value_name = "N", default_value_t = 64)]
-    pub spp: u32,
-    /// Width in pixels [default: the scene's, or 512]
-    #[arg(long, value_name = "PIXELS")]
-    pub width: Option<u32>,
-    /// Height in pixels [default: from the width and the camera's aspect]
-    #[arg(long, value_name = "PIXELS")]
-    pub height: Option<u32>,
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light
-    #[arg(long, value_name = "SEGMENTS", default_value_t = 16)]
+    #[arg(long, value_name = "SEGMENTS", default_value_t = 16, help_heading = LIGHT)]
     pub max_path_length: u32,
-    /// Segments after which roulette may end a path
-    #[arg(long, value_name = "SEGMENTS", default_value_t = 6)]
+    /// Segments after which roulette may end a path; it adds noise and no error
+    #[arg(long, value_name = "SEGMENTS", default_value_t = 6, help_heading = LIGHT)]
     pub roulette_after: u32,
+
+    /// Samples per pixel; one iteration is one sample in every pixel
+    #[arg(long, visible_alias = "iterations", value_name = "N", default_value_t = 64)]
+    #[arg(help_heading = SAMPLES)]
+    pub spp: u32,
     /// Stop after this many seconds, with the iterations done by then
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
-    /// Seed of all randomness; the same seed gives the same bits on any number of threads
-    #[arg(long, default_value_t = 0)]
+    /// Seed of all randomness
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,
-    /// Threads [default: all processors]
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Name of the camera [default: the scene's first]
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
-    /// Also store the variance of every value, from independent replicates
-    #[arg(long)]
+    /// Also store the variance of every value, from independent replicates (.exr only)
+    #[arg(long, help_heading = SAMPLES)]
     pub variance: bool,
     /// Independent replicates that the iterations are split into [default: 16 with --variance]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub replicates: Option<u32>,
-    /// Print what the render took
-    #[arg(long, value_enum, value_name = "FORMAT")]
+
+    /// Width in pixels [default: the scene's, or 512]
+    #[arg(long, value_name = "PIXELS", help_heading = FILM)]
+    pub width: Option<u32>,
+    /// Height in pixels [default: from the width and the camera's aspect]
+    #[arg(long, value_name = "PIXELS", help_heading = FILM)]
+    pub height: Option<u32>,
+    /// Name of the camera [default: the scene's first]
+    #[arg(long, value_name = "NAME", help_heading = FILM)]
+    pub camera: Option<String>,
+
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N", help_heading = RUN)]
+    pub threads: Option<usize>,
+    /// Print what the render took, on standard output
+    #[arg(long, value_enum, value_name = "FORMAT", help_heading = RUN)]
     pub stats: Option<StatsFormat>,
-    /// No progress bar and no closing lines
-    #[arg(short, long)]
+    /// No progress bar, no notes and no closing line; warnings and errors remain
+    #[arg(short, long, help_heading = RUN)]
     pub quiet: bool,
 }
+
+const LIGHT: &str = "Light transport";
+const SAMPLES: &str = "Samples";
+const FILM: &str = "Film";
+const RUN: &str = "Run";
 
 /// The map that is three maps: the paper's figures.
 pub const PANELS: &str = "panels";
@@ -153,7 +179,7 @@ pub struct VisualizeArguments {
     /// The image: .exr, .hdr or .npy
     pub image: PathBuf,
     /// Where to write the PNG
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "PNG")]
     pub output: PathBuf,
     /// Which map; `panels` shows intensity, dop and linear-circular as the paper does
     #[arg(long, default_value = PANELS, value_parser = map_names())]
@@ -161,9 +187,10 @@ pub struct VisualizeArguments {
     /// Exposure of intensities in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
-    /// Fit the scales to the image, so that weak polarization shows
-    #[arg(long)]
-    pub fit: bool,
+    /// Scales that end at full polarization; without it they end where the image's does, so that
+    /// weak polarization shows (the legend says where)
+    #[arg(long, visible_alias = "no-fit")]
+    pub full_scale: bool,
 }
 
 fn map_names() -> PossibleValuesParser {
@@ -177,7 +204,7 @@ pub struct CompareArguments {
     pub image: PathBuf,
     /// What it is compared with
     pub reference: PathBuf,
-    /// Print JSON
+    /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
     /// Also draw the differences as PNG

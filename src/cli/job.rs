@@ -1,5 +1,6 @@
 //! A render as validated: nothing in it can be wrong any more.
 
+use std::fmt::Display;
 use std::time::Duration;
 
 use crate::integrators::{Integrator, Mode, Settings};
@@ -8,34 +9,42 @@ use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{ColorName, IntegratorName, ModeName, RenderArguments};
+use super::files::extension;
 
 /// Replicates where variances are asked for and no number is given.
 const REPLICATES: u32 = 16;
 /// Film width where neither the scene nor the command line names one, in pixels.
 const WIDTH: u32 = 512;
-/// Largest film edge in pixels; beyond it the film alone would take terabytes.
-const EDGE_MAX: u32 = 65_536;
+/// Largest film edge in pixels: what a Radiance picture can have.
+const EDGE_MAX: u32 = 65_535;
+/// Most pixels of a film: they are counted in 32 bits.
+const PIXELS_MAX: u64 = 1 << 31;
+/// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
+const SPP_MAX: u32 = 1 << 30;
+/// Most segments of a path that can be asked for; nothing needs more.
+const PATH_LENGTH_MAX: u32 = 65_535;
+/// Most threads that can be asked for.
+const THREADS_MAX: usize = 4096;
 /// Wavelength where none is named, in nanometers.
 const WAVELENGTH_NM: f32 = 550.0;
 
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
-    let usage = |text: String| Err(CliError::Usage(text));
-    if arguments.spp == 0 {
-        return usage("--spp must be 1 or more".into());
+    within("--spp", arguments.spp, SPP_MAX, "")?;
+    within("--max-path-length", arguments.max_path_length, PATH_LENGTH_MAX, "")?;
+    if let Some(threads) = arguments.threads {
+        within("--threads", threads, THREADS_MAX, "; leave it out to use all processors")?;
     }
-    if arguments.max_path_length == 0 {
-        return usage("--max-path-length must be 1 or more: 1 shows emitters only".into());
+    for (name, edge) in [("--width", arguments.width), ("--height", arguments.height)] {
+        if let Some(edge) = edge {
+            within(name, edge, EDGE_MAX, "")?;
+        }
     }
-    if arguments.threads == Some(0) {
-        return usage("--threads must be 1 or more; leave it out to use all processors".into());
-    }
-    if let Some(edge) = [arguments.width, arguments.height]
-        .into_iter()
-        .flatten()
-        .find(|edge| !(1..=EDGE_MAX).contains(edge))
-    {
-        return usage(format!("--width and --height must be from 1 to {EDGE_MAX}, not {edge}"));
+    if arguments.variance && extension(&arguments.output) != "exr" {
+        return Err(CliError::Usage(format!(
+            "--variance needs an .exr output, and {} is none: other formats store no variances",
+            arguments.output.display()
+        )));
     }
     Ok(Settings {
         integrator: match arguments.integrator {
@@ -55,6 +64,19 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         seed: arguments.seed,
         time_limit: time_limit(arguments)?,
     })
+}
+
+/// Checks that a number is from 1 to `most`.
+fn within<T: PartialOrd + From<u8> + Display>(
+    name: &str,
+    value: T,
+    most: T,
+    advice: &str,
+) -> Result<(), CliError> {
+    if T::from(1) <= value && value <= most {
+        return Ok(());
+    }
+    Err(CliError::Usage(format!("{name} must be from 1 to {most}, not {value}{advice}")))
 }
 
 fn color(arguments: &RenderArguments) -> Result<Color, CliError> {
@@ -121,11 +143,43 @@ pub(super) fn film_size(
             None => (WIDTH, edge(WIDTH as f32 / aspect)),
         },
     };
-    if width > EDGE_MAX || height > EDGE_MAX {
+    let pixels = u64::from(width) * u64::from(height);
+    if width > EDGE_MAX || height > EDGE_MAX || pixels > PIXELS_MAX {
         return Err(CliError::Usage(format!(
-            "a film of {width} x {height} pixels is too large: give --width and --height up to \
-             {EDGE_MAX}"
+            "a film of {width} x {height} pixels is too large: --width and --height go up to \
+             {EDGE_MAX}, and their product up to {PIXELS_MAX}"
         )));
     }
     Ok((width, height))
+}
+
+/// Refuses a film that the memory does not hold, before the system ends the render for it.
+///
+/// Counts what every render needs: the sums of the film in double precision, and the image that
+/// is developed from them, with their variances. The tables of paths come on top; they are small.
+pub(super) fn check_memory(
+    settings: &Settings,
+    (width, height): (u32, u32),
+    available: Option<u64>,
+) -> Result<(), CliError> {
+    let components = match settings.mode {
+        Mode::Scalar => 1,
+        Mode::Polarized => 4,
+    };
+    let bytes_of_value = if settings.replicates > 1 { 3 * 8 + 2 * 4 } else { 2 * 8 + 4 };
+    let values = u64::from(width) * u64::from(height) * components;
+    let needed = values * settings.color.channels() as u64 * bytes_of_value;
+    match available {
+        Some(available) if needed > available => Err(CliError::System(format!(
+            "a film of {width} x {height} pixels needs {:.1} GiB of memory and {:.1} GiB are \
+             available: give a smaller --width and --height",
+            gibibytes(needed),
+            gibibytes(available)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn gibibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
 }

@@ -1,10 +1,14 @@
 //! Floor 9: the command line. Arguments as typed become a validated job; verbs run it.
 
 mod args;
+mod files;
 mod images;
 mod job;
+pub mod processor;
 mod render;
+mod system;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -23,13 +27,31 @@ enum CliError {
     /// A file could not be read or written, or two images do not match.
     #[error(transparent)]
     Output(#[from] crate::output::OutputError),
+    /// Threads could not be started.
+    #[error(transparent)]
+    Threads(#[from] crate::integrators::threads::ThreadsError),
     /// The system refused something.
     #[error("{0}")]
     System(String),
 }
 
 /// Runs the program: 0 done, 1 something went wrong, 2 the command line was wrong.
+///
+/// Begins with [`processor::refusal`]; until that has answered, nothing may run that the
+/// processor might not know.
 pub fn run() -> ExitCode {
+    match processor::refusal() {
+        Some(text) => {
+            // If nobody can hear it, the exit code still says it.
+            let _ = std::io::stderr().write_all(text.as_bytes());
+            ExitCode::FAILURE
+        }
+        None => run_command(),
+    }
+}
+
+#[inline(never)]
+fn run_command() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Visualize(arguments) => images::visualize(&arguments),
@@ -39,7 +61,7 @@ pub fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            files::say(format_args!("error: {error}"));
             ExitCode::from(if matches!(error, CliError::Usage(_)) { 2 } else { 1 })
         }
     }

@@ -1,29 +1,33 @@
 //! The verb `render`: load, check, render, write.
 
 use std::io::IsTerminal;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::film::StokesImage;
 use crate::integrators::profile::STAGES;
+use crate::integrators::threads::Threads;
 use crate::integrators::{self, Integrator, Mode, Outcome, Settings};
 use crate::output::stats::{RenderStatistics, peak_memory_bytes};
 use crate::scattering::Scene;
+use crate::scene::baked::{BakedScene, MaterialKind};
 use crate::scene::{self, World};
 use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{RenderArguments, StatsFormat};
-use super::job;
+use super::files::{print, refuse_overwriting, say};
+use super::{job, system};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let settings = job::settings(arguments)?;
+    refuse_overwriting(&arguments.output, &[&arguments.scene])?;
     crate::output::check_savable(&arguments.output)?;
     let world = scene::load_with(&arguments.scene, arguments.camera.as_deref())?;
     for warning in world.warnings() {
-        eprintln!("warning: {warning}");
+        say(format_args!("warning: {warning}"));
     }
     match settings.color {
         Color::Rgb => render_with::<3>(arguments, &settings, &world),
@@ -37,21 +41,24 @@ fn render_with<const N: usize>(
     world: &World,
 ) -> Result<(), CliError> {
     let tables = scene::bake::<N>(world, settings.color)?;
-    let (width, height) = job::film_size(arguments, &tables.camera)?;
-    let scene = Scene::new(tables, width, height);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0))
-        .build()
-        .map_err(|error| CliError::System(format!("cannot start threads: {error}")))?;
+    let size = job::film_size(arguments, &tables.camera)?;
+    job::check_memory(settings, size, system::available_memory())?;
+    if settings.integrator == Integrator::Light && !arguments.quiet && has_specular(&tables) {
+        say(LIGHT_NOTE);
+    }
+    let scene = Scene::new(tables, size.0, size.1);
+    let threads = Threads::start(arguments.threads)?;
     let progress = progress_bar(arguments, settings);
-    let start = Instant::now();
-    let outcome = pool.install(|| {
+    let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
+    let outcome = threads.run(|| {
         integrators::render(&scene, settings, &|done| progress.set_position(u64::from(done)))
     });
-    let elapsed = start.elapsed();
+    let seconds = start.elapsed().as_secs_f64();
+    let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
     progress.finish_and_clear();
 
-    let statistics = statistics(arguments, settings, (width, height), &outcome, elapsed, &pool);
+    let times = Times { seconds, cpu_seconds, threads: threads.count() };
+    let statistics = statistics(arguments, settings, size, &outcome, times);
     let mut image = outcome.film.develop();
     if !arguments.variance {
         image.variance = None;
@@ -59,6 +66,19 @@ fn render_with<const N: usize>(
     image.metadata = metadata(arguments, settings, &statistics);
     crate::output::save(&image, &arguments.output)?;
     report(arguments, &statistics, &image)
+}
+
+/// Which images particle tracing can make.
+const LIGHT_NOTE: &str = "\
+note: the integrator `light` cannot see through glass and polarizers or into mirrors, so these \
+      are black in its image; `bdpt` and `path` show them";
+
+/// Whether there are surfaces that light paths cannot connect to the sensor from.
+fn has_specular<const N: usize>(tables: &BakedScene<N>) -> bool {
+    let kind = |material: u32| tables.materials[material as usize].kind;
+    tables.surfaces.iter().any(|surface| {
+        !matches!(kind(surface.material), MaterialKind::Absorber | MaterialKind::Diffuse)
+    })
 }
 
 fn progress_bar(arguments: &RenderArguments, settings: &Settings) -> ProgressBar {
@@ -93,13 +113,19 @@ fn color_of(color: Color) -> String {
     }
 }
 
+/// What a render took.
+struct Times {
+    seconds: f64,
+    cpu_seconds: Option<f64>,
+    threads: usize,
+}
+
 fn statistics(
     arguments: &RenderArguments,
     settings: &Settings,
     (width, height): (u32, u32),
     outcome: &Outcome,
-    elapsed: Duration,
-    pool: &rayon::ThreadPool,
+    taken: Times,
 ) -> RenderStatistics {
     let times = outcome.profile.times.map(|time| time.as_secs_f64());
     let mut statistics = RenderStatistics {
@@ -110,9 +136,9 @@ fn statistics(
         width: width as usize,
         height: height as usize,
         iterations: u64::from(outcome.iterations),
-        threads: pool.current_num_threads(),
-        seconds: elapsed.as_secs_f64(),
-        cpu_seconds: None,
+        threads: taken.threads,
+        seconds: taken.seconds,
+        cpu_seconds: taken.cpu_seconds,
         samples_per_second: 0.0,
         rays_closest: outcome.profile.rays_closest,
         rays_visibility: outcome.profile.rays_visibility,
@@ -128,7 +154,8 @@ fn metadata(
     settings: &Settings,
     statistics: &RenderStatistics,
 ) -> Vec<(String, String)> {
-    let command: Vec<String> = std::env::args().collect();
+    let words = std::env::args_os();
+    let command: Vec<String> = words.map(|word| word.to_string_lossy().into_owned()).collect();
     let replicates = settings.replicates.to_string();
     [
         ("scene", statistics.scene.clone()),
@@ -158,13 +185,13 @@ fn report(
         Some(StatsFormat::Json) => {
             let text = serde_json::to_string_pretty(statistics)
                 .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
-            println!("{text}");
+            print(text)?;
         }
-        Some(StatsFormat::Text) => println!("{statistics}"),
+        Some(StatsFormat::Text) => print(statistics)?,
         None => {}
     }
     if !arguments.quiet {
-        eprintln!(
+        say(format_args!(
             "{}: {} x {}, {} iterations of {} ({}) in {:.2} s",
             arguments.output.display(),
             image.width,
@@ -173,7 +200,7 @@ fn report(
             statistics.integrator,
             statistics.mode,
             statistics.seconds
-        );
+        ));
     }
     Ok(())
 }

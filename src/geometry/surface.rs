@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scene::baked::{BakedScene, NONE};
+use crate::scene::baked::{BakedScene, NONE, Triangle};
 
 use super::columns::{HitColumns, RayColumns, store_u32};
 
@@ -58,9 +58,8 @@ pub fn resolve_surfaces<const N: usize>(
         let live = LANES.min(rows.end - row);
         let mut primitive = [NONE; LANES];
         primitive[..live].copy_from_slice(&hits.primitive[row..row + live]);
-        let surface = primitive.map(|p| match scene.surface_of_primitive.get(p as usize) {
-            Some(&surface) => surface,
-            None => NONE,
+        let surface = lanes::each(|lane| {
+            scene.surface_of_primitive.get(primitive[lane] as usize).copied().unwrap_or(NONE)
         });
         let is_sphere = primitive.map(|p| p >= triangle_count && p != NONE);
         let mut points = if primitive.iter().any(|&p| p < triangle_count) {
@@ -111,8 +110,8 @@ fn on_triangles<const N: usize>(
     row: usize,
     scene: &BakedScene<N>,
 ) -> Points {
-    let corners = primitive.map(|p| match scene.triangles.get(p as usize) {
-        Some(triangle) => triangle.corners.map(|corner| corner.to_array()),
+    let corners = lanes::each(|lane| match scene.triangles.get(primitive[lane] as usize) {
+        Some(Triangle { corners: [a, b, c] }) => [a.to_array(), b.to_array(), c.to_array()],
         None => [[0.0; 3]; 3],
     });
     let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| corners[lane][corner]));
@@ -122,10 +121,11 @@ fn on_triangles<const N: usize>(
     let geometric_normal = normalize_or_zero(edge_b.cross(edge_c));
     let mut shading_normal = geometric_normal;
     if !scene.shading_normals.is_empty() {
-        let normals = primitive.map(|p| match scene.shading_normals.get(p as usize) {
-            Some(normals) => normals.map(|normal| normal.to_array()),
-            None => [[0.0; 3]; 3],
-        });
+        let normals =
+            lanes::each(|lane| match scene.shading_normals.get(primitive[lane] as usize) {
+                Some([a, b, c]) => [a.to_array(), b.to_array(), c.to_array()],
+                None => [[0.0; 3]; 3],
+            });
         let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| normals[lane][corner]));
         let sum = b.mul_add(u, c.mul_add(v, a * (F32s::ONE - u - v)));
         let has_length = sum.length_squared().gt(F32s::ZERO);
@@ -144,12 +144,13 @@ fn on_spheres<const N: usize>(
     scene: &BakedScene<N>,
 ) -> Points {
     let first = scene.triangles.len() as u32;
-    let spheres = primitive.map(|p| match scene.spheres.get(p.wrapping_sub(first) as usize) {
-        Some(sphere) => (sphere.center.to_array(), sphere.radius),
-        None => ([0.0; 3], 0.0),
-    });
+    let spheres =
+        lanes::each(|lane| match scene.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
+            Some(sphere) => (sphere.center.to_array(), sphere.radius),
+            None => ([0.0; 3], 0.0),
+        });
     let center = Vector::gather(|lane| spheres[lane].0);
-    let radius = F32s::from(spheres.map(|sphere| sphere.1));
+    let radius = F32s::from(lanes::each(|lane| spheres[lane].1));
     let origin = Vector::load(&rays.origin, row);
     let direction = Vector::load(&rays.direction, row);
     let reached = direction.mul_add(lanes::load(&hits.t, row), origin - center);

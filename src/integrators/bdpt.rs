@@ -52,7 +52,7 @@ pub fn bdpt<const N: usize, M: LightModel<N>>(
         w.profile.time(Stage::Emission, || {
             collect_emission(&mut w.measured, paths, &w.hits[0], scene, path_length, STRATEGY);
         });
-        if path_length == chunk.path_length_max {
+        if path_length == chunk.path_length_max || paths.len == 0 {
             break;
         }
         let bounce = Bounce { path_length, side: Side::Sensor };

@@ -69,7 +69,7 @@ pub(super) fn trace_light_vertices<const N: usize, M: LightModel<N>>(
             let vertices = &mut w.vertices[0];
             store_light_vertices(vertices, sorted, &w.surfaces, scene, diffuse, path_length);
         });
-        if path_length + 1 == chunk.path_length_max {
+        if path_length + 1 == chunk.path_length_max || sorted.len == 0 {
             break;
         }
         w.profile.time(Stage::Scatter, || {

@@ -6,6 +6,7 @@ mod bounce;
 mod light;
 mod path;
 pub mod profile;
+pub mod threads;
 mod workspace;
 
 use std::sync::Mutex;
@@ -24,8 +25,12 @@ use crate::transport::{Chunk, LightModel, Polarized, Scalar};
 use profile::{Profile, Stage};
 use workspace::Workspace;
 
-/// Iterations between two looks at the clock, and between two updates of the film.
+/// Iterations between two looks at the clock.
 const WAVE: u32 = 16;
+
+/// Tiles between two updates of the film: what they found waits in memory until then. Fixed, so
+/// that the order of all sums is.
+const TILES: usize = 256;
 
 /// How light is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,32 +180,33 @@ fn wave<const N: usize, M: LightModel<N>>(
     settings: &Settings,
     (first, count, seed): (u32, u32, u32),
 ) {
-    let tiles = tiles(scene.sensor.width, scene.sensor.height);
-    let results: Vec<TileResult<N>> = tiles
-        .par_iter()
-        .map(|&[x, y, width, height]| {
-            let chunk = |first_iteration: u32, iterations: u32| Chunk {
-                x,
-                y,
-                width,
-                height,
-                first_iteration,
-                iterations,
-                seed,
-                path_length_max: settings.path_length_max,
-                roulette_after: settings.roulette_after,
-            };
-            pool.with(|workspace| tile(workspace, scene, settings, (first, count), chunk))
-        })
-        .collect();
-    profile.time(Stage::Film, || {
-        for (&tile, result) in tiles.iter().zip(&results) {
-            add_sums(film, &result.sums, tile, scene.sensor.width);
-            for splat in &result.splats {
-                film.add(splat.pixel as usize, &splat.value);
+    for tiles in tiles(scene.sensor.width, scene.sensor.height).chunks(TILES) {
+        let results: Vec<TileResult<N>> = tiles
+            .par_iter()
+            .map(|&[x, y, width, height]| {
+                let chunk = |first_iteration: u32, iterations: u32| Chunk {
+                    x,
+                    y,
+                    width,
+                    height,
+                    first_iteration,
+                    iterations,
+                    seed,
+                    path_length_max: settings.path_length_max,
+                    roulette_after: settings.roulette_after,
+                };
+                pool.with(|workspace| tile(workspace, scene, settings, (first, count), chunk))
+            })
+            .collect();
+        profile.time(Stage::Film, || {
+            for (&tile, result) in tiles.iter().zip(&results) {
+                add_sums(film, &result.sums, tile, scene.sensor.width);
+                for splat in &result.splats {
+                    film.add(splat.pixel as usize, &splat.value);
+                }
             }
-        }
-    });
+        });
+    }
 }
 
 /// All chunks of one tile and wave.

@@ -38,7 +38,7 @@ pub fn path<const N: usize, M: LightModel<N>>(
             let strategy = Strategy::Unidirectional;
             collect_emission(&mut w.measured, paths, &w.hits[0], scene, path_length, strategy);
         });
-        if path_length == chunk.path_length_max {
+        if path_length == chunk.path_length_max || paths.len == 0 {
             break;
         }
         let bounce = Bounce { path_length, side: Side::Sensor };

@@ -39,3 +39,14 @@ pub fn load_u32(column: &[u32], row: usize) -> U32s {
     let lanes: [u32; LANES] = column[row..row + LANES].try_into().expect("eight lanes");
     U32s::from(lanes)
 }
+
+/// One value per lane. A plain loop: `array::from_fn` and `map` with closures of some size are not
+/// always inlined, and then cost more than what they compute.
+#[inline(always)]
+pub fn each<T: Copy + Default>(of_lane: impl Fn(usize) -> T) -> [T; LANES] {
+    let mut values = [T::default(); LANES];
+    for (lane, value) in values.iter_mut().enumerate() {
+        *value = of_lane(lane);
+    }
+    values
+}

@@ -109,12 +109,14 @@ impl Vector<F32s> {
     /// Gathers one vector per lane.
     #[inline(always)]
     pub fn gather(vector_of_lane: impl Fn(usize) -> [f32; 3]) -> Self {
-        let rows: [[f32; 3]; LANES] = std::array::from_fn(vector_of_lane);
-        Self {
-            x: F32s::from(rows.map(|row| row[0])),
-            y: F32s::from(rows.map(|row| row[1])),
-            z: F32s::from(rows.map(|row| row[2])),
+        // A plain loop: `array::from_fn` of a closure this size is not always inlined.
+        let mut columns = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let [x, y, z] = vector_of_lane(lane);
+            (columns[0][lane], columns[1][lane], columns[2][lane]) = (x, y, z);
         }
+        let [x, y, z] = columns.map(F32s::from);
+        Self { x, y, z }
     }
 }
 

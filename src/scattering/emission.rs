@@ -1,5 +1,5 @@
-//! Light sources: chosen from a point (next-event estimation), left by a light path, or met by a
-//! sensor path, with the densities that weigh the three against each other.
+//! Light sources as the start of light paths and as what sensor paths meet, with the densities
+//! that weigh these against choosing a point of theirs (`direct`).
 //!
 //! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
 //! when connecting, `emission` that of starting a light path there; both include the probability
@@ -9,30 +9,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
-use crate::scene::baked::{Emitter, EmitterKind, NONE};
+use crate::scene::baked::{Bounds, Emitter, EmitterKind, NONE};
 
 use super::Scene;
-
-/// A point or direction on an emitter, as chosen from a point of the scene.
-#[derive(Clone, Copy, Debug)]
-pub struct DirectSample<const N: usize> {
-    /// Towards the emitter, unit length.
-    pub direction: Vec3,
-    /// The point on the emitter; [`Option::None`] at infinity.
-    pub point: Option<Vec3>,
-    /// Geometric normal there; zero for points without area.
-    pub normal: Vec3,
-    /// Radiance that arrives, or its equivalent for `pdf_w` of a delta emitter.
-    pub radiance: [f32; N],
-    /// `direct` density per steradian at the point of the scene.
-    pub pdf_w: f32,
-    /// Density of emission: per area and steradian, or per steradian for a point.
-    pub emission_pdf: f32,
-    /// Cosine at the emitter, 1 where it has no surface.
-    pub cos_at_light: f32,
-    /// Paths cannot meet the emitter by chance.
-    pub delta: bool,
-}
 
 /// The start of a light path.
 #[derive(Clone, Copy, Debug)]
@@ -72,44 +51,6 @@ pub struct MetEmission<const N: usize> {
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 for the environment.
     pub cos_at_light: f32,
-}
-
-/// Chooses a point or direction of an emitter from `reference`; none if the emitter's front
-/// does not face it.
-pub fn sample_direct<const N: usize>(
-    scene: &Scene<N>,
-    reference: Vec3,
-    choice: f32,
-    u: [f32; 2],
-) -> Option<DirectSample<N>> {
-    let emitter = &scene.tables.emitters[scene.choose_emitter(choice)];
-    match emitter.kind {
-        EmitterKind::Triangle | EmitterKind::Sphere => {
-            let (point, normal) = point_on(scene, emitter, u);
-            direct_from_area(emitter, reference, point, normal)
-        }
-        EmitterKind::Point | EmitterKind::Spot => direct_from_point(emitter, reference),
-        EmitterKind::Directional => Some(DirectSample {
-            direction: -emitter.direction,
-            point: None,
-            normal: Vec3::ZERO,
-            radiance: emitter.radiance,
-            pdf_w: emitter.probability,
-            emission_pdf: emitter.probability * disk_pdf(scene),
-            cos_at_light: 1.0,
-            delta: true,
-        }),
-        EmitterKind::Environment => Some(DirectSample {
-            direction: sphere_direction(u),
-            point: None,
-            normal: Vec3::ZERO,
-            radiance: emitter.radiance,
-            pdf_w: emitter.probability * SPHERE_PDF,
-            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(scene),
-            cos_at_light: 1.0,
-            delta: false,
-        }),
-    }
 }
 
 /// Starts a light path.
@@ -152,7 +93,7 @@ pub fn met_emission<const N: usize>(
         return Some(MetEmission {
             radiance: emitter.radiance,
             direct_pdf: emitter.probability * SPHERE_PDF,
-            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(scene),
+            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(&scene.tables.bounds),
             cos_at_light: 1.0,
         });
     }
@@ -167,11 +108,11 @@ pub fn met_emission<const N: usize>(
 }
 
 /// Density per steradian of a uniform direction.
-const SPHERE_PDF: f32 = FRAC_1_PI / 4.0;
+pub(super) const SPHERE_PDF: f32 = FRAC_1_PI / 4.0;
 
 /// Density per area of a point on the disk through which parallel light enters the scene.
-fn disk_pdf<const N: usize>(scene: &Scene<N>) -> f32 {
-    let radius = scene.tables.bounds.radius;
+pub(super) fn disk_pdf(bounds: &Bounds) -> f32 {
+    let radius = bounds.radius;
     FRAC_1_PI / (radius * radius)
 }
 
@@ -208,48 +149,6 @@ fn point_on<const N: usize>(scene: &Scene<N>, emitter: &Emitter<N>, u: [f32; 2])
     (a + (b - a) * v + (c - a) * w, (b - a).cross(c - a).normalize())
 }
 
-fn direct_from_area<const N: usize>(
-    emitter: &Emitter<N>,
-    reference: Vec3,
-    point: Vec3,
-    normal: Vec3,
-) -> Option<DirectSample<N>> {
-    let offset = point - reference;
-    let distance2 = offset.length_squared();
-    let direction = offset / distance2.sqrt();
-    let cos_at_light = facing(emitter, -direction.dot(normal))?;
-    Some(DirectSample {
-        direction,
-        point: Some(point),
-        normal,
-        radiance: emitter.radiance,
-        pdf_w: emitter.probability * distance2 / (emitter.area * cos_at_light),
-        emission_pdf: area_emission_pdf(emitter, cos_at_light),
-        cos_at_light,
-        delta: false,
-    })
-}
-
-fn direct_from_point<const N: usize>(
-    emitter: &Emitter<N>,
-    reference: Vec3,
-) -> Option<DirectSample<N>> {
-    let offset = emitter.position - reference;
-    let distance2 = offset.length_squared();
-    let direction = offset / distance2.sqrt();
-    let falloff = spot_falloff(emitter, -direction);
-    (falloff > 0.0).then(|| DirectSample {
-        direction,
-        point: Some(emitter.position),
-        normal: Vec3::ZERO,
-        radiance: emitter.radiance.map(|intensity| intensity * falloff),
-        pdf_w: emitter.probability * distance2,
-        emission_pdf: emitter.probability * cone_pdf(emitter),
-        cos_at_light: 1.0,
-        delta: true,
-    })
-}
-
 /// The share of the axial intensity that a point light sends along `direction`: 1 for a point,
 /// for a spot the falloff of KHR_lights_punctual (squared, linear in the cosine).
 fn spot_falloff<const N: usize>(emitter: &Emitter<N>, direction: Vec3) -> f32 {
@@ -263,7 +162,7 @@ fn spot_falloff<const N: usize>(emitter: &Emitter<N>, direction: Vec3) -> f32 {
 }
 
 /// Density per steradian of the direction in which a point light starts a path.
-fn cone_pdf<const N: usize>(emitter: &Emitter<N>) -> f32 {
+pub(super) fn cone_pdf<const N: usize>(emitter: &Emitter<N>) -> f32 {
     let cos_edge = if emitter.kind == EmitterKind::Point { -1.0 } else { emitter.cos_outer };
     0.5 * FRAC_1_PI / (1.0 - cos_edge)
 }
@@ -343,7 +242,7 @@ fn emit_from_infinity<const N: usize>(
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
     let direct_pdf = emitter.probability * direction_pdf;
-    let emission_pdf = direct_pdf * disk_pdf(scene);
+    let emission_pdf = direct_pdf * disk_pdf(&scene.tables.bounds);
     EmissionSample {
         position: bounds.center + on_disk - direction * bounds.radius,
         normal: Vec3::ZERO,

@@ -6,6 +6,7 @@ use crate::geometry::{self, Accelerator};
 use crate::scene::baked::{BakedScene, MaterialKind, NONE};
 
 use super::Sensor;
+use super::direct::DirectTable;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
@@ -17,12 +18,14 @@ pub struct Scene<const N: usize> {
     pub sensor: Sensor,
     /// For every primitive, its row in `tables.materials`.
     pub material_of_primitive: Vec<u32>,
-    /// For every primitive, the kind of that material.
-    pub kind_of_primitive: Vec<MaterialKind>,
+    /// Nothing, then for every primitive, the kind of its material.
+    kind_of_hit: Vec<MaterialKind>,
     /// For every material, the probability with which roulette lets a path go on.
     pub survival_of_material: Vec<f32>,
     /// Bound of the coordinates of all primitives, which scales the offsets of rays.
     pub reach: f32,
+    /// The emitters as connections see them.
+    pub direct: DirectTable<N>,
     /// Running sum of the emitters' probabilities; the last entry is exactly one.
     emitter_cdf: Vec<f32>,
 }
@@ -35,19 +38,18 @@ impl<const N: usize> Scene<N> {
             .iter()
             .map(|&surface| tables.surfaces[surface as usize].material)
             .collect();
-        let kind_of_primitive = material_of_primitive
-            .iter()
-            .map(|&material| tables.materials[material as usize].kind)
-            .collect();
+        let kinds = material_of_primitive.iter().map(|&row| tables.materials[row as usize].kind);
+        let kind_of_hit = std::iter::once(MaterialKind::Absorber).chain(kinds).collect();
         let survival_of_material = tables.materials.iter().map(super::specular::survival).collect();
         Self {
             accelerator: Accelerator::build(&tables.triangles, &tables.spheres),
             sensor: Sensor::new(&tables.camera, width, height),
+            direct: DirectTable::new(&tables),
             reach: geometry::reach(&tables.bounds),
             emitter_cdf: running_sum(tables.emitters.iter().map(|emitter| emitter.probability)),
             tables,
             material_of_primitive,
-            kind_of_primitive,
+            kind_of_hit,
             survival_of_material,
         }
     }
@@ -55,6 +57,12 @@ impl<const N: usize> Scene<N> {
     /// The emitter that the random number `u` in [0, 1) chooses, by its probability.
     pub fn choose_emitter(&self, u: f32) -> usize {
         self.emitter_cdf.partition_point(|&sum| sum <= u).min(self.emitter_cdf.len() - 1)
+    }
+
+    /// The kind of material that a ray hit; nothing ([`NONE`]) counts as an absorber.
+    #[inline(always)]
+    pub fn kind_hit(&self, primitive: u32) -> MaterialKind {
+        self.kind_of_hit[primitive.wrapping_add(1) as usize]
     }
 
     /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees.

@@ -276,8 +276,8 @@ fn extend_row<const N: usize>(
             let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
             let old = std::array::from_fn(|i| lanes::load(&carriers.row[i][channel], row));
             let extended = block.collect_row(turn.collect_row(old));
-            for (column, value) in carriers.row.iter_mut().zip(extended) {
-                lanes::store(&mut column[channel], row, end, value);
+            for (column, value) in carriers.row.iter_mut().zip(&extended) {
+                lanes::store(&mut column[channel], row, end, *value);
             }
         }
         axis.store(&mut carriers.axis, row, end);
@@ -304,9 +304,9 @@ fn store_matrix<const N: usize>(
     end: usize,
     matrix: [[F32s; 4]; 4],
 ) {
-    for (columns, values) in carriers.matrix.iter_mut().zip(matrix) {
+    for (columns, values) in carriers.matrix.iter_mut().zip(&matrix) {
         for (column, value) in columns.iter_mut().zip(values) {
-            lanes::store(&mut column[channel], row, end, value);
+            lanes::store(&mut column[channel], row, end, *value);
         }
     }
 }

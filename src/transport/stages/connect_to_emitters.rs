@@ -3,33 +3,16 @@
 use std::ops::Range;
 
 use crate::geometry::{SurfaceColumns, offset_origin};
-use crate::math::{F32s, LANES, Vector, lanes, warp};
+use crate::math::{F32s, LANES, Real, Vector, lanes, warp};
 use crate::scattering::Scene;
 use crate::scattering::diffuse::{BRDF, Facing};
-use crate::scattering::emission::{DirectSample, sample_direct};
+use crate::scattering::direct::DirectLanes;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::paths::PathTable;
 
 use super::collect_emission::Strategy;
-use super::emit_light_paths::leave;
-use super::row_of;
 use super::scatter_diffuse::{MaterialLanes, facing_of};
-
-/// Eight chosen points or directions, columns of [`DirectSample`]; lanes without one carry no
-/// radiance.
-struct Chosen<const N: usize> {
-    direction: Vector<F32s>,
-    origin: [[f32; 3]; LANES],
-    towards: [[f32; 3]; LANES],
-    t_max: [f32; LANES],
-    radiance: [F32s; N],
-    pdf_w: F32s,
-    emission_pdf: F32s,
-    cos_at_light: F32s,
-    /// 1 where paths can meet the emitter by chance, else 0.
-    reachable: F32s,
-}
 
 /// Connects the rows `rows`, which have hit diffuse surfaces, to one emitter each.
 ///
@@ -47,7 +30,7 @@ pub fn connect_to_emitters<const N: usize, C>(
     connections.clear();
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let chosen = choose(paths, surfaces, scene, row, live, path_length);
+        let chosen = choose(paths, surfaces, scene, row, path_length);
         let material = MaterialLanes::gather(scene, surfaces, row, live);
         let facing = facing_of(surfaces, &material, row);
         let given = -Vector::load(&paths.rays.direction, row);
@@ -68,11 +51,12 @@ pub fn connect_to_emitters<const N: usize, C>(
             let beta = lanes::load(&paths.beta[n], row) * material.reflectance[n];
             (beta * chosen.radiance[n] * factor).to_array()
         });
+        let segments = segments(surfaces, scene.reach, &chosen, row);
         for lane in 0..live {
             let value = values.map(|value| value[lane]);
             if value.iter().any(|&value| value > 0.0) {
-                let (origin, towards) = (chosen.origin[lane], chosen.towards[lane]);
-                connections.push(origin, towards, chosen.t_max[lane], value, (row + lane) as u32);
+                let (origin, towards) = (segments.origin[lane], segments.towards[lane]);
+                connections.push(origin, towards, segments.t_max[lane], value, (row + lane) as u32);
             }
         }
     }
@@ -82,7 +66,7 @@ pub fn connect_to_emitters<const N: usize, C>(
 #[inline(always)]
 fn bidirectional_weight<const N: usize, C>(
     paths: &PathTable<N, C>,
-    chosen: &Chosen<N>,
+    chosen: &DirectLanes<N>,
     facing: &Facing,
     given: Vector<F32s>,
     bsdf_pdf: F32s,
@@ -98,72 +82,50 @@ fn bidirectional_weight<const N: usize, C>(
     F32s::splat(1.0) / (light + F32s::splat(1.0) + sensor)
 }
 
+/// One emitter a row, and a point or direction on it.
 #[inline(always)]
 fn choose<const N: usize, C>(
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
     row: usize,
-    live: usize,
     path_length: u32,
-) -> Chosen<N> {
+) -> DirectLanes<N> {
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
-    let [choice, _] = draw(seed, iteration, path_length, Purpose::Emitter).map(|u| u.to_array());
-    let place = draw(seed, iteration, path_length, Purpose::EmitterPosition).map(|u| u.to_array());
-    let samples: [Option<DirectSample<N>>; LANES] = std::array::from_fn(|lane| {
-        if lane >= live {
-            return None;
-        }
-        let reference = row_of(&surfaces.position, row + lane);
-        sample_direct(scene, reference, choice[lane], place.map(|u| u[lane]))
-    });
-    let field = |of: fn(&DirectSample<N>) -> f32, none: f32| {
-        F32s::from(std::array::from_fn(|lane| samples[lane].as_ref().map_or(none, of)))
-    };
-    let direction = Vector::gather(|lane| {
-        samples[lane].as_ref().map_or([0.0, 0.0, 1.0], |sample| sample.direction.to_array())
-    });
-    let (origin, towards, t_max) = segments(surfaces, scene.reach, &samples, direction, row);
-    Chosen {
-        direction,
-        origin,
-        towards,
-        t_max,
-        radiance: std::array::from_fn(|n| {
-            F32s::from(std::array::from_fn(|lane| {
-                samples[lane].as_ref().map_or(0.0, |sample| sample.radiance[n])
-            }))
-        }),
-        pdf_w: field(|sample| sample.pdf_w, 1.0),
-        emission_pdf: field(|sample| sample.emission_pdf, 0.0),
-        cos_at_light: field(|sample| sample.cos_at_light, 1.0),
-        reachable: field(|sample| if sample.delta { 0.0 } else { 1.0 }, 0.0),
-    }
+    let [choice, _] = draw(seed, iteration, path_length, Purpose::Emitter);
+    let chosen = choice.to_array().map(|u| scene.choose_emitter(u));
+    let u = draw(seed, iteration, path_length, Purpose::EmitterPosition);
+    scene.direct.sample(chosen, Vector::load(&surfaces.position, row), u)
 }
 
-/// Origin, direction and length of the test for each lane, off the surfaces at both ends.
+/// Eight segments to be tested, off the surfaces at both ends.
+struct Segments {
+    origin: [[f32; 3]; LANES],
+    towards: [[f32; 3]; LANES],
+    t_max: [f32; LANES],
+}
+
 #[inline(always)]
 fn segments<const N: usize>(
     surfaces: &SurfaceColumns,
     reach: f32,
-    samples: &[Option<DirectSample<N>>; LANES],
-    direction: Vector<F32s>,
+    chosen: &DirectLanes<N>,
     row: usize,
-) -> ([[f32; 3]; LANES], [[f32; 3]; LANES], [f32; LANES]) {
+) -> Segments {
+    let reach = F32s::splat(reach);
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
-    let origin = offset_origin(position, normal, direction, F32s::splat(reach));
-    let origin = to_rows(origin);
-    let (mut towards, mut t_max) = (to_rows(direction), [f32::INFINITY; LANES]);
-    for (lane, sample) in samples.iter().enumerate() {
-        let Some((sample, point)) = sample.as_ref().and_then(|s| Some((s, s.point?))) else {
-            continue;
-        };
-        let end = leave(point, sample.normal, -sample.direction, reach);
-        (towards[lane], t_max[lane]) = segment(origin[lane], end.to_array());
+    let origin = offset_origin(position, normal, chosen.direction, reach);
+    let end = offset_origin(chosen.point, chosen.normal, -chosen.direction, reach);
+    let offset = end - origin;
+    let length = offset.length();
+    let towards = offset * (F32s::splat(1.0) / length);
+    Segments {
+        origin: to_rows(origin),
+        towards: to_rows(Vector::select(chosen.finite, towards, chosen.direction)),
+        t_max: Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array(),
     }
-    (origin, towards, t_max)
 }
 
 /// Direction and length of the segment between two points that are off their surfaces.

@@ -2,7 +2,7 @@
 
 use crate::geometry::HitColumns;
 use crate::scattering::Scene;
-use crate::scene::baked::NONE;
+use crate::scene::baked::MaterialKind;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::gather;
 use crate::transport::tables::partition::Partition;
@@ -22,10 +22,11 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
     scene: &Scene<N>,
 ) {
     partition.group(paths.len, C::CLASSES, |row| {
-        let primitive = hits.primitive[row];
-        let carries = paths.beta.iter().any(|beta| beta[row] != 0.0);
-        (primitive != NONE && carries)
-            .then(|| (scene.kind_of_primitive[primitive as usize], paths.carriers.class(row)))
+        // Any channel that is not +-0 carries something.
+        let bits = paths.beta.iter().fold(0, |bits, beta| bits | (beta[row].to_bits() << 1));
+        let kind = scene.kind_hit(hits.primitive[row]);
+        let kind = if bits == 0 { MaterialKind::Absorber } else { kind };
+        (kind, paths.carriers.class(row))
     });
     sorted.gather(paths, partition);
     let order = &partition.order;

@@ -30,18 +30,17 @@ pub(super) struct MaterialLanes<const N: usize> {
 impl<const N: usize> MaterialLanes<N> {
     #[inline(always)]
     pub fn gather(scene: &Scene<N>, surfaces: &SurfaceColumns, row: usize, live: usize) -> Self {
-        let materials: [_; LANES] = std::array::from_fn(|lane| {
+        let material = lanes::each(|lane| {
             let primitive = surfaces.primitive[row + lane.min(live - 1)];
-            let material = scene.material_of_primitive[primitive as usize];
-            &scene.tables.materials[material as usize]
+            scene.material_of_primitive[primitive as usize]
         });
-        let two_sided = materials.map(|material| if material.two_sided { 1.0 } else { 0.0 });
-        Self {
-            reflectance: std::array::from_fn(|n| {
-                F32s::from(materials.map(|material| material.reflectance[n]))
-            }),
-            two_sided: F32s::from(two_sided).simd_gt(F32s::splat(0.5)),
+        let of = |lane: usize| &scene.tables.materials[material[lane] as usize];
+        let two_sided = lanes::each(|lane| if of(lane).two_sided { 1.0 } else { 0.0 });
+        let mut reflectance = [F32s::splat(0.0); N];
+        for (n, reflectance) in reflectance.iter_mut().enumerate() {
+            *reflectance = F32s::from(lanes::each(|lane| of(lane).reflectance[n]));
         }
+        Self { reflectance, two_sided: F32s::from(two_sided).simd_gt(F32s::splat(0.5)) }
     }
 }
 

@@ -117,8 +117,8 @@ fn scatter_polarized<const N: usize>(
             let stokes =
                 Stokes(std::array::from_fn(|i| lanes::load(&carriers.stokes[i][channel], row)));
             let Stokes(scattered) = block.scatter(turn.apply(stokes));
-            for (column, value) in carriers.stokes.iter_mut().zip(scattered) {
-                lanes::store(&mut column[channel], row, end, value);
+            for (column, value) in carriers.stokes.iter_mut().zip(&scattered) {
+                lanes::store(&mut column[channel], row, end, *value);
             }
         }
         axis.store(&mut carriers.axis, row, end);

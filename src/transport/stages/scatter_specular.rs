@@ -70,7 +70,8 @@ struct RowLanes<'a, const N: usize> {
     cos_i: F32s,
     /// Mask of the rows that come from the front.
     front: F32s,
-    materials: [&'a Material<N>; LANES],
+    scene: &'a Scene<N>,
+    material: [u32; LANES],
 }
 
 impl<'a, const N: usize> RowLanes<'a, N> {
@@ -85,10 +86,9 @@ impl<'a, const N: usize> RowLanes<'a, N> {
         let direction = Vector::load(&paths.rays.direction, row);
         let geometric = Vector::load(&surfaces.geometric_normal, row);
         let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
-        let materials = std::array::from_fn(|lane| {
+        let material = lanes::each(|lane| {
             let primitive = surfaces.primitive[row + lane.min(live - 1)];
-            let material = scene.material_of_primitive[primitive as usize];
-            &scene.tables.materials[material as usize]
+            scene.material_of_primitive[primitive as usize]
         });
         Self {
             direction,
@@ -96,13 +96,15 @@ impl<'a, const N: usize> RowLanes<'a, N> {
             normal,
             cos_i: (-direction.dot(normal)).min(F32s::splat(1.0)),
             front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
-            materials,
+            scene,
+            material,
         }
     }
 
     #[inline(always)]
     fn field(&self, of: impl Fn(&Material<N>) -> f32) -> F32s {
-        F32s::from(self.materials.map(of))
+        let materials = &self.scene.tables.materials;
+        F32s::from(lanes::each(|lane| of(&materials[self.material[lane] as usize])))
     }
 }
 
@@ -255,7 +257,7 @@ fn depart<const N: usize, C>(
             Real::select(flat, F32s::splat(1.0), ratio)
         }
     };
-    for (n, weight) in weight.into_iter().enumerate() {
+    for (n, &weight) in weight.iter().enumerate() {
         let beta = lanes::load(&paths.beta[n], row) * weight * adjoint;
         lanes::store(&mut paths.beta[n], row, end, beta);
     }

@@ -23,11 +23,8 @@ pub struct Partition {
     /// The groups, in the order of the new rows; none is empty.
     pub parts: Vec<Part>,
     keys: Vec<u8>,
-    starts: Vec<u32>,
+    counts: Vec<u32>,
 }
-
-/// Key of a row that ends.
-const DROPPED: u8 = u8::MAX;
 
 /// The kinds that scatter, in the order of their rows.
 const KINDS: [MaterialKind; 5] = [
@@ -39,37 +36,36 @@ const KINDS: [MaterialKind; 5] = [
 ];
 
 impl Partition {
-    /// Groups the rows `0..rows`; `kind_and_class` is none for rows that end.
+    /// Groups the rows `0..rows`; rows whose kind is [`MaterialKind::Absorber`] end.
     pub fn group(
         &mut self,
         rows: usize,
         classes: usize,
-        kind_and_class: impl Fn(usize) -> Option<(MaterialKind, usize)>,
+        kind_and_class: impl Fn(usize) -> (MaterialKind, usize),
     ) {
+        // Key 0 is that of the rows that end: they are sorted like the others, without a branch
+        // that would be guessed wrong, and cut off in the end.
+        let keys = KINDS.len() * classes + 1;
         self.keys.clear();
-        self.starts.clear();
-        self.starts.resize(KINDS.len() * classes + 1, 0);
+        self.counts.clear();
+        self.counts.resize(keys, 0);
         for row in 0..rows {
-            let key = match kind_and_class(row) {
-                Some((kind, class)) if kind != MaterialKind::Absorber => {
-                    let key = (kind as usize - MaterialKind::Diffuse as usize) * classes + class;
-                    self.starts[key + 1] += 1;
-                    key as u8
-                }
-                _ => DROPPED,
-            };
-            self.keys.push(key);
+            let (kind, class) = kind_and_class(row);
+            let place = (kind as usize).wrapping_sub(MaterialKind::Diffuse as usize);
+            let key = place.wrapping_mul(classes).wrapping_add(class + 1);
+            let key = if kind == MaterialKind::Absorber { 0 } else { key };
+            self.counts[key] += 1;
+            self.keys.push(key as u8);
         }
-        self.list_parts(classes);
+        let ended = self.list_parts(classes);
         self.order.clear();
-        self.order.resize(self.starts[KINDS.len() * classes] as usize, 0);
+        self.order.resize(rows, 0);
         for (row, &key) in self.keys.iter().enumerate() {
-            if key != DROPPED {
-                let place = &mut self.starts[key as usize];
-                self.order[*place as usize] = row as u32;
-                *place += 1;
-            }
+            let place = &mut self.counts[key as usize];
+            self.order[*place as usize] = row as u32;
+            *place += 1;
         }
+        self.order.truncate(rows - ended);
     }
 
     /// All rows of one kind; they are contiguous.
@@ -79,17 +75,21 @@ impl Partition {
         first.rows.start..parts.next_back().unwrap_or(first).rows.end
     }
 
-    /// Turns the counts in `starts` into running sums and the parts that they bound.
-    fn list_parts(&mut self, classes: usize) {
+    /// Turns the counts into the first place of each key, those of key 0 behind all others, lists
+    /// the parts, and returns how many rows end.
+    fn list_parts(&mut self, classes: usize) -> usize {
         self.parts.clear();
-        for key in 0..KINDS.len() * classes {
-            let start = self.starts[key];
-            self.starts[key + 1] += start;
-            let rows = start as usize..self.starts[key + 1] as usize;
-            if !rows.is_empty() {
-                self.parts.push(Part { kind: KINDS[key / classes], class: key % classes, rows });
+        let mut start = 0;
+        for key in 1..self.counts.len() {
+            let end = start + self.counts[key];
+            if end > start {
+                let (kind, class) = (KINDS[(key - 1) / classes], (key - 1) % classes);
+                self.parts.push(Part { kind, class, rows: start as usize..end as usize });
             }
+            self.counts[key] = start;
+            start = end;
         }
+        std::mem::replace(&mut self.counts[0], start) as usize
     }
 }
 
@@ -101,14 +101,14 @@ mod tests {
     fn groups_are_stable_and_drop_the_dead() {
         use MaterialKind::{Absorber, Dielectric, Diffuse, Retarder};
         let rows = [
-            Some((Dielectric, 1)),
-            Some((Diffuse, 0)),
-            None,
-            Some((Retarder, 1)),
-            Some((Absorber, 0)),
-            Some((Diffuse, 0)),
-            Some((Dielectric, 0)),
-            Some((Dielectric, 1)),
+            (Dielectric, 1),
+            (Diffuse, 0),
+            (Absorber, 1),
+            (Retarder, 1),
+            (Absorber, 0),
+            (Diffuse, 0),
+            (Dielectric, 0),
+            (Dielectric, 1),
         ];
         let mut partition = Partition::default();
         partition.group(rows.len(), 2, |row| rows[row]);

@@ -1,0 +1,48 @@
+//! Whole renders of the reference scenes, one thread: every integrator in both modes.
+
+use std::path::Path;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use sunstone::integrators::{Integrator, Mode, Settings, render};
+use sunstone::scattering::Scene;
+use sunstone::scene::{bake, load};
+use sunstone::spectrum::Color;
+
+const EDGE: u32 = 128;
+const ITERATIONS: u32 = 4;
+
+fn renders(criterion: &mut Criterion) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    for name in ["cornell", "mirror"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/reference");
+        let world = load(&folder.join(name).with_extension("gltf")).expect("a shipped scene");
+        let tables = bake::<3>(&world, Color::Rgb).expect("a shipped scene");
+        let scene = Scene::new(tables, EDGE, EDGE);
+        let mut group = criterion.benchmark_group(format!("render/{name}/rgb"));
+        group.sample_size(10);
+        group.throughput(Throughput::Elements(u64::from(EDGE * EDGE * ITERATIONS)));
+        for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+            for mode in [Mode::Scalar, Mode::Polarized] {
+                let settings = Settings {
+                    integrator,
+                    mode,
+                    color: Color::Rgb,
+                    iterations: ITERATIONS,
+                    replicates: 1,
+                    path_length_max: 12,
+                    roulette_after: 100,
+                    seed: 0,
+                    time_limit: None,
+                };
+                let id = BenchmarkId::new(format!("{integrator:?}"), format!("{mode:?}"));
+                group.bench_with_input(id, &settings, |bench, settings| {
+                    bench.iter(|| pool.install(|| render(&scene, settings, &|_| ())));
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, renders);
+criterion_main!(benches);

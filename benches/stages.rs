@@ -1,0 +1,145 @@
+//! The stages of a sensor path's first bounce, one chunk of the polarized Cornell box at a time,
+//! scalar against polarized.
+
+use std::hint::black_box;
+use std::path::Path;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use sunstone::geometry::{HitColumns, SurfaceColumns, resolve_surfaces, trace_closest};
+use sunstone::scattering::Scene;
+use sunstone::scene::{bake, baked::MaterialKind, load};
+use sunstone::spectrum::Color;
+use sunstone::transport::chunk::ROWS;
+use sunstone::transport::stages::advance_paths::advance_paths;
+use sunstone::transport::stages::collect_emission::Strategy;
+use sunstone::transport::stages::collect_sensor::SensorSide;
+use sunstone::transport::stages::connect_to_emitters::connect_to_emitters;
+use sunstone::transport::stages::gather_connections::trace_connections;
+use sunstone::transport::stages::generate_sensor_paths::generate_sensor_paths;
+use sunstone::transport::stages::partition_paths::partition_paths;
+use sunstone::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
+use sunstone::transport::stages::scatter_specular::{Event, scatter_specular};
+use sunstone::transport::tables::connections::ConnectionTable;
+use sunstone::transport::tables::kernels::KernelColumns;
+use sunstone::transport::tables::partition::Partition;
+use sunstone::transport::tables::paths::PathTable;
+use sunstone::transport::tables::vectors;
+use sunstone::transport::{Chunk, LightModel, Polarized, Scalar};
+
+const N: usize = 3;
+
+/// A tile in the middle of a 64x64 film, where both spheres are seen.
+const CHUNK: Chunk = Chunk {
+    x: 24,
+    y: 32,
+    width: 16,
+    height: 16,
+    first_iteration: 0,
+    iterations: 4,
+    seed: 0,
+    path_length_max: 12,
+    roulette_after: 100,
+};
+
+fn cornell() -> Scene<N> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/reference/cornell.gltf");
+    let world = load(&file).expect("a shipped scene");
+    Scene::new(bake(&world, Color::Rgb).expect("a shipped scene"), 64, 64)
+}
+
+fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
+    let scene = cornell();
+    let mut paths = PathTable::<N, M::Sensor>::new(ROWS);
+    let mut sorted = PathTable::<N, M::Sensor>::new(ROWS);
+    let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
+    let mut partition = Partition::default();
+    let mut surfaces = SurfaceColumns::new(ROWS);
+    let mut connections = ConnectionTable::new(ROWS);
+    let (mut drawn, mut kernels) = (vectors(ROWS), KernelColumns::new(ROWS));
+    let rows = CHUNK.slots();
+    let mut group = criterion.benchmark_group(format!("stage/{mode}"));
+    group.throughput(Throughput::Elements(rows as u64));
+
+    group.bench_function("generate_sensor_paths", |bench| {
+        bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene.sensor, 0.0));
+    });
+    group.bench_function("trace_closest", |bench| {
+        bench.iter(|| trace_closest(&mut hits, &paths.rays, 0..rows, &scene.accelerator));
+    });
+    group.bench_function("partition_paths", |bench| {
+        bench.iter(|| {
+            partition_paths(&mut sorted, &mut sorted_hits, &mut partition, &paths, &hits, &scene);
+        });
+    });
+    let live = sorted.len;
+    group.bench_function("resolve_surfaces", |bench| {
+        bench.iter(|| {
+            let rays = &sorted.rays;
+            resolve_surfaces(&mut surfaces, &sorted_hits, rays, 0..live, &scene.tables);
+        });
+    });
+    let diffuse = partition.rows_of(MaterialKind::Diffuse);
+    group.bench_function("connect_to_emitters", |bench| {
+        bench.iter(|| {
+            let (rows, strategy) = (diffuse.clone(), Strategy::Unidirectional);
+            connect_to_emitters(&mut connections, &sorted, &surfaces, &scene, rows, 1, strategy);
+        });
+    });
+    group.bench_function("trace_connections", |bench| {
+        bench.iter(|| trace_connections(&mut connections, &scene));
+    });
+    group.bench_function("scatter_diffuse", |bench| {
+        bench.iter(|| {
+            let rows = diffuse.clone();
+            let side = Side::Sensor;
+            scatter_diffuse(&mut drawn, &mut sorted, &surfaces, &scene, rows, 1, side);
+        });
+    });
+    group.bench_function("scatter_specular", |bench| {
+        let event = Event { path_length: 1, side: Side::Sensor };
+        bench.iter(|| {
+            let (paths, parts) = (&mut sorted, &partition);
+            if M::POLARIZED {
+                scatter_specular::<N, true, _>(
+                    &mut drawn,
+                    &mut kernels,
+                    paths,
+                    &surfaces,
+                    &scene,
+                    parts,
+                    event,
+                );
+            } else {
+                scatter_specular::<N, false, _>(
+                    &mut drawn,
+                    &mut kernels,
+                    paths,
+                    &surfaces,
+                    &scene,
+                    parts,
+                    event,
+                );
+            }
+        });
+    });
+    group.bench_function("collect_sensor", |bench| {
+        bench.iter(|| {
+            let directions = &sorted.rays.direction;
+            let up = scene.sensor.up();
+            sorted.carriers.collect_sensor(&kernels, directions, up, &partition);
+            black_box(&mut sorted.carriers);
+        });
+    });
+    group.bench_function("advance_paths", |bench| {
+        bench.iter(|| advance_paths(&mut sorted, &drawn, &surfaces, scene.reach));
+    });
+    group.finish();
+}
+
+fn stages(criterion: &mut Criterion) {
+    bounce::<Scalar>(criterion, "scalar");
+    bounce::<Polarized>(criterion, "polarized");
+}
+
+criterion_group!(benches, stages);
+criterion_main!(benches);

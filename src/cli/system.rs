@@ -1,0 +1,50 @@
+//! What the system tells about time and memory, where it does.
+
+/// Seconds that all threads of this process have computed so far.
+pub(super) fn cpu_seconds() -> Option<f64> {
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
+    }
+    #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+    None
+}
+
+/// Bytes of memory that can still be taken without swapping: what the machine has left, or what
+/// the limit of the control group leaves if that is less.
+pub(super) fn available_memory() -> Option<u64> {
+    let machine = meminfo(&std::fs::read_to_string("/proc/meminfo").ok()?)?;
+    let number = |name: &str| -> Option<u64> {
+        let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
+        text.trim().parse().ok()
+    };
+    let group = number("memory.max")
+        .map(|limit| limit.saturating_sub(number("memory.current").unwrap_or(0)));
+    Some(group.map_or(machine, |group| machine.min(group)))
+}
+
+fn meminfo(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn available_memory_is_read_from_its_line() {
+        let text = "MemTotal:  16 kB\nMemFree:  1 kB\nMemAvailable:    8 kB\n";
+        assert_eq!(meminfo(text), Some(8192));
+        assert_eq!(meminfo("MemTotal:  16 kB\n"), None);
+    }
+
+    #[test]
+    fn computing_takes_time() {
+        let Some(start) = cpu_seconds() else { return };
+        let sum = (0..1_000_000_u64).fold(0, |sum: u64, i| std::hint::black_box(sum ^ i));
+        assert!(cpu_seconds().expect("known a moment ago") > start, "{sum}");
+    }
+}

@@ -1,0 +1,107 @@
+//! The verbs `visualize`, `compare` and `inspect`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::program::{folder, names_in, scene, sunstone};
+
+/// A folder with two renders that differ in their seed.
+fn folder_with_renders(name: &str) -> PathBuf {
+    let here = folder(name);
+    for (name, seed) in [("a.exr", "1"), ("b.exr", "2")] {
+        let scene = scene("cornell");
+        let arguments = ["render", &scene, "-o", name, "--seed", seed, "--width", "32"];
+        let more = ["--spp", "8", "--variance", "--replicates", "8", "--quiet"];
+        sunstone(&here, &[&arguments[..], &more].concat()).done();
+    }
+    here
+}
+
+fn is_png(path: &Path) -> bool {
+    fs::read(path).unwrap().starts_with(b"\x89PNG")
+}
+
+#[test]
+fn every_map_is_drawn() {
+    let here = folder_with_renders("maps");
+    let help = sunstone(&here, &["visualize", "-h"]).done().stdout;
+    let list = help.split("[default: panels] [possible values: ").nth(1).expect("a list of maps");
+    let maps: Vec<&str> = list.split(']').next().unwrap().split(", ").collect();
+    assert!(maps.len() > 10, "{maps:?}");
+    for map in maps {
+        let picture = format!("{map}.png");
+        sunstone(&here, &["visualize", "a.exr", "-o", &picture, "--map", map]).done();
+        assert!(is_png(&here.join(&picture)), "{map}");
+    }
+}
+
+/// A scene of a few percent of polarization: fitted scales and full scales are different pictures.
+#[test]
+fn scales_fit_the_image_unless_told_otherwise() {
+    let here = folder("scales");
+    let scene = scene("reference/cornell");
+    let arguments = ["render", &scene, "-o", "a.exr", "--width", "32", "--spp", "4"];
+    sunstone(&here, &arguments).done();
+    let draw = |name: &str, more: &[&str]| {
+        let arguments = ["visualize", "a.exr", "-o", name, "--map", "dop"];
+        sunstone(&here, &[&arguments[..], more].concat()).done();
+        fs::read(here.join(name)).unwrap()
+    };
+    let fitted = draw("fitted.png", &[]);
+    let full = draw("full.png", &["--full-scale"]);
+    assert_eq!(full, draw("no-fit.png", &["--no-fit"]));
+    assert_eq!(full != fitted, is_weakly_polarized(&here.join("a.exr")));
+}
+
+fn is_weakly_polarized(image: &Path) -> bool {
+    use sunstone::output::visualize::View;
+    View::fitted(&sunstone::output::load(image).unwrap()) != View::default()
+}
+
+#[test]
+fn images_are_compared() {
+    let here = folder_with_renders("compare");
+    let text = sunstone(&here, &["compare", "a.exr", "b.exr"]).done().stdout;
+    assert!(text.contains("S0") && text.contains("S3"), "{text}");
+    let arguments = ["compare", "a.exr", "b.exr", "--json", "--difference", "d.png"];
+    let json = sunstone(&here, &arguments).done().stdout;
+    let _: Value = serde_json::from_str(&json).unwrap();
+    assert!(is_png(&here.join("d.png")));
+}
+
+#[test]
+fn scenes_and_images_are_described() {
+    let here = folder_with_renders("inspect");
+    let image = sunstone(&here, &["inspect", "a.exr"]).done().stdout;
+    for words in ["32 x 32 pixels", "S0 S1 S2 S3", "DoP", "seed", "variance"] {
+        assert!(image.contains(words), "{image}");
+    }
+    let described = sunstone(&here, &["inspect", &scene("cornell")]).done().stdout;
+    for words in ["smooth dielectric", "linear polarizer", "perspective"] {
+        assert!(described.contains(words), "{described}");
+    }
+}
+
+#[test]
+fn inputs_are_not_overwritten() {
+    let here = folder_with_renders("overwrite");
+    let before = fs::read(here.join("a.exr")).unwrap();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("a.exr", here.join("link.png")).unwrap();
+        for arguments in [
+            &["visualize", "a.exr", "-o", "link.png"][..],
+            &["compare", "a.exr", "b.exr", "--difference", "./link.png"],
+        ] {
+            let run = sunstone(&here, arguments);
+            assert_eq!(run.code, 2, "{}", run.stderr);
+            assert!(run.stderr.contains("is the input a.exr"), "{}", run.stderr);
+        }
+        assert_eq!(names_in(&here), ["a.exr", "b.exr", "link.png"]);
+    }
+    let run = sunstone(&here, &["render", "a.exr", "-o", "a.exr"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert_eq!(fs::read(here.join("a.exr")).unwrap(), before);
+}

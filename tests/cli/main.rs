@@ -1,0 +1,7 @@
+//! The program from outside: the binary is run, its files, words and exit codes are looked at.
+
+mod errors;
+mod images;
+mod program;
+mod readme;
+mod render;

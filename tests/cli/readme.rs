@@ -1,0 +1,71 @@
+//! What README.md says is true: its commands run as printed, and its links lead somewhere.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{folder, sunstone};
+
+const PROGRAM: &str = "cargo run --release -- ";
+/// Other commands that the README may print; they are not run here.
+const OTHERS: [&str; 4] = [
+    "cargo build --release",
+    "cargo test --release",
+    "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release",
+    ".ci/run",
+];
+/// What makes a printed render small: the last of equal options counts.
+const SMALL: [&str; 6] = ["--spp", "16", "--width", "24", "--height", "16"];
+
+fn readme() -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap()
+}
+
+/// Lines of the blocks that are marked as shell commands.
+fn commands(text: &str) -> Vec<String> {
+    let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let lines = blocks.flat_map(str::lines).map(str::trim);
+    lines.filter(|line| !line.is_empty() && !line.starts_with('#')).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_commands_run_as_printed() {
+    let here = folder("readme");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    fs::create_dir_all(here.join("scenes")).unwrap();
+    for entry in fs::read_dir(root.join("scenes")).unwrap().map(Result::unwrap) {
+        if entry.path().is_file() {
+            fs::copy(entry.path(), here.join("scenes").join(entry.file_name())).unwrap();
+        }
+    }
+    let mut verbs = Vec::new();
+    for command in commands(&readme()) {
+        let Some(line) = command.strip_prefix(PROGRAM) else {
+            assert!(OTHERS.contains(&command.as_str()), "what is `{command}`?");
+            continue;
+        };
+        let mut words: Vec<&str> = line.split_whitespace().collect();
+        verbs.push(words[0].to_owned());
+        if words[0] == "render" {
+            words.extend(SMALL);
+        }
+        sunstone(&here, &words).done();
+    }
+    for verb in ["render", "visualize", "compare", "inspect"] {
+        assert!(verbs.iter().any(|name| name == verb), "the README does not show `{verb}`");
+    }
+}
+
+#[test]
+fn the_links_lead_somewhere() {
+    let text = readme();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut count = 0;
+    for rest in text.split("](").skip(1) {
+        let link = rest.split(')').next().unwrap().split('#').next().unwrap();
+        if !link.is_empty() && !link.starts_with("http") {
+            assert!(root.join(link).exists(), "nothing at {link}");
+            count += 1;
+        }
+    }
+    assert!(count > 3, "only {count} links");
+}

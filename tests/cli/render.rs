@@ -1,0 +1,155 @@
+//! The verb `render`: formats, integrators, modes, statistics.
+
+use std::fs;
+
+use serde_json::Value;
+use sunstone::film::StokesImage;
+use sunstone::output;
+use sunstone::spectrum::Color;
+
+use crate::program::{folder, names_in, scene, sunstone};
+
+const TINY: [&str; 6] = ["--width", "16", "--spp", "2", "--threads", "2"];
+
+fn metadata<'a>(image: &'a StokesImage, key: &str) -> &'a str {
+    let found = image.metadata.iter().find(|(name, _)| name == key);
+    found.map_or_else(|| panic!("no {key} in {:?}", image.metadata), |(_, value)| value)
+}
+
+#[test]
+fn every_integrator_renders_in_every_mode_and_color() {
+    let here = folder("render-all");
+    let scene = scene("cornell");
+    for integrator in ["path", "light", "bdpt"] {
+        for (mode, components) in [("scalar", 1), ("polarized", 4)] {
+            for (color, channels) in [("rgb", 3), ("mono", 1)] {
+                let name = format!("{integrator}-{mode}-{color}.exr");
+                let mut arguments = vec!["render", &scene, "-o", &name, "--integrator"];
+                arguments.extend([integrator, "--mode", mode, "--color", color]);
+                arguments.extend(TINY);
+                let run = sunstone(&here, &arguments).done();
+                assert!(run.stdout.is_empty(), "{}: {}", run.command, run.stdout);
+
+                let image = output::load(&here.join(&name)).unwrap();
+                assert_eq!((image.width, image.height), (16, 16), "{name}");
+                assert_eq!((image.components, image.color.channels()), (components, channels));
+                assert_eq!(metadata(&image, "integrator"), integrator);
+                assert_eq!(metadata(&image, "mode"), mode);
+                let light: f32 = image.plane(0, 0).iter().sum();
+                assert!(light.is_finite() && light > 0.0, "{name}: {light}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_format_is_written() {
+    let here = folder("render-formats");
+    let scene = scene("cornell");
+    for name in ["a.exr", "b.hdr", "c.png", "D.EXR"] {
+        let run = sunstone(&here, &[&["render", &scene, "-o", name][..], &TINY].concat()).done();
+        assert!(run.stderr.contains("16 x 16, 2 iterations of bdpt (polarized)"), "{}", run.stderr);
+    }
+    let scalar = [&["render", &scene, "-o", "e.hdr", "--mode", "scalar"][..], &TINY].concat();
+    sunstone(&here, &scalar).done();
+    let stokes = ["b.S0.hdr", "b.S1.hdr", "b.S2.hdr", "b.S3.hdr"];
+    let expected = [&["D.EXR", "a.exr"][..], &stokes, &["c.png", "e.S0.hdr"]].concat();
+    assert_eq!(names_in(&here), expected);
+    assert_eq!(output::load(&here.join("b.hdr")).unwrap().components, 4);
+    assert!(fs::read(here.join("c.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn options_reach_the_image() {
+    let here = folder("render-options");
+    let scene = scene("cornell");
+    let arguments = ["render", &scene, "-o", "a.exr", "--color", "mono", "--wavelength", "633"];
+    let more = ["--width", "24", "--height", "8", "--variance", "--replicates", "4", "--spp", "8"];
+    sunstone(&here, &[&arguments[..], &more, &["--seed", "5", "--quiet"]].concat()).done();
+    let image = output::load(&here.join("a.exr")).unwrap();
+    assert_eq!((image.width, image.height), (24, 8));
+    assert_eq!(image.color, Color::Mono { wavelength_nm: 633.0 });
+    assert!(image.variance.is_some());
+    for (key, value) in [("seed", "5"), ("iterations", "8"), ("replicates", "4")] {
+        assert_eq!(metadata(&image, key), value);
+    }
+    assert!(metadata(&image, "command").contains("--wavelength 633"));
+}
+
+#[test]
+fn the_last_of_equal_options_counts() {
+    let here = folder("render-last");
+    let scene = scene("cornell");
+    let arguments = ["render", &scene, "-o", "a.exr", "--width", "99", "--width", "8"];
+    sunstone(&here, &[&arguments[..], &["--spp", "9", "--spp", "1"]].concat()).done();
+    assert_eq!(output::load(&here.join("a.exr")).unwrap().width, 8);
+}
+
+#[test]
+fn statistics_are_json_alone_on_standard_output() {
+    let here = folder("render-stats");
+    let scene = scene("cornell");
+    let arguments = [&["render", &scene, "-o", "a.exr", "--stats", "json"][..], &TINY].concat();
+    let run = sunstone(&here, &arguments).done();
+    let json: Value = serde_json::from_str(&run.stdout).unwrap();
+    for (key, value) in [("width", 16), ("height", 16), ("iterations", 2), ("threads", 2)] {
+        assert_eq!(json[key], value, "{key}");
+    }
+    let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{key}: {json}"));
+    assert!(number("seconds") > 0.0 && number("samples_per_second") > 0.0);
+    assert!(number("rays_closest") >= 512.0);
+    if cfg!(target_os = "linux") {
+        assert!(number("cpu_seconds") > 0.0 && number("peak_memory_bytes") > 1e6);
+    }
+    let text = sunstone(&here, &[&arguments[..4], &["--stats", "text"], &TINY].concat()).done();
+    assert!(text.stdout.contains("samples/s"), "{}", text.stdout);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let here = folder("render-quiet");
+    let scene = scene("cornell");
+    for integrator in ["bdpt", "light"] {
+        let arguments = ["render", &scene, "-o", "a.exr", "-q", "--integrator", integrator];
+        let run = sunstone(&here, &[&arguments[..], &TINY].concat()).done();
+        assert_eq!(run.stdout + &run.stderr, "");
+    }
+}
+
+#[test]
+fn light_says_what_it_cannot_see() {
+    let here = folder("render-light");
+    let note = |scene: &str, integrator: &str| {
+        let arguments = ["render", scene, "-o", "a.exr", "--integrator", integrator];
+        sunstone(&here, &[&arguments[..], &TINY].concat()).done().stderr.contains("note: ")
+    };
+    assert!(note(&scene("cornell"), "light"));
+    assert!(!note(&scene("cornell"), "bdpt"));
+}
+
+#[test]
+fn a_time_limit_ends_a_long_render() {
+    let here = folder("render-time");
+    let scene = scene("cornell");
+    let arguments = ["render", &scene, "-o", "a.exr", "--time-limit", "0.2", "--width", "32"];
+    sunstone(&here, &[&arguments[..], &["--spp", "100000000"]].concat()).done();
+    let image = output::load(&here.join("a.exr")).unwrap();
+    let iterations: u32 = metadata(&image, "iterations").parse().unwrap();
+    assert!((1..100_000_000).contains(&iterations), "{iterations}");
+}
+
+/// The bits depend on the seed and not on the threads.
+#[test]
+fn threads_change_nothing() {
+    let here = folder("render-threads");
+    let scene = scene("cornell");
+    let render = |name: &str, threads: &str, seed: &str| {
+        let arguments = ["render", &scene, "-o", name, "--width", "40", "--spp", "3"];
+        let more = ["--threads", threads, "--seed", seed];
+        sunstone(&here, &[&arguments[..], &more].concat()).done();
+        output::load(&here.join(name)).unwrap().planes
+    };
+    let one = render("one.exr", "1", "7");
+    assert!(one == render("three.exr", "3", "7"), "the image depends on the number of threads");
+    assert!(one != render("seed.exr", "1", "8"), "the image does not depend on the seed");
+}
