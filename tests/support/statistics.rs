@@ -12,8 +12,8 @@ use sunstone::film::StokesImage;
 
 /// What rounding may make of equal values.
 pub const ROUNDING: f64 = 1e-5;
-/// Standard errors below this share of the image's mean S0 are rounding and not noise.
-const NOISE_MIN: f64 = 1e-6;
+/// Standard errors below this share of S0 are rounding and not noise.
+const NOISE_MIN: f64 = 2e-6;
 
 /// A number known with an error.
 #[derive(Clone, Copy, Debug)]
@@ -40,13 +40,13 @@ impl Estimate {
     }
 
     /// The score of the difference to `other`; none where both are known so well that rounding
-    /// takes the place of noise, in an image of mean intensity `mean_s0`.
+    /// takes the place of noise, at light of intensity `s0`.
     ///
     /// Degrees of freedom after Welch 1947; the tail of Student's t is mapped to that of a normal
     /// number after Wallace 1959.
-    pub fn score(&self, other: &Self, mean_s0: f64) -> Option<f64> {
+    pub fn score(&self, other: &Self, s0: f64) -> Option<f64> {
         let variance = self.variance + other.variance;
-        if variance.sqrt() <= NOISE_MIN * mean_s0 || variance == 0.0 {
+        if variance.sqrt() <= NOISE_MIN * s0 || variance == 0.0 {
             return None;
         }
         let spread = |e: &Self| e.variance * e.variance / e.degrees;
