@@ -55,23 +55,9 @@ pub fn path<const N: usize, M: LightModel<N>>(
         w.profile.time(Stage::Mueller, || {
             sorted.carriers.depolarize_sensor(&mut sorted.beta, &w.partition);
         });
-        let diffuse = w.partition.rows_of(MaterialKind::Diffuse);
-        w.profile.time(Stage::Connect, || {
-            connect_to_emitters(
-                &mut w.connections,
-                sorted,
-                &w.surfaces,
-                scene,
-                diffuse,
-                path_length,
-                Strategy::Unidirectional,
-            );
-        });
-        w.profile.rays_visibility += w.connections.len as u64;
-        w.profile.time(Stage::Visibility, || trace_connections(&mut w.connections, scene));
-        w.profile.time(Stage::Gather, || {
-            gather_connections(&mut w.measured, &w.connections, sorted);
-        });
+        connect(w, scene, path_length);
+
+        let sorted = &mut w.sensor[1];
         w.profile.time(Stage::Scatter, || {
             scatter::<N, M, _>(
                 &mut w.drawn,
@@ -92,4 +78,29 @@ pub fn path<const N: usize, M: LightModel<N>>(
         });
         w.sensor.swap(0, 1);
     }
+}
+
+/// Connects the diffuse vertices to one emitter each.
+fn connect<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    path_length: u32,
+) {
+    let diffuse = w.partition.rows_of(MaterialKind::Diffuse);
+    w.profile.time(Stage::Connect, || {
+        connect_to_emitters(
+            &mut w.connections,
+            &w.sensor[1],
+            &w.surfaces,
+            scene,
+            diffuse,
+            path_length,
+            Strategy::Unidirectional,
+        );
+    });
+    w.profile.rays_visibility += w.connections.len as u64;
+    w.profile.time(Stage::Visibility, || trace_connections(&mut w.connections, scene));
+    w.profile.time(Stage::Gather, || {
+        gather_connections(&mut w.measured, &w.connections, &w.sensor[1]);
+    });
 }
