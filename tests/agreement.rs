@@ -1,0 +1,189 @@
+//! `path`, `light` and `bdpt` find the same light in different ways, so they must agree, in both
+//! modes, in every scene: shipped ones and those of `support::scenes`.
+//!
+//! Each render is repeated 32 times; means over cells of pixels and over the image are compared.
+//! `light` is compared where its connections to the sensor can reach. `path` is left out where
+//! specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
+//! there, and does not know it.
+//!
+//! About 2,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
+//! chance of 4e-8, so that noise fails the suite in 1 of 10,000 cases; seeds are fixed, so that
+//! each change of the random numbers is one such case. The root mean square over cells finds what
+//! is too faint for that.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use std::fs;
+
+use sunstone::film::StokesImage;
+use sunstone::integrators::{Integrator, Mode, Settings};
+use sunstone::scattering::Scene;
+use sunstone::scene::World;
+use sunstone::spectrum::Color;
+
+use support::evidence;
+use support::rendering::{
+    MONO, in_package, light_mask, path_finds_everything, replicates, scene, settings, world,
+};
+use support::scenes::{SCENES, two_sheets};
+use support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
+
+const SIZE: [u32; 2] = [24, 24];
+const REPLICATES: u32 = 32;
+const ITERATIONS: u32 = 64;
+const PATH_LENGTH_MAX: u32 = 6;
+/// Edge of a cell in pixels.
+const CELL: usize = 4;
+/// What no score exceeds.
+const LIMIT: f64 = 5.5;
+
+/// The images that one integrator makes of a scene, and where they hold.
+struct Rendered {
+    integrator: Integrator,
+    images: Vec<StokesImage>,
+    mask: Vec<bool>,
+}
+
+/// All integrators that apply.
+fn render_all<const N: usize>(scene: &Scene<N>, mode: Mode, color: Color) -> Vec<Rendered> {
+    let everywhere = vec![true; (SIZE[0] * SIZE[1]) as usize];
+    let mut all = vec![(Integrator::Bdpt, everywhere.clone())];
+    if path_finds_everything(scene) {
+        all.push((Integrator::Path, everywhere));
+    }
+    let mask = light_mask(scene);
+    if mask.iter().any(|&seen| seen) {
+        all.push((Integrator::Light, mask));
+    }
+    let render = |(integrator, mask)| {
+        let settings = settings(integrator, mode, color, ITERATIONS, PATH_LENGTH_MAX);
+        // Roulette must not change any mean, so one side plays it.
+        let roulette_after = if integrator == Integrator::Path { 3 } else { u32::MAX };
+        // With other seeds than in scalar mode, where the same paths would prove nothing new.
+        let seed = settings.seed + if mode == Mode::Polarized { 0x0100_0000 } else { 0 };
+        let settings = Settings { roulette_after, seed, ..settings };
+        Rendered { integrator, images: replicates(scene, &settings, REPLICATES), mask }
+    };
+    all.into_iter().map(render).collect()
+}
+
+/// Compares all pairs of integrators in one mode; what is wrong in words.
+fn disagreements<const N: usize>(
+    name: &str,
+    world: &World,
+    mode: Mode,
+    color: Color,
+) -> Vec<String> {
+    let scene = scene::<N>(world, color, SIZE);
+    let all = render_all(&scene, mode, color);
+    let mut complaints = Vec::new();
+    for (index, second) in all.iter().enumerate() {
+        for first in &all[..index] {
+            let found = compare(first, second);
+            let pair =
+                format!("{name}, {mode:?}: {:?} and {:?}", first.integrator, second.integrator);
+            println!("{pair}: {}", found.words);
+            if found.wrong {
+                let test = format!("agreement/{name} {mode:?} {:?}", second.integrator);
+                let [image, reference] = [second, first].map(|side| evidence::mean(&side.images));
+                let folder = evidence::keep(&test, &image, &reference);
+                complaints.push(format!("{pair}: {}\nsee {}", found.words, folder.display()));
+            }
+        }
+    }
+    complaints
+}
+
+struct Found {
+    words: String,
+    wrong: bool,
+}
+
+/// Scores of all planes, cells and the whole masked image.
+fn compare(first: &Rendered, second: &Rendered) -> Found {
+    let mask: Vec<bool> = first.mask.iter().zip(&second.mask).map(|(a, b)| *a && *b).collect();
+    let image = &first.images[0];
+    let scale = mean_s0(&evidence::mean(&first.images)).max(f64::MIN_POSITIVE);
+    let (mut of_cells, mut of_images, mut inexact) = (Vec::new(), Vec::new(), 0);
+    for plane in 0..image.planes.len() {
+        for (edge, scores) in [(CELL, &mut of_cells), (image.width, &mut of_images)] {
+            for cell in cells(image.width, image.height, edge, &mask) {
+                let [a, b] = [first, second].map(|side| estimate(&side.images, plane, &cell));
+                match a.score(&b, scale) {
+                    Some(score) => scores.push(score),
+                    None => inexact += usize::from((a.mean - b.mean).abs() > ROUNDING * scale),
+                }
+            }
+        }
+    }
+    if of_cells.is_empty() {
+        return Found { words: format!("no noise, {inexact} differ"), wrong: inexact > 0 };
+    }
+    let (rms, worst_cell, worst_image) = (rms(&of_cells), worst(&of_cells), worst(&of_images));
+    // Channels share their noise: only one of them counts as a source of chance.
+    let [_, high] = rms_limits(of_cells.len() / image.color.channels());
+    let words = format!(
+        "rms {rms:.2} of {} cells (up to {high:.2}), worst {worst_cell:.2}, images {worst_image:.2} \
+         (up to {LIMIT}), {inexact} inexact",
+        of_cells.len(),
+    );
+    let wrong = rms > high || worst_cell > LIMIT || worst_image > LIMIT || inexact > 0;
+    Found { words, wrong }
+}
+
+/// In both modes: one wavelength for intensities, three for Stokes vectors.
+fn check(scenes: impl IntoIterator<Item = (String, World)>) {
+    let mut complaints = Vec::new();
+    for (name, world) in scenes {
+        complaints.extend(disagreements::<1>(&name, &world, Mode::Scalar, MONO));
+        complaints.extend(disagreements::<3>(&name, &world, Mode::Polarized, Color::Rgb));
+    }
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+fn shipped(folder: &str) -> Vec<(String, World)> {
+    let folder = in_package(folder);
+    let files = fs::read_dir(&folder).expect("the scenes are there");
+    let mut paths: Vec<_> = files.map(|file| file.expect("a readable entry").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "gltf"));
+    paths.sort();
+    assert!(!paths.is_empty(), "no scenes in {}", folder.display());
+    let named = |path: &std::path::PathBuf| {
+        let name = path.strip_prefix(in_package("")).unwrap_or(path).display().to_string();
+        (name, world(path))
+    };
+    paths.iter().map(named).collect()
+}
+
+#[test]
+fn integrators_agree_on_shipped_scenes() {
+    check(shipped("scenes"));
+}
+
+#[test]
+fn integrators_agree_on_reference_scenes() {
+    check(shipped("scenes/reference"));
+}
+
+#[test]
+fn integrators_agree_on_small_scenes() {
+    check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())));
+}
+
+/// The panel is seen within 0.15 of the normal, where crossed sheets leak the fourth power of it.
+#[test]
+fn crossed_polarizers_are_black_for_all_integrators() {
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        let intensity = |axis_deg: f32| {
+            let scene = scene::<1>(&two_sheets(axis_deg), MONO, SIZE);
+            let settings = settings(integrator, Mode::Polarized, MONO, 256, 5);
+            mean_s0(&evidence::mean(&replicates(&scene, &settings, 2)))
+        };
+        let [parallel, diagonal, crossed] = [0.0, 45.0, 90.0].map(intensity);
+        assert!(parallel > 0.0, "{integrator:?} sees nothing");
+        assert!(crossed < 2e-4 * parallel, "{integrator:?}: {crossed} of {parallel} leaks");
+        // Malus: a half, to the noise of 300,000 paths.
+        assert!((diagonal / parallel - 0.5).abs() < 0.02, "{integrator:?}: {diagonal}, {parallel}");
+    }
+}

@@ -1,0 +1,147 @@
+//! Energy: places where the radiance is known in closed form.
+//!
+//! In a closed box whose walls reflect a share `r` and emit the radiance 1, light of up to `n`
+//! segments adds up to `1 + r + ... + r^(n - 1)` everywhere, in every direction. In surroundings
+//! of radiance 1, whatever neither absorbs nor emits is invisible.
+//!
+//! Means over the image must be within 4 standard errors of the truth (about 100 numbers that are
+//! not known exactly: a change of all random numbers fails by chance in 1 of 150), and standard
+//! errors below 1e-3 of it, so that this is sharp.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use glam::Vec3;
+use serde_json::json;
+use sunstone::integrators::{Integrator, Mode};
+use sunstone::scene::World;
+
+use support::gltf::Document;
+use support::rendering::{MONO, replicates, scene, settings};
+use support::statistics::{Estimate, estimate};
+
+const SIZE: [u32; 2] = [16, 16];
+const REPLICATES: u32 = 32;
+const STANDARD_ERRORS: f64 = 4.0;
+const ERROR_MAX: f64 = 1e-3;
+/// Rounding of `f32`, and where rays start so near to an edge of the cube that the offset from one
+/// face takes them through another (7e-6 of the light).
+const ROUNDING: f64 = 2e-5;
+
+/// Renders in both modes and expects `truth` in the mean of S0, and no polarization.
+fn check(world: &World, integrator: Integrator, iterations: u32, path_length: u32, truth: f64) {
+    let scene = scene::<1>(world, MONO, SIZE);
+    // Light paths are spread over everything, seen or not.
+    let iterations = if integrator == Integrator::Light { 2 * iterations } else { iterations };
+    let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
+    for mode in [Mode::Scalar, Mode::Polarized] {
+        let settings = settings(integrator, mode, MONO, iterations, path_length);
+        let images = replicates(&scene, &settings, REPLICATES);
+        let what = format!("{integrator:?}, {mode:?}");
+        let expect = |plane: usize, truth: f64| {
+            let Estimate { mean, variance, .. } = estimate(&images, plane, &pixels);
+            let error = variance.sqrt();
+            println!("{what}: S{plane} = {mean:.6} +- {error:.6}, should be {truth:.6}");
+            assert!(error < ERROR_MAX * truth.max(1.0), "{what}: an error of {error}");
+            let tolerance = STANDARD_ERRORS * error + ROUNDING;
+            assert!((mean - truth).abs() < tolerance, "{what}: S{plane} = {mean} +- {error}");
+        };
+        expect(0, truth);
+        (1..images[0].planes.len()).for_each(|plane| expect(plane, 0.0));
+    }
+}
+
+/// The sum of the first `terms` powers of `ratio`.
+fn geometric_sum(ratio: f64, terms: i32) -> f64 {
+    (1.0 - ratio.powi(terms)) / (1.0 - ratio)
+}
+
+fn glowing_box(reflectance: f32) -> World {
+    let mut scene = Document::default();
+    let wall = scene.diffuse(reflectance);
+    let wall = scene.emits(wall, 1.0);
+    scene.room([wall; 6], &[]);
+    scene.perspective(Vec3::new(0.3, 0.2, 0.6), Vec3::ZERO, 1.0, None);
+    scene.load("glowing box")
+}
+
+#[test]
+fn closed_box_glows_as_the_series_says() {
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        check(&glowing_box(0.5), integrator, 256, 6, geometric_sum(0.5, 6));
+    }
+}
+
+/// Depth by depth, so that no two strategies can make up for each other.
+#[test]
+fn closed_box_glows_as_the_series_says_at_every_length() {
+    for length in 1..=4 {
+        for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+            let truth = geometric_sum(0.9, length as i32);
+            check(&glowing_box(0.9), integrator, 256, length, truth);
+        }
+    }
+}
+
+/// Light of a sphere that fills all directions from a point inside is that of a furnace, too:
+/// seen from outside, a glowing reflector in black surroundings has nothing to reflect.
+#[test]
+fn convex_glowing_ball_reflects_nothing() {
+    let mut document = Document::default();
+    let glow = document.diffuse(0.8);
+    let glow = document.emits(glow, 1.0);
+    document.sphere(Vec3::ZERO, 1.0, glow);
+    document.orthographic(Vec3::new(0.0, 0.5, 3.0), Vec3::ZERO, 0.6);
+    let world = document.load("glowing ball");
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        check(&world, integrator, 128, 5, 1.0);
+    }
+}
+
+/// What stands in surroundings of radiance 1, seen from outside.
+fn in_surroundings(build: impl FnOnce(&mut Document)) -> World {
+    let mut scene = Document::default();
+    build(&mut scene);
+    scene.environment(1.0);
+    scene.perspective(Vec3::new(0.7, 0.9, 3.0), Vec3::ZERO, 0.7, None);
+    scene.load("furnace")
+}
+
+/// Reflection and refraction share all light between them, in or out; S1 to S3 of light reflected
+/// and transmitted cancel. Total internal reflection keeps some paths of the cube in for ever, but
+/// no path from outside gets to those; the rest has left after 64 segments.
+#[test]
+fn glass_is_invisible_in_a_furnace() {
+    let ball = in_surroundings(|scene| {
+        let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+        scene.sphere(Vec3::ZERO, 0.9, glass);
+    });
+    let cube = in_surroundings(|scene| {
+        let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+        outward_cube(scene, glass);
+    });
+    for world in [ball, cube] {
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            check(&world, integrator, 256, 64, 1.0);
+        }
+    }
+}
+
+/// A white diffuse ball, which light paths reach as well.
+#[test]
+fn white_ball_is_invisible_in_a_furnace() {
+    let world = in_surroundings(|scene| {
+        let white = scene.diffuse(1.0);
+        scene.sphere(Vec3::ZERO, 0.9, white);
+    });
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        check(&world, integrator, 512, 4, 1.0);
+    }
+}
+
+fn outward_cube(scene: &mut Document, material: usize) {
+    let (x, y, z) = (Vec3::X * 0.6, Vec3::Y * 0.6, Vec3::Z * 0.6);
+    for (center, u, v) in [(x, y, z), (-x, z, y), (y, z, x), (-y, x, z), (z, x, y), (-z, y, x)] {
+        scene.quad(center, u, v, material);
+    }
+}

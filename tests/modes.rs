@@ -1,0 +1,145 @@
+//! Both modes trace the same paths, and no number of threads changes a bit.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use rayon::ThreadPoolBuilder;
+use sunstone::film::StokesImage;
+use sunstone::integrators::{Integrator, Mode, Settings};
+use sunstone::scattering::Scene;
+use sunstone::scene::World;
+use sunstone::spectrum::Color;
+
+use support::rendering::{MONO, image, in_package, light_mask, scene, settings, world};
+use support::scenes::depolarizers;
+use support::statistics::cells;
+
+const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+
+fn reference_scene(name: &str) -> World {
+    world(&in_package(&format!("scenes/reference/{name}.gltf")))
+}
+
+fn assert_same_bits(first: &[f32], second: &[f32], what: &str) {
+    let differ = first.iter().zip(second).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+    assert_eq!(differ, 0, "{what}: {differ} of {} values differ", first.len());
+}
+
+/// One image in each mode from the same random numbers.
+fn both_modes<const N: usize>(scene: &Scene<N>, settings: &Settings) -> [StokesImage; 2] {
+    [Mode::Scalar, Mode::Polarized].map(|mode| image(scene, &Settings { mode, ..*settings }))
+}
+
+/// Without a polarizing event there is no carrier, and intensities are the same operations.
+#[test]
+fn depolarizers_give_the_same_bits_in_both_modes() {
+    fn check<const N: usize>(color: Color) {
+        let scene = scene::<N>(&depolarizers(), color, [40, 24]);
+        for integrator in INTEGRATORS {
+            let settings = settings(integrator, Mode::Scalar, color, 24, 6);
+            // Roulette, too, must play alike.
+            let [scalar, polarized] =
+                both_modes(&scene, &Settings { roulette_after: 3, ..settings });
+            assert!(scalar.planes[0].iter().any(|&value| value > 0.0));
+            for plane in 0..N {
+                let what = format!("{integrator:?}, {N} wavelengths");
+                assert_same_bits(&scalar.planes[plane], &polarized.planes[plane], &what);
+            }
+            for plane in &polarized.planes[N..] {
+                assert!(plane.iter().all(|&value| value == 0.0), "{integrator:?} polarizes");
+            }
+        }
+    }
+    check::<1>(MONO);
+    check::<3>(Color::Rgb);
+}
+
+/// Paths of two segments from pixels that see no sphere meet none.
+#[test]
+fn pixels_without_polarizing_events_have_the_same_bits_in_both_modes() {
+    let scene = scene::<1>(&reference_scene("cornell"), MONO, [64, 64]);
+    let mask = light_mask(&scene);
+    assert!(mask.iter().filter(|&&clear| clear).count() > 2_000);
+    for integrator in INTEGRATORS {
+        let images = both_modes(&scene, &settings(integrator, Mode::Scalar, MONO, 32, 2));
+        let [scalar, polarized] = images.map(|image| {
+            let pixels = image.planes[0].iter().zip(&mask).filter(|(_, clear)| **clear);
+            pixels.map(|(&value, _)| value).collect::<Vec<f32>>()
+        });
+        assert_same_bits(&scalar, &polarized, &format!("{integrator:?}"));
+    }
+}
+
+/// The difference of the modes at one seed, and at two: the former is the effect of polarization
+/// with hardly any noise, at most a tenth of the variance of the latter. Over means of 4 x 4
+/// pixels and 32 pairs of seeds.
+#[test]
+fn modes_share_their_noise() {
+    const PAIRS: u32 = 32;
+    for (name, integrator) in [
+        ("cornell", Integrator::Path),
+        ("cornell", Integrator::Light),
+        ("cornell", Integrator::Bdpt),
+        ("mirror", Integrator::Path),
+        ("mirror", Integrator::Bdpt),
+    ] {
+        let scene = scene::<1>(&reference_scene(name), MONO, [32, 32]);
+        let pairs: Vec<[StokesImage; 2]> = (0..PAIRS)
+            .map(|pair| {
+                let settings = settings(integrator, Mode::Scalar, MONO, 32, 8);
+                both_modes(&scene, &Settings { seed: settings.seed + pair, ..settings })
+            })
+            .collect();
+        let (mut same, mut other) = (0.0, 0.0);
+        for cell in cells(32, 32, 4, &[true; 32 * 32]) {
+            let sum = |image: &StokesImage| {
+                cell.iter().map(|&pixel| f64::from(image.planes[0][pixel])).sum::<f64>()
+            };
+            let next = |pair: usize| &pairs[(pair + 1) % pairs.len()];
+            let differences = |partner: &dyn Fn(usize) -> f64| {
+                (0..pairs.len()).map(|pair| sum(&pairs[pair][1]) - partner(pair)).collect()
+            };
+            same += spread(differences(&|pair| sum(&pairs[pair][0])));
+            other += spread(differences(&|pair| sum(&next(pair)[0])));
+        }
+        println!("{name}, {integrator:?}: {:.1} times less variance", other / same);
+        assert!(same > 0.0, "{name}: polarization has no effect");
+        assert!(10.0 * same < other, "{name}, {integrator:?}: {same} against {other}");
+    }
+}
+
+/// Sum of squared deviations from the mean.
+fn spread(values: Vec<f64>) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum()
+}
+
+/// Sums over pixels have one owner and a fixed order. 40 x 24 pixels are tiles of three sizes,
+/// and 37 iterations fill neither their chunks nor their waves.
+#[test]
+fn threads_change_no_bit() {
+    for name in ["cornell", "mirror"] {
+        let scene = scene::<3>(&reference_scene(name), Color::Rgb, [40, 24]);
+        for integrator in INTEGRATORS {
+            for mode in [Mode::Scalar, Mode::Polarized] {
+                let settings = settings(integrator, mode, Color::Rgb, 37, 8);
+                let settings = Settings { replicates: 3, roulette_after: 4, ..settings };
+                let with_threads = |threads: usize| {
+                    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+                    pool.expect("threads start").install(|| image(&scene, &settings))
+                };
+                let alone = with_threads(1);
+                for threads in [2, 3, 8] {
+                    let what = format!("{name}, {integrator:?}, {mode:?}, {threads} threads");
+                    let together = with_threads(threads);
+                    let planes = |image: &StokesImage| image.planes.concat();
+                    assert_same_bits(&planes(&alone), &planes(&together), &what);
+                    let variance = |image: &StokesImage| {
+                        image.variance.as_ref().expect("three replicates").concat()
+                    };
+                    assert_same_bits(&variance(&alone), &variance(&together), &what);
+                }
+            }
+        }
+    }
+}

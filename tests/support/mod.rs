@@ -1,0 +1,8 @@
+//! What the tests of whole renders share: rendering in replicates, statistics of the differences,
+//! scenes built in code, and the evidence left behind by a failure.
+
+pub mod evidence;
+pub mod gltf;
+pub mod rendering;
+pub mod scenes;
+pub mod statistics;

@@ -1,0 +1,156 @@
+//! Renders for tests: scenes by path or world, images by replicate, and which pixels the light
+//! tracer can fill.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use sunstone::film::StokesImage;
+use sunstone::integrators::{Integrator, Mode, Settings, render};
+use sunstone::math::{F32s, LANES, Vector};
+use sunstone::scattering::Scene;
+use sunstone::scene::baked::{EmitterKind, MaterialKind, NONE};
+use sunstone::scene::{World, bake, load};
+use sunstone::spectrum::Color;
+
+use glam::Vec3;
+
+/// The wavelength of the reference images.
+pub const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
+
+/// Sides of the grid of primary rays that decide what a pixel sees.
+const RAYS: usize = 8;
+
+/// A file of the package.
+pub fn in_package(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A scene that is shipped or kept for tests.
+pub fn world(path: &Path) -> World {
+    load(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Bakes a scene for a film of `width` times `height` pixels.
+pub fn scene<const N: usize>(world: &World, color: Color, [width, height]: [u32; 2]) -> Scene<N> {
+    let tables = bake::<N>(world, color).unwrap_or_else(|error| panic!("{error}"));
+    Scene::new(tables, width, height)
+}
+
+/// One randomization of `iterations` samples, without roulette. Integrators get seeds of their
+/// own, for `path` and `bdpt` would otherwise share their sensor paths and with them their noise.
+pub fn settings(
+    integrator: Integrator,
+    mode: Mode,
+    color: Color,
+    iterations: u32,
+    path_length_max: u32,
+) -> Settings {
+    let seed = match integrator {
+        Integrator::Path => 0x1000_0000,
+        Integrator::Light => 0x2000_0000,
+        Integrator::Bdpt => 0x3000_0000,
+    };
+    Settings {
+        integrator,
+        mode,
+        color,
+        iterations,
+        replicates: 1,
+        path_length_max,
+        roulette_after: path_length_max + 1,
+        seed,
+        time_limit: None,
+    }
+}
+
+/// One image.
+pub fn image<const N: usize>(scene: &Scene<N>, settings: &Settings) -> StokesImage {
+    render(scene, settings, &|_| {}).film.develop()
+}
+
+/// `count` independent images of the same scene: their spread is the error of their mean, for
+/// any sum over pixels too, whatever correlation there is between those.
+pub fn replicates<const N: usize>(
+    scene: &Scene<N>,
+    settings: &Settings,
+    count: u32,
+) -> Vec<StokesImage> {
+    let seeds = (0..count).into_par_iter().map(|replicate| settings.seed + replicate);
+    seeds.map(|seed| image(scene, &Settings { seed, ..*settings })).collect()
+}
+
+/// Share of all directions that an emitter must take up, as seen from the edge of the scene, for
+/// paths from the sensor to meet it often enough by chance: with 1,000 samples a cell and 32
+/// replicates some 30 times. Where that is rarer, as in caustics of small lights, neither the mean
+/// nor its estimated error can be trusted: most replicates know nothing of the light that others
+/// have.
+const CHANCE_MIN: f32 = 1e-3;
+
+/// Whether unidirectional paths from the sensor can be trusted to find all light: yes without
+/// specular surfaces, where connections find it; else only if all emitters are large.
+pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
+    let specular =
+        |kind: &MaterialKind| !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse);
+    if !scene.kind_of_primitive.iter().any(specular) {
+        return true;
+    }
+    let tables = &scene.tables;
+    let mut areas = vec![0.0; tables.surfaces.len()];
+    for emitter in &tables.emitters {
+        match emitter.kind {
+            EmitterKind::Triangle | EmitterKind::Sphere => {
+                let surface = tables.surface_of_primitive[emitter.primitive as usize];
+                areas[surface as usize] += emitter.area;
+            }
+            EmitterKind::Environment => {}
+            EmitterKind::Point | EmitterKind::Spot | EmitterKind::Directional => return false,
+        }
+    }
+    let all = 4.0 * std::f32::consts::PI * tables.bounds.radius.powi(2);
+    areas.iter().all(|&area| area == 0.0 || area / all >= CHANCE_MIN)
+}
+
+/// The pixels that connections of light paths to the sensor can fill: those, with their
+/// neighbors, whose primary rays meet diffuse surfaces, absorbers, or an emitter with a
+/// direction of its own. Neighbors are asked because rays are few and edges thin.
+pub fn light_mask<const N: usize>(scene: &Scene<N>) -> Vec<bool> {
+    let [width, height] = [scene.sensor.width, scene.sensor.height].map(|size| size as i32);
+    let mut clear = Vec::new();
+    for y in 0..height {
+        clear.extend((0..width).map(|x| sees_no_specular(scene, [x as f32, y as f32])));
+    }
+    let clear_at = |x: i32, y: i32| {
+        let outside = x < 0 || y < 0 || x >= width || y >= height;
+        outside || clear[(y * width + x) as usize]
+    };
+    let near = |x: i32, y: i32| (-1..=1).all(|dy| (-1..=1).all(|dx| clear_at(x + dx, y + dy)));
+    (0..height).flat_map(|y| (0..width).map(move |x| near(x, y))).collect()
+}
+
+/// Whether all rays of a pixel, over its area and the lens, meet what light paths connect from.
+fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> bool {
+    let stratum = |index: usize| (index as f32 + 0.5) / RAYS as f32;
+    (0..RAYS * RAYS).step_by(LANES).all(|start| {
+        let lane = |of: fn(usize) -> usize| {
+            F32s::from(std::array::from_fn(|lane| stratum(of(start + lane))))
+        };
+        let [u, v] = [lane(|index| index % RAYS), lane(|index| index / RAYS)];
+        // The lens in another order than the pixel, so that the two do not go together.
+        let lens = [lane(|index| (index * 29 + 3) % RAYS), lane(|index| index * 37 / RAYS % RAYS)];
+        let film = [F32s::splat(left) + u, F32s::splat(top) + v];
+        let (origin, direction, _) = scene.sensor.rays(film, || lens);
+        let row = |v: &Vector<F32s>, lane: usize| {
+            Vec3::new(v.x.to_array()[lane], v.y.to_array()[lane], v.z.to_array()[lane])
+        };
+        (0..LANES).all(|lane| {
+            let (origin, direction) = (row(&origin, lane), row(&direction, lane));
+            let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
+            if hit.primitive == NONE {
+                // Parallel rays have no direction to share with an environment.
+                return scene.tables.environment == NONE || scene.sensor.is_finite();
+            }
+            let kind = scene.kind_of_primitive[hit.primitive as usize];
+            matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse)
+        })
+    })
+}

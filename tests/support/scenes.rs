@@ -1,0 +1,278 @@
+//! Small scenes that between them hold every emitter, camera and material, and the combinations
+//! in which strategies and polarization have most occasion to disagree.
+
+use glam::Vec3;
+use serde_json::json;
+use sunstone::scene::World;
+
+use super::gltf::Document;
+
+/// A scene by name.
+pub type Named = (&'static str, fn() -> World);
+
+/// All of them.
+pub const SCENES: [Named; 19] = [
+    ("one-sided panel, pinhole", one_sided_panel),
+    ("two-sided panel, lens", two_sided_panel),
+    ("sphere light, orthographic", sphere_light),
+    ("point light, pinhole", point_light),
+    ("spot light, lens", spot_light),
+    ("directional light, orthographic", directional_light),
+    ("directional light, pinhole", directional_light_seen_by_pinhole),
+    ("environment, lens", environment),
+    ("environment, orthographic", environment_orthographic),
+    ("all emitters", all_emitters),
+    ("smooth-shaded diffuse ball", || smooth_shaded(Ball::Diffuse)),
+    ("smooth-shaded glass ball", || smooth_shaded(Ball::Glass)),
+    ("smooth-shaded mirror ball", || smooth_shaded(Ball::Mirror)),
+    ("two metals and glass", metals_and_glass),
+    ("glass before a point light", glass_and_point_light),
+    ("glass and mirror under an environment", glass_under_environment),
+    ("sheets under a panel", sheets_under_panel),
+    ("sheets under a point light", sheets_under_point_light),
+    ("sheets and glass, orthographic", sheets_orthographic),
+];
+
+const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
+const FRONT: usize = 5;
+const CEILING: usize = 1;
+
+fn v(x: f32, y: f32, z: f32) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+/// A room without front wall, and without those in `open`.
+fn room(open: &[usize]) -> Document {
+    let mut scene = Document::default();
+    let walls = WALLS.map(|reflectance| scene.diffuse(reflectance));
+    scene.room(walls, &[&[FRONT], open].concat());
+    scene
+}
+
+fn pinhole(mut scene: Document) -> Document {
+    scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.62, None);
+    scene
+}
+
+/// A panel that shines down from below the ceiling, of half edge `half`.
+fn add_panel(scene: &mut Document, half: f32, radiance: f32) {
+    let panel = scene.material(json!({"bsdf": "absorber"}));
+    let panel = scene.emits(panel, radiance);
+    scene.quad(v(0.1, 0.95, 0.0), v(half, 0.0, 0.0), v(0.0, 0.0, half), panel);
+}
+
+fn one_sided_panel() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.3, 8.0);
+    pinhole(scene).load("one-sided panel")
+}
+
+fn two_sided_panel() -> World {
+    let mut scene = room(&[]);
+    let panel = scene.diffuse(0.5);
+    let panel = scene.two_sided(panel);
+    let panel = scene.emits(panel, 2.0);
+    scene.quad(v(-0.2, 0.1, 0.1), v(0.3, 0.1, 0.2), v(-0.1, 0.4, 0.1), panel);
+    scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.62, Some([0.2, 3.2]));
+    scene.load("two-sided panel")
+}
+
+fn sphere_light() -> World {
+    let mut scene = room(&[]);
+    let bulb = scene.diffuse(0.4);
+    let bulb = scene.emits(bulb, 3.0);
+    scene.sphere(v(0.3, -0.2, 0.2), 0.25, bulb);
+    let block = scene.diffuse(0.8);
+    scene.sphere(v(-0.4, -0.5, 0.1), 0.3, block);
+    scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 0.95);
+    scene.load("sphere light")
+}
+
+fn point_light() -> World {
+    let mut scene = room(&[]);
+    scene.light(json!({"type": "point", "intensity": 2.0}), v(0.3, 0.2, 0.1), Vec3::NEG_Z);
+    let ball = scene.diffuse(0.8);
+    scene.sphere(v(-0.4, -0.5, 0.1), 0.3, ball);
+    pinhole(scene).load("point light")
+}
+
+fn spot_light() -> World {
+    let mut scene = room(&[]);
+    let cone = json!({"innerConeAngle": 0.2, "outerConeAngle": 0.6});
+    let spot = json!({"type": "spot", "intensity": 6.0, "spot": cone});
+    scene.light(spot, v(0.4, 0.7, 0.3), v(-0.5, -1.0, -0.3));
+    scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.62, Some([0.2, 3.2]));
+    scene.load("spot light")
+}
+
+fn sunny_room() -> Document {
+    let mut scene = room(&[CEILING]);
+    let sun = json!({"type": "directional", "intensity": 3.0});
+    scene.light(sun, v(5.0, 5.0, 5.0), v(-0.4, -1.0, -0.5));
+    let ball = scene.diffuse(0.8);
+    scene.sphere(v(-0.4, -0.5, 0.1), 0.3, ball);
+    scene
+}
+
+fn directional_light() -> World {
+    let mut scene = sunny_room();
+    scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 1.2);
+    scene.load("directional light")
+}
+
+fn directional_light_seen_by_pinhole() -> World {
+    pinhole(sunny_room()).load("directional light, pinhole")
+}
+
+fn open_scene() -> Document {
+    let mut scene = room(&[CEILING, 2]);
+    scene.environment(0.8);
+    let ball = scene.diffuse(0.8);
+    scene.sphere(v(-0.3, -0.4, 0.1), 0.4, ball);
+    scene
+}
+
+fn environment() -> World {
+    let mut scene = open_scene();
+    scene.perspective(v(0.2, 0.6, 3.6), Vec3::ZERO, 0.7, Some([0.15, 3.2]));
+    scene.load("environment")
+}
+
+fn environment_orthographic() -> World {
+    let mut scene = open_scene();
+    scene.orthographic(v(0.3, 0.9, 3.0), Vec3::ZERO, 1.2);
+    scene.load("environment, orthographic")
+}
+
+/// Their powers differ by less than ten, so that each is chosen often.
+fn all_emitters() -> World {
+    let mut scene = sunny_room();
+    add_panel(&mut scene, 0.3, 4.0);
+    let bulb = scene.diffuse(0.4);
+    let bulb = scene.emits(bulb, 2.0);
+    scene.sphere(v(0.5, -0.6, 0.2), 0.2, bulb);
+    scene.light(json!({"type": "point", "intensity": 0.7}), v(-0.6, 0.3, 0.3), Vec3::NEG_Z);
+    let cone = json!({"innerConeAngle": 0.3, "outerConeAngle": 0.3});
+    let spot = json!({"type": "spot", "intensity": 9.0, "spot": cone});
+    scene.light(spot, v(0.4, 0.7, 0.7), v(-0.5, -1.0, -0.9));
+    scene.environment(0.2);
+    scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.7, Some([0.1, 3.2]));
+    scene.load("all emitters")
+}
+
+enum Ball {
+    Diffuse,
+    Glass,
+    Mirror,
+}
+
+/// A coarse ball with the normals of a sphere: light and importance scatter differently there.
+fn smooth_shaded(ball: Ball) -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let material = match ball {
+        Ball::Diffuse => json!({"bsdf": "diffuse", "reflectance": 0.9}),
+        Ball::Glass => json!({"bsdf": "dielectric", "ior": 1.5}),
+        Ball::Mirror => json!({"bsdf": "conductor", "metal": "Al"}),
+    };
+    let material = scene.material(material);
+    scene.ball(v(-0.1, -0.2, 0.1), 0.5, 6, material);
+    pinhole(scene).load("smooth-shaded ball")
+}
+
+/// Reflections in turned planes of incidence, by metals and within glass, make S3.
+fn metals_and_glass() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let gold = scene.material(json!({"bsdf": "conductor", "metal": "Au"}));
+    let copper = scene.material(json!({"bsdf": "conductor", "metal": "Cu"}));
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.sphere(v(-0.5, -0.3, -0.2), 0.45, gold);
+    scene.sphere(v(0.5, 0.1, -0.3), 0.4, copper);
+    scene.sphere(v(0.2, -0.6, 0.5), 0.35, glass);
+    pinhole(scene).load("two metals and glass")
+}
+
+fn glass_and_point_light() -> World {
+    let mut scene = room(&[]);
+    scene.light(json!({"type": "point", "intensity": 2.0}), v(0.5, 0.7, 0.4), Vec3::NEG_Z);
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.sphere(v(0.1, -0.2, 0.1), 0.4, glass);
+    pinhole(scene).load("glass and point light")
+}
+
+fn glass_under_environment() -> World {
+    let mut scene = open_scene();
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    let mirror = scene.material(json!({"bsdf": "conductor", "metal": "Al"}));
+    scene.sphere(v(0.5, -0.5, 0.4), 0.35, glass);
+    scene.ball(v(0.4, 0.5, -0.3), 0.35, 8, mirror);
+    scene.perspective(v(0.2, 0.6, 3.6), Vec3::ZERO, 0.7, None);
+    scene.load("glass under environment")
+}
+
+/// A polarizer, a retarder and a leaky polarizer in the light's way, mirrors beside it: light
+/// paths carry polarization from one element to the next.
+fn add_sheets(scene: &mut Document) {
+    let first = scene.material(json!({"bsdf": "polarizer", "axis_deg": 20}));
+    let plate = json!({"bsdf": "retarder", "axis_deg": 65, "retardance_deg": 100});
+    let plate = scene.material(plate);
+    let leaky = json!({"bsdf": "polarizer", "axis_deg": 100, "extinction_ratio": 15});
+    let leaky = scene.material(leaky);
+    for (y, material) in [(0.5, first), (0.4, plate), (0.3, leaky)] {
+        scene.quad(v(0.1, y, 0.0), v(0.7, 0.1, 0.0), v(0.0, 0.05, -0.7), material);
+    }
+    let mirror = scene.material(json!({"bsdf": "conductor", "metal": "Au"}));
+    scene.quad(v(-0.95, -0.2, 0.0), v(0.0, 0.6, 0.1), v(0.0, -0.1, 0.7), mirror);
+}
+
+fn sheets_under_panel() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 6.0);
+    add_sheets(&mut scene);
+    pinhole(scene).load("sheets under panel")
+}
+
+fn sheets_under_point_light() -> World {
+    let mut scene = room(&[]);
+    scene.light(json!({"type": "point", "intensity": 3.0}), v(0.1, 0.8, 0.1), Vec3::NEG_Z);
+    add_sheets(&mut scene);
+    pinhole(scene).load("sheets under point light")
+}
+
+fn sheets_orthographic() -> World {
+    let mut scene = open_scene();
+    add_sheets(&mut scene);
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.sphere(v(0.5, -0.5, 0.4), 0.35, glass);
+    scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 1.0);
+    scene.load("sheets, orthographic")
+}
+
+/// A far panel, two sheets in between, and a floor that light reaches only through both. The
+/// second axis is at `axis_deg` to the first.
+pub fn two_sheets(axis_deg: f32) -> World {
+    let mut scene = Document::default();
+    let panel = scene.material(json!({"bsdf": "absorber"}));
+    let panel = scene.emits(panel, 100.0);
+    scene.quad(v(0.0, 4.0, 0.0), v(0.2, 0.0, 0.0), v(0.0, 0.0, 0.2), panel);
+    let first = scene.material(json!({"bsdf": "polarizer", "axis_deg": 0}));
+    let second = scene.material(json!({"bsdf": "polarizer", "axis_deg": axis_deg}));
+    scene.quad(v(0.0, 2.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 0.0, -1.0), first);
+    scene.quad(v(0.0, 1.9, 0.0), v(1.0, 0.0, 0.0), v(0.0, 0.0, -1.0), second);
+    let floor = scene.diffuse(0.8);
+    scene.quad(Vec3::ZERO, v(0.3, 0.0, 0.0), v(0.0, 0.0, -0.3), floor);
+    // Looks under the sheets.
+    scene.perspective(v(0.0, 0.8, 2.0), Vec3::ZERO, 0.2, None);
+    scene.load("two sheets")
+}
+
+/// A room of depolarizers only.
+pub fn depolarizers() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.3, 8.0);
+    let ball = scene.diffuse(0.8);
+    scene.ball(v(-0.3, -0.4, 0.1), 0.4, 6, ball);
+    scene.light(json!({"type": "point", "intensity": 2.0}), v(0.3, 0.2, 0.1), Vec3::NEG_Z);
+    pinhole(scene).load("depolarizers")
+}
