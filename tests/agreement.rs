@@ -124,8 +124,8 @@ fn compare(first: &Rendered, second: &Rendered) -> Found {
     // Channels share their noise: only one of them counts as a source of chance.
     let [_, high] = rms_limits(of_cells.len() / image.color.channels());
     let words = format!(
-        "rms {rms:.2} of {} cells (up to {high:.2}), worst {worst_cell:.2}, images {worst_image:.2} \
-         (up to {LIMIT}), {inexact} inexact",
+        "rms {rms:.2} of {} cells (up to {high:.2}), worst {worst_cell:.2}, images \
+         {worst_image:.2} (up to {LIMIT}), {inexact} inexact",
         of_cells.len(),
     );
     let wrong = rms > high || worst_cell > LIMIT || worst_image > LIMIT || inexact > 0;

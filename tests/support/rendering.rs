@@ -89,9 +89,7 @@ const CHANCE_MIN: f32 = 1e-3;
 /// Whether unidirectional paths from the sensor can be trusted to find all light: yes without
 /// specular surfaces, where connections find it; else only if all emitters are large.
 pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
-    let specular =
-        |kind: &MaterialKind| !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse);
-    if !scene.kind_of_primitive.iter().any(specular) {
+    if !(0..scene.material_of_primitive.len()).any(|primitive| is_specular(scene, primitive)) {
         return true;
     }
     let tables = &scene.tables;
@@ -108,6 +106,13 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     }
     let all = 4.0 * std::f32::consts::PI * tables.bounds.radius.powi(2);
     areas.iter().all(|&area| area == 0.0 || area / all >= CHANCE_MIN)
+}
+
+/// Whether connections to a primitive have nothing to find.
+fn is_specular<const N: usize>(scene: &Scene<N>, primitive: usize) -> bool {
+    let material = scene.material_of_primitive[primitive] as usize;
+    let kind = scene.tables.materials[material].kind;
+    !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse)
 }
 
 /// The pixels that connections of light paths to the sensor can fill: those, with their
@@ -149,8 +154,7 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
                 // Parallel rays have no direction to share with an environment.
                 return scene.tables.environment == NONE || scene.sensor.is_finite();
             }
-            let kind = scene.kind_of_primitive[hit.primitive as usize];
-            matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse)
+            !is_specular(scene, hit.primitive as usize)
         })
     })
 }
