@@ -127,6 +127,21 @@ fn glass_is_invisible_in_a_furnace() {
     }
 }
 
+/// Within glass radiance is greater by the square of its index, which a white core must see and
+/// the way out must undo; unlike without a core, these do not cancel on the way of a single path.
+#[test]
+fn white_core_of_glass_is_invisible_in_a_furnace() {
+    let world = in_surroundings(|scene| {
+        let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+        scene.sphere(Vec3::ZERO, 0.9, glass);
+        let white = scene.diffuse(1.0);
+        scene.sphere(Vec3::ZERO, 0.5, white);
+    });
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        check(&world, integrator, 128, 96, 1.0);
+    }
+}
+
 /// A white diffuse ball, which light paths reach as well.
 #[test]
 fn white_ball_is_invisible_in_a_furnace() {

@@ -55,8 +55,13 @@ impl Document {
 
     /// A parallelogram about `center` that faces along `u` cross `v`, its half edges.
     pub fn quad(&mut self, center: Vec3, u: Vec3, v: Vec3, material: usize) {
+        self.tilted_quad(center, u, v, Vec3::ZERO, material);
+    }
+
+    /// A parallelogram whose shading normals lean by `tilt`, added to the geometric one.
+    pub fn tilted_quad(&mut self, center: Vec3, u: Vec3, v: Vec3, tilt: Vec3, material: usize) {
         let positions = [center - u - v, center + u - v, center + u + v, center - u + v];
-        let normals = [u.cross(v).normalize(); 4];
+        let normals = [(u.cross(v).normalize() + tilt).normalize(); 4];
         self.mesh(&positions, &normals, &[0, 1, 2, 0, 2, 3], material);
     }
 

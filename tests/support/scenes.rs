@@ -11,7 +11,7 @@ use super::gltf::Document;
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 19] = [
+pub const SCENES: [Named; 23] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -25,6 +25,10 @@ pub const SCENES: [Named; 19] = [
     ("smooth-shaded diffuse ball", || smooth_shaded(Ball::Diffuse)),
     ("smooth-shaded glass ball", || smooth_shaded(Ball::Glass)),
     ("smooth-shaded mirror ball", || smooth_shaded(Ball::Mirror)),
+    ("tilted normals, diffuse", || tilted_normals(Ball::Diffuse)),
+    ("tilted normals, glass", || tilted_normals(Ball::Glass)),
+    ("tilted normals, mirror", || tilted_normals(Ball::Mirror)),
+    ("below a surface of water", below_water),
     ("two metals and glass", metals_and_glass),
     ("glass before a point light", glass_and_point_light),
     ("glass and mirror under an environment", glass_under_environment),
@@ -166,18 +170,49 @@ enum Ball {
     Mirror,
 }
 
+impl Ball {
+    fn add_to(self, scene: &mut Document) -> usize {
+        scene.material(match self {
+            Ball::Diffuse => json!({"bsdf": "diffuse", "reflectance": 0.9}),
+            Ball::Glass => json!({"bsdf": "dielectric", "ior": 1.5}),
+            Ball::Mirror => json!({"bsdf": "conductor", "metal": "Al"}),
+        })
+    }
+}
+
 /// A coarse ball with the normals of a sphere: light and importance scatter differently there.
 fn smooth_shaded(ball: Ball) -> World {
     let mut scene = room(&[]);
     add_panel(&mut scene, 0.5, 4.0);
-    let material = match ball {
-        Ball::Diffuse => json!({"bsdf": "diffuse", "reflectance": 0.9}),
-        Ball::Glass => json!({"bsdf": "dielectric", "ior": 1.5}),
-        Ball::Mirror => json!({"bsdf": "conductor", "metal": "Al"}),
-    };
-    let material = scene.material(material);
+    let material = ball.add_to(&mut scene);
     scene.ball(v(-0.1, -0.2, 0.1), 0.5, 6, material);
     pinhole(scene).load("smooth-shaded ball")
+}
+
+/// Normals that all lean the same way: what light paths forget to correct for does not average
+/// out as it does over a ball.
+fn tilted_normals(ball: Ball) -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let material = ball.add_to(&mut scene);
+    scene.tilted_quad(
+        v(0.0, -0.6, 0.0),
+        v(0.0, 0.0, 0.9),
+        v(0.9, 0.1, 0.0),
+        v(0.7, 0.0, 0.3),
+        material,
+    );
+    pinhole(scene).load("tilted normals")
+}
+
+/// The lower half of the room under water: radiance, unlike power, changes at its surface, and
+/// nothing changes it back before the floor.
+fn below_water() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let water = scene.material(json!({"bsdf": "dielectric", "ior": 1.33}));
+    scene.quad(v(0.0, -0.2, 0.0), v(0.0, 0.0, 1.0), v(1.0, 0.0, 0.0), water);
+    pinhole(scene).load("below water")
 }
 
 /// Reflections in turned planes of incidence, by metals and within glass, make S3.
