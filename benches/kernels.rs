@@ -35,23 +35,30 @@ fn blocks(group: &[Vec<f32>; 3], row: usize) -> Block<F32s> {
     Block { a, c, s }
 }
 
+fn coefficients() -> [[Vec<f32>; 3]; CHANNELS] {
+    std::array::from_fn(|channel| {
+        let [c, s] = unit_circle(100 + channel as u32);
+        [vec![0.0; ROWS], c, s]
+    })
+}
+
+fn load_turn([cos2, sin2]: &[Vec<f32>; 2], row: usize) -> Rotation<F32s> {
+    Rotation { cos2: lanes::load(cos2, row), sin2: lanes::load(sin2, row) }
+}
+
 fn mueller(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("mueller");
     group.throughput(Throughput::Elements(ROWS as u64));
-    let coefficients: [[Vec<f32>; 3]; CHANNELS] = std::array::from_fn(|channel| {
-        let [c, s] = unit_circle(100 + channel as u32);
-        [vec![0.0; ROWS], c, s]
-    });
+    let coefficients = coefficients();
     let turns = unit_circle(200);
-    let turn =
-        |row| Rotation { cos2: lanes::load(&turns[0], row), sin2: lanes::load(&turns[1], row) };
+    let turn = |row| load_turn(&turns, row);
 
     let mut beta: [Vec<f32>; CHANNELS] = columns(1);
     let one = vec![1.0; ROWS];
     group.bench_function("scalar multiply, RGB", |bench| {
         bench.iter(|| {
             for row in (0..ROWS).step_by(LANES) {
-                for (channel, beta) in beta.iter_mut().enumerate() {
+                for beta in &mut beta {
                     let value = lanes::load(beta, row) * lanes::load(&one, row);
                     lanes::store(beta, row, ROWS, value);
                 }
@@ -77,6 +84,15 @@ fn mueller(criterion: &mut Criterion) {
         });
     });
 
+    group.finish();
+}
+
+fn matrices(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("mueller");
+    group.throughput(Throughput::Elements(ROWS as u64));
+    let coefficients = coefficients();
+    let turns = unit_circle(200);
+    let turn = |row| load_turn(&turns, row);
     let mut matrices: [[Vec<f32>; 16]; CHANNELS] =
         std::array::from_fn(|n| columns(30 + 16 * n as u32));
     group.bench_function("rotate and block on 4x4, RGB", |bench| {
@@ -168,5 +184,5 @@ fn leaves(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, mueller, leaves);
+criterion_group!(benches, mueller, matrices, leaves);
 criterion_main!(benches);

@@ -47,6 +47,22 @@ fn cornell() -> Scene<N> {
     Scene::new(bake(&world, Color::Rgb).expect("a shipped scene"), 64, 64)
 }
 
+fn specular<M: LightModel<N>>(
+    drawn: &mut [Vec<f32>; 3],
+    kernels: &mut KernelColumns<N>,
+    paths: &mut PathTable<N, M::Sensor>,
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    partition: &Partition,
+) {
+    let event = Event { path_length: 1, side: Side::Sensor };
+    if M::POLARIZED {
+        scatter_specular::<N, true, _>(drawn, kernels, paths, surfaces, scene, partition, event);
+    } else {
+        scatter_specular::<N, false, _>(drawn, kernels, paths, surfaces, scene, partition, event);
+    }
+}
+
 fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let scene = cornell();
     let mut paths = PathTable::<N, M::Sensor>::new(ROWS);
@@ -96,30 +112,8 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("scatter_specular", |bench| {
-        let event = Event { path_length: 1, side: Side::Sensor };
         bench.iter(|| {
-            let (paths, parts) = (&mut sorted, &partition);
-            if M::POLARIZED {
-                scatter_specular::<N, true, _>(
-                    &mut drawn,
-                    &mut kernels,
-                    paths,
-                    &surfaces,
-                    &scene,
-                    parts,
-                    event,
-                );
-            } else {
-                scatter_specular::<N, false, _>(
-                    &mut drawn,
-                    &mut kernels,
-                    paths,
-                    &surfaces,
-                    &scene,
-                    parts,
-                    event,
-                );
-            }
+            specular::<M>(&mut drawn, &mut kernels, &mut sorted, &surfaces, &scene, &partition);
         });
     });
     group.bench_function("collect_sensor", |bench| {

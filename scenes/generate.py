@@ -153,7 +153,47 @@ def ball(rings=12, segments=24):
     return points, points, triangles
 
 
-SHAPES = {"rectangle": rectangle, "cube": cube, "prism": prism, "ball": ball}
+RIPPLES = [  # slope, waves per 2 pi, direction in degrees, phase
+    (0.066, 14.0, 20, 0.3), (0.0594, 17.0, 95, 1.9), (0.0528, 12.0, 150, 4.0),
+    (0.0462, 21.0, 60, 2.2), (0.0396, 9.0, -15, 5.1),
+]
+
+
+def ripple(x, y):
+    height = 0.0
+    for slope, frequency, degrees, phase in RIPPLES:
+        along = x * math.cos(math.radians(degrees)) + y * math.sin(math.radians(degrees))
+        height += slope / frequency * math.sin(frequency * along + phase)
+    return height
+
+
+def pane(cells=80):
+    """A pane of glass, [-1, 1]^2 and 0.16 thick: flat towards -z, rippled towards +z.
+
+    No normals: the facets are meant, as shading normals would not conserve energy.
+    """
+    positions = [(x, y, 0.08 + ripple(x, y))
+                 for y in (2 * j / cells - 1 for j in range(cells + 1))
+                 for x in (2 * i / cells - 1 for i in range(cells + 1))]
+    at = lambda i, j: j * (cells + 1) + i
+    triangles = []
+    for j in range(cells):
+        for i in range(cells):
+            a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            triangles += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(a, b, d), (b, c, d)]
+    steps = range(cells)
+    rim = ([at(i, 0) for i in steps] + [at(cells, j) for j in steps]
+           + [at(cells - i, cells) for i in steps] + [at(0, cells - j) for j in steps])
+    first, center = len(positions), len(positions) + len(rim)
+    positions += [(*positions[corner][:2], -0.08) for corner in rim] + [(0.0, 0.0, -0.08)]
+    for k, corner in enumerate(rim):
+        after = (k + 1) % len(rim)
+        triangles += [(first + k, first + after, rim[after]), (first + k, rim[after], corner),
+                      (center, first + after, first + k)]
+    return positions, None, triangles
+
+
+SHAPES = {"rectangle": rectangle, "cube": cube, "prism": prism, "ball": ball, "pane": pane}
 
 
 # -- materials ----------------------------------------------------------------------------------
@@ -254,8 +294,10 @@ class Scene:
             if kind not in self.accessors_of:
                 self.accessors_of[kind] = self.geometry(*SHAPES[kind]())
             positions, normals, indices = self.accessors_of[kind]
-            primitive = {"attributes": {"POSITION": positions, "NORMAL": normals},
-                         "indices": indices, "material": material}
+            attributes = {"POSITION": positions}
+            if normals is not None:
+                attributes["NORMAL"] = normals
+            primitive = {"attributes": attributes, "indices": indices, "material": material}
             name = f"{kind} {self.gltf['materials'][material]['name']}"
             self.mesh_of[kind, material] = self.add(
                 "meshes", {"name": name, "primitives": [primitive]})
@@ -264,9 +306,10 @@ class Scene:
     def geometry(self, positions, normals, triangles):
         as_float32 = lambda x: struct.unpack("<f", struct.pack("<f", x))[0]
         columns = [[as_float32(x) for x in column] for column in zip(*positions)]
+        flat = normals is None
         extent = {"min": [min(c) for c in columns], "max": [max(c) for c in columns]}
         return (self.accessor(positions, "f", "VEC3", 34962, **extent),
-                self.accessor(normals, "f", "VEC3", 34962),
+                None if flat else self.accessor(normals, "f", "VEC3", 34962),
                 self.accessor([(i,) for row in triangles for i in row], "H", "SCALAR", 34963))
 
     def accessor(self, rows, code, kind, target, **extent):
@@ -401,54 +444,80 @@ def reference_polarizers():
 # -- the scenes to look at ----------------------------------------------------------------------
 
 def cornell():
-    """A Cornell box of glass and metals behind two crossed polarizers and a half-wave plate.
+    """Glass, metals and a pool of black glass in a Cornell box, which is closed behind the camera.
 
-    Where the two sheets overlap the picture is black, but for the strip where the plate between
-    them turns the polarization by 90 degrees.
+    The pool reflects near Brewster's angle, so that what is seen in it is polarized. Two crossed
+    polarizer sheets hang in the room: black where they overlap, but for the strip where a
+    half-wave plate between them turns the polarization by 90 degrees.
     """
     scene = Scene("cornell")
     white = scene.material("white", diffuse([0.73, 0.72, 0.70]))
     red = scene.material("red", diffuse([0.61, 0.07, 0.05]))
     green = scene.material("green", diffuse([0.13, 0.44, 0.09]))
+    blue = scene.material("blue", diffuse([0.35, 0.50, 0.70]))
+    black = scene.material("black", extended({"bsdf": "absorber"}, (0.0, 0.0, 0.0)))
     clear = scene.material("glass", glass(1.5))
     aluminum = scene.material("aluminum", ALUMINUM)
     gold = scene.material("gold", GOLD)
     copper = scene.material("copper", COPPER)
-    box_walls(scene, white, red, green)
-    scene.shape("light", "rectangle", scene.material("light", light([16.0, 12.5, 8.5])),
-                scale(0.36), rotate("x", 90), translate(y=0.995))
-    scene.shape("mirror block", "cube", aluminum, scale(0.27, 0.6, 0.27), rotate("y", 24),
-                translate(-0.44, -0.399, -0.42))
-    scene.sphere("glass ball", clear, (0.47, -0.635, 0.22), 0.36)
-    scene.sphere("gold ball", gold, (0.2, -0.695, -0.55), 0.3)
-    scene.sphere("copper ball", copper, (-0.3, -0.815, 0.42), 0.18)
+    deep = (scale(1, 1, 2.1), translate(z=1.1))  # from z = -1 to 3.2
+    scene.shape("floor", "rectangle", white, rotate("x", -90), *deep, translate(y=-1))
+    scene.shape("ceiling", "rectangle", white, rotate("x", 90), *deep, translate(y=1))
+    scene.shape("left wall", "rectangle", red, rotate("y", 90), *deep, translate(x=-1))
+    scene.shape("right wall", "rectangle", green, rotate("y", -90), *deep, translate(x=1))
+    scene.shape("back", "rectangle", white, translate(z=-1))
+    scene.shape("front", "rectangle", blue, rotate("y", 180), translate(z=3.2))
+    scene.shape("light", "rectangle", scene.material("light", light([17.0, 13.3, 9.1])),
+                scale(0.38), rotate("x", 90), translate(y=0.995))
+    scene.shape("mirror block", "cube", aluminum, scale(0.25, 0.6, 0.25), rotate("y", 24),
+                translate(-0.5, -0.399, -0.5))
+    for name, material, height in (("bottom of the pool", black, -0.996),
+                                   ("pool", clear, -0.992)):
+        scene.shape(name, "rectangle", material, scale(0.42, 0.36, 1), rotate("x", -90),
+                    translate(-0.34, height, 0.3))
+    scene.sphere("copper ball", copper, (-0.3, -0.79, 0.2), 0.2)
+    scene.sphere("gold ball", gold, (0.2, -0.7, -0.5), 0.3)
+    scene.sphere("glass ball", clear, (0.55, -0.66, 0.25), 0.34)
     horizontal = scene.material("polarizer, horizontal", polarizer(0))
     vertical = scene.material("polarizer, vertical", polarizer(90))
     half_wave = scene.material("half-wave plate", retarder(45, 180))
-    scene.shape("back sheet", "rectangle", horizontal, scale(0.3), translate(0.2, 0.12, 0.70))
-    scene.shape("strip", "rectangle", half_wave, scale(0.07, 0.25, 1),
-                translate(0.42, -0.03, 0.74))
-    scene.shape("front sheet", "rectangle", vertical, scale(0.3), translate(0.44, -0.22, 0.78))
-    scene.camera(square_fov(39), camera_look_at((0, 0, 3.9), (0, 0, 0)), [512, 512])
+    scene.shape("back sheet", "rectangle", horizontal, scale(0.2), translate(0.2, 0.27, 0.5))
+    scene.shape("strip", "rectangle", half_wave, scale(0.035, 0.2, 1),
+                translate(0.32, 0.15, 0.53))
+    scene.shape("front sheet", "rectangle", vertical, scale(0.2), translate(0.42, 0.07, 0.56))
+    scene.camera(square_fov(42), camera_look_at((0, 0.18, 3.15), (0, -0.15, 0)), [512, 512])
     return scene
 
 
 def caustic_glass():
-    """Glass on a diffuse floor under a lamp of 5 cm: nearly all variance is in the caustics."""
+    """Caustics of a rippled pane of glass, which is above the picture, on diffuse surfaces.
+
+    A lamp of 5 cm shines through the pane only, at the end of a black shaft. Sensor paths find it
+    by chance alone; light paths come to every point that is seen, as no glass is in the picture.
+    """
     scene = Scene("caustic glass")
-    floor = scene.material("floor", diffuse([0.72, 0.70, 0.66]))
-    wall = scene.material("wall", diffuse([0.55, 0.60, 0.66]))
+    floor = scene.material("floor", diffuse([0.80, 0.71, 0.58]))
+    wall = scene.material("wall", diffuse([0.50, 0.65, 0.80]))
+    rose = scene.material("rose", diffuse([0.80, 0.52, 0.50]))
+    sage = scene.material("sage", diffuse([0.52, 0.72, 0.52]))
+    black = scene.material("black", extended({"bsdf": "absorber"}, (0.0, 0.0, 0.0),
+                                             doubleSided=True))
     clear = scene.material("glass", glass(1.5))
-    scene.shape("floor", "rectangle", floor, scale(4), rotate("x", -90))
-    scene.shape("back wall", "rectangle", wall, scale(4, 2, 1), translate(y=2, z=-1.6))
-    scene.shape("light", "rectangle", scene.material("light", light([2700.0, 2500.0, 2200.0])),
-                scale(0.025), look_at((-1.4, 2.3, 0.9), (0.0, 0.2, 0.0)))
-    scene.sphere("ball", clear, (-0.5, 0.455, 0.15), 0.45)
-    scene.shape("prism", "prism", clear, scale(0.32, 0.32, 0.55), translate(y=0.165),
-                rotate("y", 65), translate(x=0.62, z=0.55))
-    scene.shape("cube", "cube", clear, scale(0.3), rotate("y", 28),
-                translate(0.75, 0.305, -0.55))
-    scene.camera(square_fov(40), camera_look_at((0.25, 1.7, 4.0), (0.15, 0.3, 0.0)), [512, 512])
+    scene.shape("floor", "rectangle", floor, scale(3.5), rotate("x", -90))
+    scene.shape("back wall", "rectangle", wall, scale(3.5, 2, 1), translate(y=2, z=-1.6))
+    lamp = look_at((-1.2, 4.0, 1.5), (0.0, 0.55, -0.6))
+    length, half = 1.2, 0.85
+    scene.shape("light", "rectangle", scene.material("light", light([11000.0, 9900.0, 7900.0])),
+                scale(0.025), lamp)
+    for side in range(4):
+        scene.shape(f"shaft, side {side}", "rectangle", black, scale(half, length / 2 + 0.025, 1),
+                    rotate("x", 90), translate(y=half - 0.001, z=length / 2 + 0.025),
+                    rotate("z", 90 * side), lamp)
+    scene.shape("pane", "pane", clear, scale(half), translate(z=length), lamp)
+    scene.sphere("rose ball", rose, (0.65, 0.33, -0.2), 0.33)
+    scene.shape("sage block", "cube", sage, scale(0.22, 0.5, 0.22), rotate("y", 28),
+                translate(-0.7, 0.5, -0.7))
+    scene.camera(square_fov(30), camera_look_at((0, 1.2, 5.2), (0, 0.75, -0.4)), [512, 512])
     return scene
 
 

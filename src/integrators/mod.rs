@@ -4,8 +4,10 @@
 mod bdpt;
 mod bounce;
 mod light;
+mod light_walk;
 mod path;
 pub mod profile;
+mod sensor_walk;
 pub mod threads;
 mod workspace;
 

@@ -22,10 +22,10 @@ pub fn combine(seed: u32, word: u32) -> u32 {
 /// [`mix`] in eight lanes.
 #[inline(always)]
 pub fn mix_lanes(mut bits: U32s) -> U32s {
-    bits = bits ^ (bits >> 16);
-    bits = bits * U32s::splat(0x7feb_352d);
-    bits = bits ^ (bits >> 15);
-    bits = bits * U32s::splat(0x846c_a68b);
+    bits ^= bits >> 16;
+    bits *= U32s::splat(0x7feb_352d);
+    bits ^= bits >> 15;
+    bits *= U32s::splat(0x846c_a68b);
     bits ^ (bits >> 16)
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{F32s, LANES, Real, lanes};
+use super::{F32s, Real, lanes};
 
 /// A vector in world space unless its name says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,14 +109,9 @@ impl Vector<F32s> {
     /// Gathers one vector per lane.
     #[inline(always)]
     pub fn gather(vector_of_lane: impl Fn(usize) -> [f32; 3]) -> Self {
-        // A plain loop: `array::from_fn` of a closure this size is not always inlined.
-        let mut columns = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let [x, y, z] = vector_of_lane(lane);
-            (columns[0][lane], columns[1][lane], columns[2][lane]) = (x, y, z);
-        }
-        let [x, y, z] = columns.map(F32s::from);
-        Self { x, y, z }
+        let rows = lanes::each(vector_of_lane);
+        let column = |axis: usize| F32s::from(lanes::each(|lane| rows[lane][axis]));
+        Self { x: column(0), y: column(1), z: column(2) }
     }
 }
 

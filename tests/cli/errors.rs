@@ -27,7 +27,7 @@ fn expect_error(here: &Path, before: &[String], run: &Run, code: i32, words: &[&
 
 /// The shipped scene with something changed.
 fn changed_scene(change: impl Fn(&mut Value)) -> String {
-    let text = fs::read_to_string(scene("cornell")).unwrap();
+    let text = fs::read_to_string(scene("reference/cornell")).unwrap();
     let mut document: Value = serde_json::from_str(&text).unwrap();
     change(&mut document);
     document.to_string()
@@ -65,7 +65,7 @@ fn without_camera(document: &mut Value) {
 }
 
 fn with_unknown_key(document: &mut Value) {
-    document["materials"][3]["extensions"]["SUNSTONE_polarization"]["iro"] = 1.5.into();
+    document["materials"][4]["extensions"]["SUNSTONE_polarization"]["iro"] = 1.5.into();
 }
 
 fn with_reflectance_above_one(document: &mut Value) {
@@ -84,7 +84,7 @@ fn scenes_that_are_wrong_are_refused() {
         ("noise.glb", &["noise.glb"]),
         ("dark.gltf", &["dark.gltf", "emi"]),
         ("blind.gltf", &["blind.gltf", "camera"]),
-        ("typo.gltf", &["typo.gltf", "material 3 \"glass\"", "SUNSTONE_polarization.iro"]),
+        ("typo.gltf", &["typo.gltf", "material 4 \"glass\"", "SUNSTONE_polarization.iro"]),
         ("range.gltf", &["range.gltf", "material 0 \"white\"", "reflectance"]),
     ];
     for (scene, words) in cases {

@@ -147,26 +147,25 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
         value: [f32; N],
     ) {
         let class = self.class(row);
-        for channel in 0..N {
-            let value = match class {
-                ROW | RANK_ONE => value[channel] * self.row[0][channel][row],
-                FULL => value[channel] * self.matrix[0][0][channel][row],
-                _ => value[channel],
+        let gain = match class {
+            ROW | RANK_ONE => Some(&self.row[0]),
+            FULL => Some(&self.matrix[0][0]),
+            _ => None,
+        };
+        let accepted = match gain {
+            Some(gain) => std::array::from_fn(|channel| value[channel] * gain[channel][row]),
+            None => value,
+        };
+        measured.add_intensity(slot, accepted);
+        for component in 1..4 {
+            let (column, value) = match class {
+                COLUMN | RANK_ONE => (&self.column[component - 1], &accepted),
+                FULL => (&self.matrix[component][0], &value),
+                _ => continue,
             };
-            measured.stokes[0][channel][slot] += value;
-            if matches!(class, COLUMN | RANK_ONE) {
-                for component in 1..4 {
-                    measured.stokes[component][channel][slot] +=
-                        value * self.column[component - 1][channel][row];
-                }
-            }
-        }
-        if class == FULL {
-            for component in 1..4 {
-                for channel in 0..N {
-                    measured.stokes[component][channel][slot] +=
-                        value[channel] * self.matrix[component][0][channel][row];
-                }
+            let sums = &mut measured.stokes[component];
+            for ((sum, column), value) in sums.iter_mut().zip(column).zip(value) {
+                sum[slot] += value * column[row];
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::scattering::Scene;
 use crate::scattering::emission::{EmissionSample, sample_emission};
 use crate::transport::Chunk;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::{IdentityColumns, PathTable};
 
 use super::scatter_light::LightSide;
 
@@ -37,23 +37,29 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
             paths.identity.seed[slot] =
                 path_seed(chunk.seed, Stream::Light, line * scene.sensor.width + column);
         }
-        let seed = lanes::load_u32(&paths.identity.seed, row);
-        let iteration = lanes::load_u32(&paths.identity.iteration, row);
-        let numbers = |purpose| draw(seed, iteration, 0, purpose).map(|u| u.to_array());
-        let [choice, _] = numbers(Purpose::EmitterOfPath);
-        let position = numbers(Purpose::EmissionPosition);
-        let direction = numbers(Purpose::EmissionDirection);
-        for slot in row..end {
-            let lane = slot - row;
-            let sample = sample_emission(
-                scene,
-                choice[lane],
-                position.map(|u| u[lane]),
-                direction.map(|u| u[lane]),
-            );
-            start_row(paths, slot, &sample, scene.reach);
+        let samples = sample_emissions(&paths.identity, scene, row);
+        for (slot, sample) in (row..end).zip(&samples) {
+            start_row(paths, slot, sample, scene.reach);
         }
     }
+}
+
+/// How the paths of eight rows leave their emitters.
+pub(super) fn sample_emissions<const N: usize>(
+    identity: &IdentityColumns,
+    scene: &Scene<N>,
+    row: usize,
+) -> [EmissionSample<N>; LANES] {
+    let seed = lanes::load_u32(&identity.seed, row);
+    let iteration = lanes::load_u32(&identity.iteration, row);
+    let numbers = |purpose| draw(seed, iteration, 0, purpose).map(|u| u.to_array());
+    let [choice, _] = numbers(Purpose::EmitterOfPath);
+    let position = numbers(Purpose::EmissionPosition);
+    let direction = numbers(Purpose::EmissionDirection);
+    std::array::from_fn(|lane| {
+        let (u_position, u_direction) = (position.map(|u| u[lane]), direction.map(|u| u[lane]));
+        sample_emission(scene, choice[lane], u_position, u_direction)
+    })
 }
 
 fn start_row<const N: usize, C>(

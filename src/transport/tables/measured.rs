@@ -24,8 +24,8 @@ impl<const N: usize> Measured<N> {
     /// Adds intensity to a slot.
     #[inline(always)]
     pub fn add_intensity(&mut self, slot: usize, value: [f32; N]) {
-        for channel in 0..N {
-            self.stokes[0][channel][slot] += value[channel];
+        for (column, value) in self.stokes[0].iter_mut().zip(&value) {
+            column[slot] += value;
         }
     }
 }
