@@ -7,7 +7,7 @@ use crate::transport::tables::paths::{MisColumns, PathTable};
 /// Second half of equations 31 to 36 of Georgiev's technical report: `d_vcm` takes the squared
 /// distance (unless the segment comes from infinity), both take the cosine of arrival.
 ///
-/// From: resolve_surfaces. To: collect_emission, store_light_vertices.
+/// From: resolve_surfaces. To: connect_to_emitters, connect_to_vertices, store_light_vertices.
 /// Writes: mis. Reads: rays, hits, surfaces.
 pub fn weigh_arrival<const N: usize, C>(
     paths: &mut PathTable<N, C>,
