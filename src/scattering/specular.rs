@@ -17,7 +17,7 @@ pub fn survival<const N: usize>(material: &Material<N>) -> f32 {
             fresnel::conductor_reflectance(1.0, material.eta[channel], material.k[channel])
         })),
         MaterialKind::Polarizer => material.m00,
-        MaterialKind::Dielectric | MaterialKind::Retarder => 1.0,
+        MaterialKind::Dielectric | MaterialKind::Retarder | MaterialKind::Null => 1.0,
     };
     scattered.clamp(0.05, 1.0)
 }

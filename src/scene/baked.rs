@@ -8,6 +8,9 @@ use glam::Vec3;
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
 
+/// In place of a medium: what crosses the surface to this side stays in the medium it is in.
+pub const KEEP: u32 = u32::MAX - 1;
+
 /// The whole scene for `N` wavelengths. Primitive `p` is triangle `p` while
 /// `p < triangles.len()`, and sphere `p - triangles.len()` from there on.
 #[derive(Clone, Debug)]
@@ -28,6 +31,10 @@ pub struct BakedScene<const N: usize> {
     pub surfaces: Vec<Surface>,
     /// Materials; row 0 always exists.
     pub materials: Vec<Material<N>>,
+    /// Participating media.
+    pub media: Vec<Medium<N>>,
+    /// The row in `media` of what fills the scene outside all boundaries, or [`NONE`]: clear.
+    pub scene_medium: u32,
     /// Everything that emits, the environment included; at least one row, none without power.
     /// Primitives come first, in their order, then punctual lights, then the environment.
     pub emitters: Vec<Emitter<N>>,
@@ -67,6 +74,11 @@ pub struct Surface {
     /// The node's y axis in world space, unit length: takes the place of `axis_x` where the
     /// surface is (nearly) perpendicular to that.
     pub axis_y: Vec3,
+    /// What lies behind the surface, against its normal: a row in `media`, [`NONE`] (clear) or
+    /// [`KEEP`].
+    pub interior: u32,
+    /// What lies before the surface: a row in `media`, [`NONE`] (clear) or [`KEEP`].
+    pub exterior: u32,
 }
 
 /// How light scatters off a surface.
@@ -78,12 +90,15 @@ pub enum MaterialKind {
     Diffuse,
     /// Smooth metal: `eta`, `k`.
     Conductor,
-    /// Smooth dielectric boundary between the outside (vacuum) and `ior` behind the normal.
+    /// Smooth dielectric boundary: `ior` behind the normal relative to before it.
     Dielectric,
     /// Straight transmission through a (partial) linear polarizer: `m00`, `a`, `c`, `axis`.
     Polarizer,
     /// Straight transmission through a linear retarder: `retardance`, `axis`.
     Retarder,
+    /// Nothing but a boundary between media: light goes on as if it were not there, and it counts
+    /// for no segment of a path.
+    Null,
 }
 
 /// A material, evaluated at the wavelengths of the render.
@@ -133,6 +148,51 @@ impl<const N: usize> Material<N> {
             axis: [1.0, 0.0],
         }
     }
+}
+
+/// A homogeneous participating medium. Coefficients are per scene unit of length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Medium<const N: usize> {
+    /// Absorption coefficient; not negative, finite.
+    pub sigma_a: [f32; N],
+    /// Scattering coefficient; not negative, finite.
+    pub sigma_s: [f32; N],
+    /// How it scatters.
+    pub phase: Phase<N>,
+}
+
+/// A phase function.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase<const N: usize> {
+    /// Henyey and Greenstein 1941, an ideal depolarizer; isotropic where the mean cosine `g`,
+    /// within (-1, 1), is zero.
+    HenyeyGreenstein {
+        /// Mean cosine of the scattering angle, positive forwards.
+        g: [f32; N],
+    },
+    /// A polarizing phase matrix.
+    Table(PhaseTable<N>),
+}
+
+/// A phase matrix at scattering angles theta that are equally spaced from 0 to pi, ends included:
+/// `[[1,a,0,0],[a,b,0,0],[0,0,c,s],[0,0,-s,d]] M00` between frames whose x axis is the normal of
+/// the scattering plane (`polarization`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhaseTable<const N: usize> {
+    /// `sin^2(theta / 2) = (1 - cos theta) / 2` of each angle: from 0 to 1.
+    pub half_sine2: Vec<f32>,
+    /// Phase function M00 in 1/sr per angle and wavelength. Read as linear in `half_sine2` between
+    /// the angles, it integrates to one over the sphere of directions.
+    pub m00: Vec<[f32; N]>,
+    /// Share of the light that is scattered by less than each angle: from 0 to 1.
+    pub cdf: Vec<[f32; N]>,
+    /// The elements a, b, c, d, s over M00, in this order, per angle and wavelength; read as
+    /// linear in the angle.
+    pub elements: Vec<[[f32; N]; 5]>,
+    /// Whether b = 1 and d = c throughout, as for spheres.
+    pub spheres: bool,
+    /// Whether the elements are the same at all wavelengths (M00 may differ).
+    pub achromatic: bool,
 }
 
 /// The shape of an emitter.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use sunstone::geometry::{Accelerator, SurfaceColumns, resolve_surfaces, trace_closest};
 use sunstone::scene::baked::{
-    BakedScene, Bounds, Camera, Material, NONE, Projection, Sphere, Surface, Triangle,
+    BakedScene, Bounds, Camera, KEEP, Material, NONE, Projection, Sphere, Surface, Triangle,
 };
 
 use super::fixtures::{Random, columns, no_hits, soup};
@@ -17,7 +17,8 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> BakedScene<3> {
     let points: Vec<_> = triangles.iter().flat_map(|t| t.corners).chain(of_spheres).collect();
     let low = points.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
     let high = points.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
-    let surface = Surface { material: 0, axis_x: Vec3::X, axis_y: Vec3::Y };
+    let (axis_x, axis_y) = (Vec3::X, Vec3::Y);
+    let surface = Surface { material: 0, axis_x, axis_y, interior: KEEP, exterior: KEEP };
     BakedScene {
         triangles: triangles.to_vec(),
         shading_normals: Vec::new(),
@@ -26,6 +27,8 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> BakedScene<3> {
         emitter_of_primitive: vec![NONE; count as usize],
         surfaces: vec![surface; count as usize],
         materials: vec![Material::absorber()],
+        media: Vec::new(),
+        scene_medium: NONE,
         emitters: Vec::new(),
         environment: NONE,
         camera: Camera {

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, Projection};
+use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Projection};
 use super::error::SceneError;
 use super::world::{Bsdf, Emission, Film, Lens, Name, Sides, Transform, World};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
@@ -45,6 +45,8 @@ fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene
         emitter_of_primitive: emitters.emitter_of_primitive,
         surfaces: primitives.surfaces,
         materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
+        media: Vec::new(),
+        scene_medium: NONE,
         emitters: emitters.rows,
         environment: emitters.environment,
         camera: camera(world)?,

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
 use super::{Materials, check_range};
-use crate::scene::baked::{Sphere, Surface, Triangle};
+use crate::scene::baked::{KEEP, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Ball, Geometry, MadeOf, Mesh, Name, Transform, World};
 
@@ -66,6 +66,8 @@ impl Primitives {
             material,
             axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
             axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
+            interior: KEEP,
+            exterior: KEEP,
         });
         (self.surfaces.len() - 1) as u32
     }

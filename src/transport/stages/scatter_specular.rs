@@ -45,7 +45,7 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
                 MaterialKind::Polarizer | MaterialKind::Retarder => {
                     pass::<N, POLARIZED>(kernels, surfaces, scene, &lanes, part, row)
                 }
-                MaterialKind::Diffuse | MaterialKind::Absorber => continue,
+                MaterialKind::Diffuse | MaterialKind::Absorber | MaterialKind::Null => continue,
             };
             depart(drawn, paths, &lanes, scattered, row, end, event.side);
         }
