@@ -7,6 +7,7 @@
 pub mod diffuse;
 pub mod direct;
 pub mod emission;
+pub mod medium;
 pub mod scene;
 pub mod sensor;
 pub mod specular;
