@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sunstone::math::{F32s, LANES, U32s, Vector, lanes, warp};
-use sunstone::polarization::kernel::{Block, Kernel, first_event};
+use sunstone::polarization::kernel::{Block, Kernel};
 use sunstone::polarization::{Rotation, Stokes, fresnel};
 use sunstone::transport::sampler::{Purpose, Stream, draw, path_seed};
 
@@ -118,7 +118,7 @@ fn matrices(criterion: &mut Criterion) {
             for row in (0..ROWS).step_by(LANES) {
                 let turn = turn(row);
                 for (channel, matrix) in matrices.iter_mut().enumerate() {
-                    let new = first_event(turn, blocks(&coefficients[channel], row));
+                    let new = blocks(&coefficients[channel], row).first_event(turn);
                     for (column, value) in matrix.iter_mut().zip(new.as_flattened()) {
                         lanes::store(column, row, ROWS, *value);
                     }

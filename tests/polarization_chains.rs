@@ -7,7 +7,7 @@ mod chains;
 use chains::{Chain, Traced, lift, trace};
 use sunstone::math::{F32s, LANES, Real, Vector};
 use sunstone::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation};
-use sunstone::polarization::{SensorMatrix, SensorRow, Stokes, first_event};
+use sunstone::polarization::{Kernel, SensorMatrix, SensorRow, Stokes};
 
 /// Double precision leaves a few units in the last place per event.
 const TOLERANCE_F64: f64 = 1e-12;
@@ -187,7 +187,7 @@ fn the_first_event_has_a_shorter_form() {
         let event = events.last().expect("chains have events");
         let expected = collect_all(film_x, std::slice::from_ref(event)).matrix;
         let rotation = Rotation::between(event.x_out, film_x, event.k_out);
-        let short = first_event(rotation, event.block);
+        let short = event.block.first_event(rotation);
         for (a, b) in short.as_flattened().iter().zip(expected.as_flattened()) {
             assert!((a - b).abs() <= 1e-15);
         }

@@ -10,6 +10,16 @@ use crate::scene::baked::NONE;
 use super::accelerator::{Accelerator, ShortScene, Stack};
 use super::kernel::{Candidates, Nearest, Rays, Renaming, splat};
 
+/// Marks, in the place of a primitive, that a ray ended in a medium before it met one; the row of
+/// the medium is added. Smaller than [`NONE`].
+pub const IN_MEDIUM: u32 = 1 << 31;
+
+/// The medium of a primitive that is marked by [`IN_MEDIUM`].
+#[inline(always)]
+pub fn medium_met(primitive: u32) -> Option<u32> {
+    (primitive >= IN_MEDIUM && primitive != NONE).then_some(primitive - IN_MEDIUM)
+}
+
 /// Rays. Columns are padded by [`LANES`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayColumns {
@@ -46,7 +56,7 @@ pub struct HitColumns {
     pub u: Vec<f32>,
     /// Barycentric weight of corner c; 0 for spheres.
     pub v: Vec<f32>,
-    /// The primitive, or [`NONE`].
+    /// The primitive, [`NONE`], or a medium ([`IN_MEDIUM`]).
     pub primitive: Vec<u32>,
 }
 

@@ -20,6 +20,6 @@ mod offset;
 mod surface;
 
 pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
-pub use columns::{HitColumns, RayColumns, trace_closest, trace_visibility};
+pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};
 pub use offset::{offset_origin, reach};
 pub use surface::{SurfaceColumns, resolve_surfaces};

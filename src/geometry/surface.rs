@@ -1,14 +1,14 @@
-//! From hits to points on surfaces.
+//! From hits to points on surfaces, or in media.
 
 use std::ops::Range;
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{BakedScene, NONE, Triangle};
 
-use super::columns::{HitColumns, RayColumns, store_u32};
+use super::columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, store_u32};
 
 /// What was hit. Columns are padded by [`LANES`]; rows without a hit hold zero vectors and
-/// [`NONE`].
+/// [`NONE`], those that ended in a medium a position and no normals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceColumns {
     /// World-space position.
@@ -19,7 +19,7 @@ pub struct SurfaceColumns {
     pub shading_normal: [Vec<f32>; 3],
     /// Row in `surfaces` of the scene, or [`NONE`].
     pub surface: Vec<u32>,
-    /// The primitive, or [`NONE`].
+    /// The primitive, [`NONE`], or a medium ([`super::IN_MEDIUM`]).
     pub primitive: Vec<u32>,
 }
 
@@ -61,7 +61,8 @@ pub fn resolve_surfaces<const N: usize>(
         let surface = lanes::each(|lane| {
             scene.surface_of_primitive.get(primitive[lane] as usize).copied().unwrap_or(NONE)
         });
-        let is_sphere = primitive.map(|p| p >= triangle_count && p != NONE);
+        let is_sphere = primitive.map(|p| p >= triangle_count && p < IN_MEDIUM);
+        let is_particle = primitive.map(|p| medium_met(p).is_some());
         let mut points = if primitive.iter().any(|&p| p < triangle_count) {
             on_triangles(&primitive, hits, row, scene)
         } else {
@@ -69,8 +70,11 @@ pub fn resolve_surfaces<const N: usize>(
         };
         if is_sphere.contains(&true) {
             let on_spheres = on_spheres(&primitive, hits, rays, row, scene);
-            let mask = F32s::from(is_sphere.map(|yes| f32::from_bits(if yes { !0 } else { 0 })));
-            points = select(mask, on_spheres, points);
+            points = select(mask_of(is_sphere), on_spheres, points);
+        }
+        if is_particle.contains(&true) {
+            let in_media = along_rays(hits, rays, row);
+            points = select(mask_of(is_particle), in_media, points);
         }
         points.position.store(&mut surfaces.position, row, rows.end);
         points.geometric_normal.store(&mut surfaces.geometric_normal, row, rows.end);
@@ -78,6 +82,19 @@ pub fn resolve_surfaces<const N: usize>(
         store_u32(&mut surfaces.surface, row, rows.end, surface.into());
         store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
     }
+}
+
+#[inline(always)]
+fn mask_of(lanes: [bool; LANES]) -> F32s {
+    F32s::from(lanes.map(|yes| f32::from_bits(if yes { !0 } else { 0 })))
+}
+
+/// Points in media, which have no normals.
+#[inline(always)]
+fn along_rays(hits: &HitColumns, rays: &RayColumns, row: usize) -> Points {
+    let origin = Vector::load(&rays.origin, row);
+    let direction = Vector::load(&rays.direction, row);
+    Points { position: direction.mul_add(lanes::load(&hits.t, row), origin), ..nowhere() }
 }
 
 fn nowhere() -> Points {

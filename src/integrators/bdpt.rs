@@ -3,14 +3,15 @@
 //! vertices connected to the sensor.
 
 use crate::scattering::Scene;
-use crate::scene::baked::MaterialKind;
 use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
 use crate::transport::{Chunk, LightModel};
 
 use super::light_walk::{self, light_paths, splat_vertices};
 use super::profile::Stage;
-use super::sensor_walk::{arrive, connect_emitters, depart, measure_connections, start, trace};
+use super::sensor_walk::{
+    arrive, connect_emitters, depart, for_each_connectable, measure_connections, start, trace,
+};
 use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Bidirectional;
@@ -38,19 +39,30 @@ pub fn bdpt<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Connects the diffuse vertices to those of their light paths that are at most
+/// Connects the vertices that can be to those of their light paths that are at most
 /// `vertex_length_max` segments from the emitter.
 fn connect_vertices<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     vertex_length_max: u32,
 ) {
-    let rows = w.partition.rows_of(MaterialKind::Diffuse);
-    let (connections, paths) = (&mut w.connections, &w.sensor[1]);
-    let vertices = (&w.vertices[1], &w.slot_order);
-    w.profile.time(Stage::Connect, || {
-        let rows = (rows, vertex_length_max);
-        connect_to_vertices(connections, paths, &w.surfaces, vertices, scene, rows);
+    for_each_connectable(w, |w, of_event| {
+        let met = of_event.0.met;
+        let (connections, paths) = (&mut w.connections, &w.sensor[1]);
+        let vertices = (&w.vertices[1], &w.slot_order);
+        let length_max = vertex_length_max;
+        w.profile.time(Stage::Connect, || {
+            let surfaces = &w.surfaces;
+            connect_to_vertices::<N, M>(
+                connections,
+                paths,
+                surfaces,
+                vertices,
+                scene,
+                of_event,
+                length_max,
+            );
+        });
+        measure_connections(w, scene, met);
     });
-    measure_connections(w, scene);
 }

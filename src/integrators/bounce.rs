@@ -1,11 +1,12 @@
 //! What all walks have in common between two traced segments.
 
 use crate::geometry::{HitColumns, SurfaceColumns};
-use crate::scattering::Scene;
+use crate::scattering::{Met, Scene};
 use crate::scene::baked::MaterialKind;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::play_roulette::play_roulette;
 use crate::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
+use crate::transport::stages::scatter_medium::scatter_medium;
 use crate::transport::stages::scatter_specular::{Event, scatter_specular};
 use crate::transport::tables::Column;
 use crate::transport::tables::carriers::CarrierTable;
@@ -50,12 +51,14 @@ pub fn scatter<const N: usize, M: LightModel<N>, C>(
     bounce: Bounce,
 ) {
     let Bounce { path_length, side } = bounce;
-    let diffuse = partition.rows_of(MaterialKind::Diffuse);
+    let diffuse = partition.rows_of(Met::Surface(MaterialKind::Diffuse));
     scatter_diffuse(drawn, paths, surfaces, scene, diffuse, path_length, side);
     let event = Event { path_length, side };
     if M::POLARIZED {
         scatter_specular::<N, true, C>(drawn, kernels, paths, surfaces, scene, partition, event);
+        scatter_medium::<N, true, C>(drawn, kernels, paths, scene, partition, path_length, side);
     } else {
         scatter_specular::<N, false, C>(drawn, kernels, paths, surfaces, scene, partition, event);
+        scatter_medium::<N, false, C>(drawn, kernels, paths, scene, partition, path_length, side);
     }
 }

@@ -2,16 +2,17 @@
 
 use crate::geometry::{resolve_surfaces, trace_closest};
 use crate::scattering::Scene;
-use crate::scene::baked::MaterialKind;
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
 use crate::transport::stages::emit_light_paths::emit_light_paths;
-use crate::transport::stages::gather_connections::{splat_connections, trace_connections};
+use crate::transport::stages::fly_through_media::fly_through_media;
+use crate::transport::stages::gather_connections::splat_connections;
 use crate::transport::stages::scatter_diffuse::Side;
 use crate::transport::stages::scatter_light::LightSide;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
+use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::{Chunk, LightModel};
 
@@ -43,15 +44,16 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     chunk: &Chunk,
 ) {
-    w.vertices[0].len = 0;
+    w.vertices[0].clear();
     // One more segment leads to the sensor.
     for path_length in 1..chunk.path_length_max {
         arrive(w, scene, chunk, path_length);
         let paths = &w.light[1];
-        let diffuse = w.partition.rows_of(MaterialKind::Diffuse);
         w.profile.time(Stage::Connect, || {
             let vertices = &mut w.vertices[0];
-            store_light_vertices(vertices, paths, &w.surfaces, scene, diffuse, path_length);
+            for of_event in w.partition.connectable() {
+                store_light_vertices(vertices, paths, &w.surfaces, scene, of_event, path_length);
+            }
         });
         if path_length + 1 == chunk.path_length_max || paths.len == 0 {
             break;
@@ -77,12 +79,18 @@ fn arrive<const N: usize, M: LightModel<N>>(
     w.profile.time(Stage::Trace, || {
         trace_closest(&mut w.hits[0], &paths.rays, 0..paths.len, &scene.accelerator);
     });
+    if scene.has_media() {
+        w.profile.time(Stage::Flight, || {
+            fly_through_media(&mut w.hits[0], paths, &mut w.flights, scene, path_length);
+        });
+    }
     w.profile.time(Stage::Sort, || {
         let bounce = Bounce { path_length, side: Side::Light };
         sort(sorted, paths, &mut w.hits, &mut w.partition, scene, chunk, bounce);
         let rows = 0..sorted.len;
         resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.tables);
-        weigh_arrival(sorted, &w.hits[1], &w.surfaces, path_length == 1);
+        let events = (scene, &w.partition);
+        weigh_arrival(sorted, &w.hits[1], &w.surfaces, events, path_length == 1);
     });
     w.profile.time(Stage::Mueller, || {
         sorted.carriers.depolarize_light(&mut sorted.beta, &w.partition);
@@ -130,13 +138,16 @@ pub fn splat_vertices<const N: usize, M: LightModel<N>>(
 ) {
     let (connections, vertices) = (&mut w.connections, &w.vertices[1]);
     w.profile.time(Stage::Connect, || {
-        connect_to_sensor(connections, vertices, chunk, scene, light_paths(scene), strategy);
+        let light_paths = light_paths(scene);
+        connect_to_sensor::<N, M>(connections, vertices, chunk, scene, light_paths, strategy);
     });
     splat(w, scene);
 }
 
 fn splat<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
     w.profile.rays_visibility += w.connections.len as u64;
-    w.profile.time(Stage::Visibility, || trace_connections(&mut w.connections, scene));
+    w.profile.time(Stage::Visibility, || {
+        trace_connections(&mut w.connections, &mut w.flights, scene);
+    });
     w.profile.time(Stage::Gather, || splat_connections(&mut w.splats, &w.connections));
 }

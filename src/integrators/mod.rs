@@ -21,7 +21,7 @@ use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::spectrum::Color;
 use crate::transport::chunk::{ITERATIONS, tiles};
-use crate::transport::tables::measured::Splat;
+use crate::transport::tables::measured::Splats;
 use crate::transport::{Chunk, LightModel, Polarized, Scalar};
 
 use profile::{Profile, Stage};
@@ -111,7 +111,7 @@ fn render_as<const N: usize, M: LightModel<N>>(
     let (width, height) = (scene.sensor.width, scene.sensor.height);
     let with_variance = settings.replicates > 1;
     let mut film = Film::new(width, height, settings.color, M::COMPONENTS, with_variance);
-    let pool = Pool::<N, M>::default();
+    let pool = Pool::<N, M>::new(scene.has_media());
     let mut profile = Profile::default();
     let mut done = 0;
     let late = || settings.time_limit.is_some_and(|limit| start.elapsed() > limit);
@@ -141,25 +141,28 @@ fn share(settings: &Settings, replicates: u32) -> u32 {
 }
 
 /// Workspaces at rest.
-struct Pool<const N: usize, M: LightModel<N>>(Mutex<Vec<Box<Workspace<N, M>>>>);
-
-impl<const N: usize, M: LightModel<N>> Default for Pool<N, M> {
-    fn default() -> Self {
-        Self(Mutex::new(Vec::new()))
-    }
+struct Pool<const N: usize, M: LightModel<N>> {
+    resting: Mutex<Vec<Box<Workspace<N, M>>>>,
+    with_media: bool,
 }
 
 impl<const N: usize, M: LightModel<N>> Pool<N, M> {
+    fn new(with_media: bool) -> Self {
+        Self { resting: Mutex::new(Vec::new()), with_media }
+    }
+
     fn with<R>(&self, work: impl FnOnce(&mut Workspace<N, M>) -> R) -> R {
-        let resting = self.0.lock().expect("no thread panics while it holds the lock").pop();
-        let mut workspace = resting.unwrap_or_default();
+        let resting = self.resting.lock().expect("no thread panics while it holds the lock").pop();
+        let mut workspace = resting.unwrap_or_else(|| Box::new(Workspace::new(self.with_media)));
         let result = work(&mut workspace);
-        self.0.lock().expect("no thread panics while it holds the lock").push(workspace);
+        self.resting.lock().expect("no thread panics while it holds the lock").push(workspace);
         result
     }
 
     fn drain_profile(self, profile: &mut Profile) {
-        for workspace in self.0.into_inner().expect("no thread panics while it holds the lock") {
+        for workspace in
+            self.resting.into_inner().expect("no thread panics while it holds the lock")
+        {
             profile.add(&workspace.profile);
         }
     }
@@ -169,7 +172,7 @@ impl<const N: usize, M: LightModel<N>> Pool<N, M> {
 struct TileResult<const N: usize> {
     /// Values per pixel, summed over the iterations of the wave.
     sums: Vec<f32>,
-    splats: Vec<Splat<N>>,
+    splats: Splats<N>,
 }
 
 /// Renders `count` iterations from `first` on over all tiles and adds them to the film, tile by
@@ -203,8 +206,11 @@ fn wave<const N: usize, M: LightModel<N>>(
         profile.time(Stage::Film, || {
             for (&tile, result) in tiles.iter().zip(&results) {
                 add_sums(film, &result.sums, tile, scene.sensor.width);
-                for splat in &result.splats {
+                for splat in &result.splats.unpolarized {
                     film.add(splat.pixel as usize, &splat.value);
+                }
+                for splat in &result.splats.polarized {
+                    film.add(splat.pixel as usize, splat.stokes.as_flattened());
                 }
             }
         });
@@ -219,7 +225,7 @@ fn tile<const N: usize, M: LightModel<N>>(
     (first, count): (u32, u32),
     chunk: impl Fn(u32, u32) -> Chunk,
 ) -> TileResult<N> {
-    let mut result = TileResult { sums: Vec::new(), splats: Vec::new() };
+    let mut result = TileResult { sums: Vec::new(), splats: Splats::default() };
     for start in (first..first + count).step_by(ITERATIONS as usize) {
         let chunk = chunk(start, ITERATIONS.min(first + count - start));
         match settings.integrator {

@@ -10,6 +10,8 @@ pub enum Stage {
     Start = 0,
     /// Closest hits.
     Trace,
+    /// Free flights through media.
+    Flight,
     /// Emitters met.
     Emission,
     /// Roulette, grouping, moving rows, surfaces, partial weights.
@@ -31,9 +33,10 @@ pub enum Stage {
 }
 
 /// Names of the stages, in their order.
-pub const STAGES: [&str; 11] = [
+pub const STAGES: [&str; 12] = [
     "start",
     "trace",
+    "flight",
     "emission",
     "sort",
     "connect",

@@ -1,15 +1,19 @@
 //! The steps of a sensor path's walk, shared by the integrators that take it.
 
+use std::ops::Range;
+
 use crate::geometry::{resolve_surfaces, trace_closest};
-use crate::scattering::Scene;
-use crate::scene::baked::MaterialKind;
+use crate::scattering::event::Event;
+use crate::scattering::{Met, Scene};
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::collect_emission::{Strategy, collect_emission};
 use crate::transport::stages::collect_sensor::SensorSide;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
-use crate::transport::stages::gather_connections::{gather_connections, trace_connections};
+use crate::transport::stages::fly_through_media::fly_through_media;
+use crate::transport::stages::gather_connections::gather_connections;
 use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use crate::transport::stages::scatter_diffuse::Side;
+use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::{Chunk, LightModel};
 
@@ -27,7 +31,7 @@ pub fn start<const N: usize, M: LightModel<N>>(
 ) {
     w.profile.time(Stage::Start, || {
         w.measured.clear();
-        generate_sensor_paths(&mut w.sensor[0], chunk, &scene.sensor, light_paths);
+        generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths);
     });
 }
 
@@ -38,11 +42,16 @@ pub fn trace<const N: usize, M: LightModel<N>>(
     path_length: u32,
     strategy: Strategy,
 ) {
-    let paths = &w.sensor[0];
+    let paths = &mut w.sensor[0];
     w.profile.rays_closest += paths.len as u64;
     w.profile.time(Stage::Trace, || {
         trace_closest(&mut w.hits[0], &paths.rays, 0..paths.len, &scene.accelerator);
     });
+    if scene.has_media() {
+        w.profile.time(Stage::Flight, || {
+            fly_through_media(&mut w.hits[0], paths, &mut w.flights, scene, path_length);
+        });
+    }
     w.profile.time(Stage::Emission, || {
         collect_emission(&mut w.measured, paths, &w.hits[0], scene, path_length, strategy);
     });
@@ -64,7 +73,8 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
         resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.tables);
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && !scene.sensor.is_finite();
-            weigh_arrival(sorted, &w.hits[1], &w.surfaces, from_infinity);
+            let events = (scene, &w.partition);
+            weigh_arrival(sorted, &w.hits[1], &w.surfaces, events, from_infinity);
         }
     });
     w.profile.time(Stage::Mueller, || {
@@ -72,30 +82,59 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
     });
 }
 
-/// Connects the diffuse vertices to one emitter each.
+/// Does `work` for every kind of event that can be connected to, and its rows.
+pub fn for_each_connectable<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    mut work: impl FnMut(&mut Workspace<N, M>, (Event, Range<usize>)),
+) {
+    let all = std::mem::take(&mut w.partition);
+    // The partition is put aside, since what is done with its rows writes to its neighbors.
+    for of_event in all.connectable() {
+        work(w, of_event);
+    }
+    w.partition = all;
+}
+
+/// Connects the vertices that can be to one emitter each.
 pub fn connect_emitters<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     path_length: u32,
     strategy: Strategy,
 ) {
-    let rows = w.partition.rows_of(MaterialKind::Diffuse);
-    let (connections, paths) = (&mut w.connections, &w.sensor[1]);
-    w.profile.time(Stage::Connect, || {
-        connect_to_emitters(connections, paths, &w.surfaces, scene, rows, path_length, strategy);
+    for_each_connectable(w, |w, of_event| {
+        let met = of_event.0.met;
+        let (connections, paths) = (&mut w.connections, &w.sensor[1]);
+        let surfaces = &w.surfaces;
+        w.profile.time(Stage::Connect, || {
+            connect_to_emitters(
+                connections,
+                paths,
+                surfaces,
+                scene,
+                of_event,
+                path_length,
+                strategy,
+            );
+        });
+        measure_connections(w, scene, met);
     });
-    measure_connections(w, scene);
 }
 
-/// Tests the connections at hand and adds up those that are open.
+/// Tests the connections at hand, from vertices that have `met` the same, and adds up those that
+/// are open.
 pub fn measure_connections<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
+    met: Met,
 ) {
     w.profile.rays_visibility += w.connections.len as u64;
-    w.profile.time(Stage::Visibility, || trace_connections(&mut w.connections, scene));
+    w.profile.time(Stage::Visibility, || {
+        trace_connections(&mut w.connections, &mut w.flights, scene);
+    });
     w.profile.time(Stage::Gather, || {
-        gather_connections(&mut w.measured, &w.connections, &w.sensor[1]);
+        let (connections, paths) = (&w.connections, &w.sensor[1]);
+        gather_connections::<N, M>(&mut w.measured, connections, paths, scene, met);
     });
 }
 

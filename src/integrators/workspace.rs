@@ -4,8 +4,9 @@ use crate::geometry::{HitColumns, SurfaceColumns};
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::kernels::KernelColumns;
-use crate::transport::tables::measured::{Measured, Splat};
+use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
@@ -29,6 +30,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub drawn: [Column; 3],
     /// Kernels of polarizing events.
     pub kernels: KernelColumns<N>,
+    /// Rays on their way through boundaries of media.
+    pub flights: FlightTable<N>,
     /// Connections under test.
     pub connections: ConnectionTable<N>,
     /// Light vertices in the order of storing, and by slot.
@@ -38,34 +41,29 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     /// What the sensor paths of the chunk have measured.
     pub measured: Measured<N>,
     /// What connections to the sensor have brought.
-    pub splats: Vec<Splat<N>>,
+    pub splats: Splats<N>,
     /// Where time went.
     pub profile: Profile,
 }
 
 impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
-    /// Empty tables.
-    pub fn new() -> Self {
+    /// Empty tables, with or without media.
+    pub fn new(with_media: bool) -> Self {
         Self {
-            sensor: std::array::from_fn(|_| PathTable::new(ROWS)),
-            light: std::array::from_fn(|_| PathTable::new(ROWS)),
+            sensor: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
+            light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
             surfaces: SurfaceColumns::new(ROWS),
             partition: Partition::default(),
             drawn: vectors(ROWS),
             kernels: KernelColumns::new(ROWS),
+            flights: FlightTable::new(ROWS),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),
             measured: Measured::new(ROWS, M::COMPONENTS),
-            splats: Vec::new(),
+            splats: Splats::default(),
             profile: Profile::default(),
         }
-    }
-}
-
-impl<const N: usize, M: LightModel<N>> Default for Workspace<N, M> {
-    fn default() -> Self {
-        Self::new()
     }
 }

@@ -1,6 +1,6 @@
 //! From the unit square to directions and points: area-preserving maps with known densities.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use super::{F32s, Real, Vector};
 
@@ -47,7 +47,7 @@ pub fn sin_cos_turns(turns: F32s) -> (F32s, F32s) {
 #[inline(always)]
 pub fn angle_of_half_sine2(half_sine2: F32s) -> F32s {
     const COEFFICIENTS: [f32; 8] = [
-        1.570_796_3,
+        FRAC_PI_2,
         -0.214_598_8,
         0.088_978_99,
         -0.050_174_305,

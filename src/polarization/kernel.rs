@@ -17,6 +17,20 @@ pub trait Kernel<F: Real>: Copy {
     fn collect_columns(self, matrix: [[F; 4]; 4]) -> [[F; 4]; 4] {
         matrix.map(|row| self.collect_row(row))
     }
+
+    /// `R M`, the sensor's matrix after its first event. `rotation` leads from the event's
+    /// outgoing axis to the film's.
+    #[inline(always)]
+    fn first_event(self, rotation: Rotation<F>) -> [[F; 4]; 4] {
+        let Rotation { cos2, sin2 } = rotation;
+        let (zero, one) = (F::zero(), F::one());
+        self.collect_columns([
+            [one, zero, zero, zero],
+            [zero, cos2, sin2, zero],
+            [zero, -sin2, cos2, zero],
+            [zero, zero, zero, one],
+        ])
+    }
 }
 
 /// `[[1,a,0,0],[a,1,0,0],[0,0,c,s],[0,0,-s,c]]`: interfaces, polarizers, retarders and spheres.
@@ -72,6 +86,20 @@ impl<F: Real> Kernel<F> for Block<F> {
             self.c.mul_add(r3, self.s * r2),
         ]
     }
+
+    /// Four of the sixteen elements are zero and none needs an addition.
+    #[inline(always)]
+    fn first_event(self, rotation: Rotation<F>) -> [[F; 4]; 4] {
+        let Rotation { cos2, sin2 } = rotation;
+        let Self { a, c, s } = self;
+        let (zero, one) = (F::zero(), F::one());
+        [
+            [one, a, zero, zero],
+            [cos2 * a, cos2, sin2 * c, sin2 * s],
+            [-(sin2 * a), -sin2, cos2 * c, cos2 * s],
+            [zero, zero, -s, c],
+        ]
+    }
 }
 
 /// `[[1,a,0,0],[a,b,0,0],[0,0,c,s],[0,0,-s,d]]`: anisotropic molecules, and randomly oriented
@@ -112,6 +140,20 @@ impl<F: Real> Kernel<F> for SpheroidBlock<F> {
             self.d.mul_add(r3, self.s * r2),
         ]
     }
+
+    /// As sparse as that of a [`Block`].
+    #[inline(always)]
+    fn first_event(self, rotation: Rotation<F>) -> [[F; 4]; 4] {
+        let Rotation { cos2, sin2 } = rotation;
+        let Self { a, b, c, d, s } = self;
+        let (zero, one) = (F::zero(), F::one());
+        [
+            [one, a, zero, zero],
+            [cos2 * a, cos2 * b, sin2 * c, sin2 * s],
+            [-(sin2 * a), -(sin2 * b), cos2 * c, cos2 * s],
+            [zero, zero, -s, d],
+        ]
+    }
 }
 
 /// Sixteen elements `M / M00`, `[row][column]`: measured materials and models of diffuse
@@ -130,21 +172,6 @@ impl<F: Real> Kernel<F> for Dense<F> {
         let [m0, m1, m2, m3] = self.0;
         std::array::from_fn(|j| dot(row, [m0[j], m1[j], m2[j], m3[j]]))
     }
-}
-
-/// `R B`, the sensor's matrix after its first event: four of its sixteen elements are zero and
-/// none needs an addition. `rotation` leads from the event's outgoing axis to the film's.
-#[inline(always)]
-pub fn first_event<F: Real>(rotation: Rotation<F>, block: Block<F>) -> [[F; 4]; 4] {
-    let Rotation { cos2, sin2 } = rotation;
-    let Block { a, c, s } = block;
-    let (zero, one) = (F::zero(), F::one());
-    [
-        [one, a, zero, zero],
-        [cos2 * a, cos2, sin2 * c, sin2 * s],
-        [-(sin2 * a), -sin2, cos2 * c, cos2 * s],
-        [zero, zero, -s, c],
-    ]
 }
 
 /// Inner product of four components.

@@ -35,5 +35,5 @@ pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{
     Interface, conductor, conductor_reflectance, dielectric, dielectric_reflectance,
 };
-pub use kernel::{Block, Dense, Kernel, SpheroidBlock, first_event};
+pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
 pub use stokes::Stokes;

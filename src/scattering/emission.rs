@@ -38,6 +38,8 @@ pub struct EmissionSample<const N: usize> {
     pub two_sided: bool,
     /// Paths cannot meet the emitter by chance.
     pub delta: bool,
+    /// Its row in the scene's emitters.
+    pub emitter: usize,
 }
 
 /// What a sensor path meets.
@@ -60,8 +62,9 @@ pub fn sample_emission<const N: usize>(
     u_position: [f32; 2],
     u_direction: [f32; 2],
 ) -> EmissionSample<N> {
-    let emitter = &scene.tables.emitters[scene.choose_emitter(choice)];
-    match emitter.kind {
+    let index = scene.choose_emitter(choice);
+    let emitter = &scene.tables.emitters[index];
+    let sample = match emitter.kind {
         EmitterKind::Triangle | EmitterKind::Sphere => {
             emit_from_area(scene, emitter, u_position, u_direction)
         }
@@ -73,7 +76,8 @@ pub fn sample_emission<const N: usize>(
             let direction = -sphere_direction(u_direction);
             emit_from_infinity(scene, emitter, direction, SPHERE_PDF, u_position)
         }
-    }
+    };
+    EmissionSample { emitter: index, ..sample }
 }
 
 /// What a ray along `direction` sees of the emitter of the primitive it hit ([`NONE`]: nothing);
@@ -200,6 +204,7 @@ fn emit_from_area<const N: usize>(
         finite: true,
         two_sided: emitter.two_sided,
         delta: false,
+        emitter: 0,
     }
 }
 
@@ -226,6 +231,7 @@ fn emit_from_point<const N: usize>(emitter: &Emitter<N>, u: [f32; 2]) -> Emissio
         finite: true,
         two_sided: false,
         delta: true,
+        emitter: 0,
     }
 }
 
@@ -255,5 +261,6 @@ fn emit_from_infinity<const N: usize>(
         finite: false,
         two_sided: false,
         delta: emitter.kind == EmitterKind::Directional,
+        emitter: 0,
     }
 }

@@ -7,10 +7,14 @@
 pub mod diffuse;
 pub mod direct;
 pub mod emission;
+pub mod event;
+pub mod immersion;
 pub mod medium;
 pub mod scene;
 pub mod sensor;
 pub mod specular;
+pub mod vertex;
 
+pub use event::Met;
 pub use scene::Scene;
 pub use sensor::Sensor;

@@ -2,11 +2,14 @@
 
 use glam::Vec3;
 
-use crate::geometry::{self, Accelerator};
+use crate::geometry::{self, Accelerator, medium_met};
 use crate::scene::baked::{BakedScene, MaterialKind, NONE};
 
 use super::Sensor;
 use super::direct::DirectTable;
+use super::event::{END, Event, event_of_kind, event_of_medium, events};
+use super::immersion::Immersion;
+use super::medium::Medium;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
@@ -18,14 +21,24 @@ pub struct Scene<const N: usize> {
     pub sensor: Sensor,
     /// For every primitive, its row in `tables.materials`.
     pub material_of_primitive: Vec<u32>,
-    /// Nothing, then for every primitive, the kind of its material.
-    kind_of_hit: Vec<MaterialKind>,
+    /// All kinds of events.
+    pub events: Vec<Event>,
+    /// Nothing, then for every primitive, its kind of event.
+    event_of_hit: Vec<u8>,
     /// For every material, the probability with which roulette lets a path go on.
-    pub survival_of_material: Vec<f32>,
+    survival_of_material: Vec<f32>,
+    /// The media, and behind them one that is clear.
+    media: Vec<Medium<N>>,
+    /// Whether there are surfaces that are nothing but boundaries of media.
+    pub has_null_boundaries: bool,
     /// Bound of the coordinates of all primitives, which scales the offsets of rays.
     pub reach: f32,
     /// The emitters as connections see them.
     pub direct: DirectTable<N>,
+    /// The medium around the sensor: a row of the media, or [`NONE`].
+    pub sensor_medium: u32,
+    /// The media before and behind every emitter.
+    emitter_media: Vec<[u32; 2]>,
     /// Running sum of the emitters' probabilities; the last entry is exactly one.
     emitter_cdf: Vec<f32>,
 }
@@ -39,17 +52,26 @@ impl<const N: usize> Scene<N> {
             .map(|&surface| tables.surfaces[surface as usize].material)
             .collect();
         let kinds = material_of_primitive.iter().map(|&row| tables.materials[row as usize].kind);
-        let kind_of_hit = std::iter::once(MaterialKind::Absorber).chain(kinds).collect();
+        let event_of_hit =
+            std::iter::once(END).chain(kinds.map(event_of_kind)).map(|event| event as u8).collect();
         let survival_of_material = tables.materials.iter().map(super::specular::survival).collect();
+        let media = tables.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
+        let accelerator = Accelerator::build(&tables.triangles, &tables.spheres);
+        let immersion = Immersion::new(&tables, &accelerator);
         Self {
-            accelerator: Accelerator::build(&tables.triangles, &tables.spheres),
+            sensor_medium: immersion.at(tables.camera.position),
+            emitter_media: immersion.of_emitters(),
             sensor: Sensor::new(&tables.camera, width, height),
             direct: DirectTable::new(&tables),
             reach: geometry::reach(&tables.bounds),
             emitter_cdf: running_sum(tables.emitters.iter().map(|emitter| emitter.probability)),
+            events: events(&tables),
+            has_null_boundaries: tables.materials.iter().any(|m| m.kind == MaterialKind::Null),
+            media,
+            accelerator,
             tables,
             material_of_primitive,
-            kind_of_hit,
+            event_of_hit,
             survival_of_material,
         }
     }
@@ -59,18 +81,50 @@ impl<const N: usize> Scene<N> {
         self.emitter_cdf.partition_point(|&sum| sum <= u).min(self.emitter_cdf.len() - 1)
     }
 
-    /// The kind of material that a ray hit; nothing ([`NONE`]) counts as an absorber.
+    /// The place in `events` of what a ray hit, which may be nothing ([`NONE`]) or a medium.
     #[inline(always)]
-    pub fn kind_hit(&self, primitive: u32) -> MaterialKind {
-        self.kind_of_hit[primitive.wrapping_add(1) as usize]
+    pub fn event_hit(&self, primitive: u32) -> usize {
+        match medium_met(primitive) {
+            Some(medium) => event_of_medium(medium),
+            None => self.event_of_hit[primitive.wrapping_add(1) as usize] as usize,
+        }
     }
 
-    /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees.
+    /// The medium that an emitter's light enters, on its front or its back.
+    pub fn medium_at_emitter(&self, emitter: usize, front: bool) -> u32 {
+        self.emitter_media[emitter][usize::from(!front)]
+    }
+
+    /// Whether paths can be in anything but clear space, or meet its boundaries.
+    pub fn has_media(&self) -> bool {
+        self.media.len() > 1 || self.has_null_boundaries
+    }
+
+    /// A medium; a clear one for [`NONE`].
+    #[inline(always)]
+    pub fn medium(&self, row: u32) -> &Medium<N> {
+        &self.media[(row as usize).min(self.media.len() - 1)]
+    }
+
+    /// The probability with which roulette lets a path go on from what it hit.
+    #[inline(always)]
+    pub fn survival(&self, primitive: u32) -> f32 {
+        match medium_met(primitive) {
+            Some(medium) => self.medium(medium).survival,
+            None => {
+                let material = self.material_of_primitive[primitive as usize];
+                self.survival_of_material[material as usize]
+            }
+        }
+    }
+
+    /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees; none in
+    /// media.
     pub fn emitter_seen(&self, primitive: u32) -> u32 {
         if primitive == NONE {
             self.tables.environment
         } else {
-            self.tables.emitter_of_primitive[primitive as usize]
+            self.tables.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
         }
     }
 

@@ -32,6 +32,10 @@ pub enum Purpose {
     Decision,
     /// Position on the lens of a connection to the sensor.
     LensConnection,
+    /// Optical depth to the next particle of a medium (first number).
+    Distance,
+    /// The wavelength that a path's distances and angles in media are drawn for (first number).
+    Wavelength,
 }
 
 /// Purposes per path length; a power of two that exceeds the last [`Purpose`].

@@ -19,6 +19,9 @@ pub enum Strategy {
     Unidirectional,
     /// All bidirectional strategies (balance heuristic).
     Bidirectional,
+    /// Photons merged: what connections and photons find counts once by rule, and emitters count
+    /// where nothing but specular events lies between them and the sensor.
+    Merging,
 }
 
 /// Adds what the rows see of emitters after `path_length` segments.
@@ -44,6 +47,7 @@ pub fn collect_emission<const N: usize, C: SensorSide<N>>(
         let Some(met) = met_emission(scene, primitive, position, direction) else { continue };
         let weight = match strategy {
             _ if path_length == 1 => 1.0,
+            Strategy::Merging => 1.0,
             Strategy::Unidirectional => weight_of_chance(&met, paths.mis.pdf_w[row], hits.t[row]),
             Strategy::Bidirectional => {
                 let mis = [paths.mis.d_vcm[row], paths.mis.d_vc[row]];

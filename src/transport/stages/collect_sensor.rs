@@ -5,18 +5,19 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::polarization::kernel::Kernel;
-use crate::polarization::{Rotation, film_axis, first_event};
-use crate::scene::baked::MaterialKind;
+use crate::polarization::kernel::{Block, SpheroidBlock};
+use crate::polarization::{Rotation, Stokes, film_axis};
+use crate::scattering::event::Form;
 use crate::transport::tables::Channels;
 use crate::transport::tables::carriers::{
     COLUMN, CarrierTable, FRESH, FULL, PLAIN, RANK_ONE, ROW, SensorCarriers,
 };
-use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::measured::Measured;
 use crate::transport::tables::partition::{Part, Partition};
+use crate::transport::tables::states::LightState;
 
-use super::scatter_light::{coefficient_channel, copy_axis, load_block, multiply};
+use super::scatter_light::{copy_axis, multiply};
 use super::splat;
 
 /// The verbs of the sensor side.
@@ -51,7 +52,22 @@ pub trait SensorSide<const N: usize>: CarrierTable {
         slot: usize,
         value: [f32; N],
     );
+
+    /// Adds polarized light that a row meets: `light` is relative to the intensity `value`
+    /// (throughput included) and travels along the direction of `along` into the subpath's end.
+    /// `place` is the row and its slot.
+    fn measure_polarized(
+        &self,
+        measured: &mut Measured<N>,
+        place: (usize, usize),
+        value: [f32; N],
+        light: &LightState<N>,
+        along: Along,
+    );
 }
+
+/// A direction of light and the film's up, which between them name the frame of fresh rows.
+pub type Along = (Vector<f32>, Vec3);
 
 impl<const N: usize> SensorSide<N> for () {
     fn start_at_film(&mut self, _rows: usize) {}
@@ -74,6 +90,17 @@ impl<const N: usize> SensorSide<N> for () {
     ) {
         measured.add_intensity(slot, value);
     }
+    #[inline(always)]
+    fn measure_polarized(
+        &self,
+        measured: &mut Measured<N>,
+        (_row, slot): (usize, usize),
+        value: [f32; N],
+        _light: &LightState<N>,
+        _along: Along,
+    ) {
+        measured.add_intensity(slot, value);
+    }
 }
 
 impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
@@ -82,7 +109,7 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
     }
 
     fn depolarize_sensor(&mut self, beta: &mut Channels<N>, partition: &Partition) {
-        for part in partition.parts.iter().filter(|part| part.kind == MaterialKind::Diffuse) {
+        for part in partition.parts.iter().filter(|part| part.event.form == Form::Depolarizer) {
             let rows = part.rows.clone();
             let class = match part.class {
                 FRESH | PLAIN => PLAIN,
@@ -111,28 +138,12 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
         film_up: Vec3,
         partition: &Partition,
     ) {
-        for part in partition.parts.iter().filter(|part| part.kind != MaterialKind::Diffuse) {
-            let class = match part.class {
-                FRESH => {
-                    begin_matrix(self, kernels, direction, film_up, part);
-                    FULL
-                }
-                FULL => {
-                    extend_matrix(self, kernels, direction, part);
-                    FULL
-                }
-                PLAIN => {
-                    begin_row(self, kernels, part);
-                    ROW
-                }
-                COLUMN => {
-                    begin_row(self, kernels, part);
-                    RANK_ONE
-                }
-                class => {
-                    extend_row(self, kernels, direction, part);
-                    class
-                }
+        for part in &partition.parts {
+            let rays = (direction, film_up);
+            let class = match part.event.form {
+                Form::Depolarizer => continue,
+                Form::Block => collect::<N, Block<F32s>>(self, kernels, rays, part),
+                Form::Spheroid => collect::<N, SpheroidBlock<F32s>>(self, kernels, rays, part),
             };
             self.class[part.rows.clone()].fill(class as u8);
         }
@@ -169,6 +180,101 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
             }
         }
     }
+
+    #[inline(always)]
+    fn measure_polarized(
+        &self,
+        measured: &mut Measured<N>,
+        (row, slot): (usize, usize),
+        value: [f32; N],
+        light: &LightState<N>,
+        (k, film_up): Along,
+    ) {
+        let class = self.class(row);
+        let light = match class {
+            FRESH => {
+                let up = Vector::new(film_up.x, film_up.y, film_up.z);
+                light.turned(film_axis(-k, up), k)
+            }
+            FULL | ROW | RANK_ONE => {
+                let [x, y, z] = &self.axis;
+                light.turned(Vector::new(x[row], y[row], z[row]), k)
+            }
+            _ => *light,
+        };
+        for (n, &value) in value.iter().enumerate() {
+            let stokes = self.accept(row, n, class, light.at(n));
+            for (sums, &stokes) in measured.stokes.iter_mut().zip(&stokes) {
+                sums[n][slot] += value * stokes;
+            }
+        }
+    }
+}
+
+impl<const N: usize> SensorCarriers<N> {
+    /// `T R s`: what the film's Stokes vector becomes per unit of scalar value, and the intensity
+    /// that rows after a depolarizer accept.
+    #[inline(always)]
+    fn accept(&self, row: usize, n: usize, class: usize, stokes: Stokes<f32>) -> [f32; 4] {
+        let Stokes(s) = stokes;
+        match class {
+            FRESH => s,
+            FULL => {
+                let mut measured = [0.0; 4];
+                for (measured, columns) in measured.iter_mut().zip(&self.matrix) {
+                    *measured = columns.iter().zip(&s).map(|(m, s)| m[n][row] * s).sum();
+                }
+                measured
+            }
+            ROW | RANK_ONE => {
+                let accepted: f32 = self.row.iter().zip(&s).map(|(r, s)| r[n][row] * s).sum();
+                self.spread(row, n, class, accepted)
+            }
+            _ => self.spread(row, n, class, s[0]),
+        }
+    }
+
+    #[inline(always)]
+    fn spread(&self, row: usize, n: usize, class: usize, accepted: f32) -> [f32; 4] {
+        let mut measured = [accepted, 0.0, 0.0, 0.0];
+        if matches!(class, COLUMN | RANK_ONE) {
+            for (measured, column) in measured[1..].iter_mut().zip(&self.column) {
+                *measured = accepted * column[n][row];
+            }
+        }
+        measured
+    }
+}
+
+/// Extends the rows of a part; their class from then on.
+fn collect<const N: usize, K: StoredKernel>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    (direction, film_up): (&[Vec<f32>; 3], Vec3),
+    part: &Part,
+) -> usize {
+    match part.class {
+        FRESH => {
+            begin_matrix::<N, K>(carriers, kernels, direction, film_up, part);
+            FULL
+        }
+        FULL => {
+            extend_matrix::<N, K>(carriers, kernels, direction, part);
+            FULL
+        }
+        PLAIN => {
+            begin_row(carriers, kernels, part);
+            ROW
+        }
+        COLUMN => {
+            begin_row(carriers, kernels, part);
+            RANK_ONE
+        }
+        class => {
+            extend_row::<N, K>(carriers, kernels, direction, part);
+            class
+        }
+    }
 }
 
 /// Multiplies the throughput by a column of gains.
@@ -200,7 +306,7 @@ fn first_column<const N: usize>(
 }
 
 /// `T = R B`.
-fn begin_matrix<const N: usize>(
+fn begin_matrix<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
@@ -213,15 +319,15 @@ fn begin_matrix<const N: usize>(
         let axis = Vector::load(&kernels.axis, row);
         let turn = Rotation::between(axis, film_axis(ray, splat(film_up)), -ray);
         for channel in 0..N {
-            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
-            store_matrix(carriers, channel, row, end, first_event(turn, block));
+            let kernel = K::load(kernels, part.event.channel(channel), row);
+            store_matrix(carriers, channel, row, end, kernel.first_event(turn));
         }
         axis.store(&mut carriers.axis, row, end);
     }
 }
 
 /// `T <- T R B`.
-fn extend_matrix<const N: usize>(
+fn extend_matrix<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
@@ -232,11 +338,11 @@ fn extend_matrix<const N: usize>(
         let axis = Vector::load(&kernels.axis, row);
         let turn = turn_to_carrier(&carriers.axis, axis, direction, row);
         for channel in 0..N {
-            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            let kernel = K::load(kernels, part.event.channel(channel), row);
             let matrix = std::array::from_fn(|i| {
                 std::array::from_fn(|j| lanes::load(&carriers.matrix[i][j][channel], row))
             });
-            let extended = block.collect_columns(turn.collect_matrix(matrix));
+            let extended = kernel.collect_columns(turn.collect_matrix(matrix));
             store_matrix(carriers, channel, row, end, extended);
         }
         axis.store(&mut carriers.axis, row, end);
@@ -251,7 +357,7 @@ fn begin_row<const N: usize>(
 ) {
     let rows = part.rows.clone();
     for channel in 0..N {
-        let a = &kernels.a[coefficient_channel(part.kind, channel)];
+        let a = &kernels.a[part.event.channel(channel)];
         carriers.row[0][channel][rows.clone()].fill(1.0);
         carriers.row[1][channel][rows.clone()].copy_from_slice(&a[rows.clone()]);
         carriers.row[2][channel][rows.clone()].fill(0.0);
@@ -261,7 +367,7 @@ fn begin_row<const N: usize>(
 }
 
 /// `r <- r R B`.
-fn extend_row<const N: usize>(
+fn extend_row<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
@@ -272,9 +378,9 @@ fn extend_row<const N: usize>(
         let axis = Vector::load(&kernels.axis, row);
         let turn = turn_to_carrier(&carriers.axis, axis, direction, row);
         for channel in 0..N {
-            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            let kernel = K::load(kernels, part.event.channel(channel), row);
             let old = std::array::from_fn(|i| lanes::load(&carriers.row[i][channel], row));
-            let extended = block.collect_row(turn.collect_row(old));
+            let extended = kernel.collect_row(turn.collect_row(old));
             for (column, value) in carriers.row.iter_mut().zip(&extended) {
                 lanes::store(&mut column[channel], row, end, *value);
             }

@@ -6,10 +6,9 @@ use crate::scattering::Scene;
 use crate::scattering::emission::EmissionSample;
 use crate::transport::Chunk;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 
-use super::connect_to_emitters::segment;
 use super::emit_light_paths::{leave, sample_emissions};
 
 /// Connects the start of every light path to the pixel that sees it; emitters without area are
@@ -64,12 +63,14 @@ fn connect<const N: usize>(
     let factor = cosine * found.pdf_area / (sample.direct_pdf * light_paths);
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
-    let (origin, towards, t_max) = if sample.finite {
+    let segment = if sample.finite {
         let origin = leave(sample.position, sample.normal, found.direction, scene.reach);
-        let (towards, t_max) = segment(origin.to_array(), lens);
-        (origin.to_array(), towards, t_max)
+        let front = found.direction.dot(sample.normal) >= 0.0;
+        let inside = scene.medium_at_emitter(sample.emitter, front);
+        Segment::between(origin.to_array(), lens, inside)
     } else {
-        (lens, found.direction.to_array().map(|x| -x), f32::INFINITY)
+        let direction = (-found.direction).to_array();
+        Segment { origin: lens, direction, t_max: f32::INFINITY, inside: scene.sensor_medium }
     };
-    connections.push(origin, towards, t_max, value, found.pixel);
+    connections.push(segment, value, found.pixel);
 }

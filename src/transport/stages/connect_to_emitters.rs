@@ -1,29 +1,32 @@
-//! Next-event estimation: connects depolarizing vertices of sensor paths to emitters.
+//! Next-event estimation: connects diffuse and medium vertices of sensor paths to emitters.
 
 use std::ops::Range;
 
 use crate::geometry::{SurfaceColumns, offset_origin};
-use crate::math::{F32s, LANES, Real, Vector, lanes, warp};
-use crate::scattering::Scene;
-use crate::scattering::diffuse::{BRDF, Facing};
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::scattering::diffuse::BRDF;
 use crate::scattering::direct::DirectLanes;
+use crate::scattering::event::Event;
+use crate::scattering::vertex::{Turn, VertexLanes};
+use crate::scattering::{Met, Scene};
+use crate::scene::baked::NONE;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 
 use super::collect_emission::Strategy;
 use super::scatter_diffuse::{MaterialLanes, facing_of};
 
-/// Connects the rows `rows`, which have hit diffuse surfaces, to one emitter each.
+/// Connects the rows `rows`, which have met `event`, to one emitter each.
 ///
-/// From: depolarize_sensor (`Bidirectional`: weigh_arrival). To: trace_visibility.
+/// From: depolarize_sensor (`Bidirectional`: weigh_arrival). To: trace_connections.
 /// Writes: connections. Reads: paths, surfaces, scene.
 pub fn connect_to_emitters<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
-    rows: Range<usize>,
+    (event, rows): (Event, Range<usize>),
     path_length: u32,
     strategy: Strategy,
 ) {
@@ -31,55 +34,75 @@ pub fn connect_to_emitters<const N: usize, C>(
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let chosen = choose(paths, surfaces, scene, row, path_length);
-        let material = MaterialLanes::gather(scene, surfaces, row, live);
-        let facing = facing_of(surfaces, &material, row);
-        let given = -Vector::load(&paths.rays.direction, row);
-        let cosine = chosen.direction.dot(facing.shading).abs();
-        let bsdf_pdf = warp::cosine_pdf(cosine) * chosen.reachable;
+        let vertices = vertex_lanes(event.met, surfaces, scene, row, live);
+        let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
+        let chance = turn.pdf * chosen.reachable / chosen.pdf_w;
         let weight = match strategy {
-            Strategy::Unidirectional => {
-                let ratio = bsdf_pdf / chosen.pdf_w;
-                F32s::splat(1.0) / ratio.mul_add(ratio, F32s::splat(1.0))
-            }
-            Strategy::Bidirectional => {
-                bidirectional_weight(paths, &chosen, &facing, given, bsdf_pdf, row)
-            }
+            Strategy::Unidirectional => F32s::splat(1.0) / chance.mul_add(chance, F32s::splat(1.0)),
+            Strategy::Bidirectional => bidirectional_weight(paths, &chosen, &turn, chance, row),
+            Strategy::Merging => F32s::splat(1.0),
         };
-        let reflects = facing.reflects(given, chosen.direction);
-        let factor = reflects & (weight * cosine * F32s::splat(BRDF) / chosen.pdf_w);
-        let values: [[f32; LANES]; N] = std::array::from_fn(|n| {
-            let beta = lanes::load(&paths.beta[n], row) * material.reflectance[n];
-            (beta * chosen.radiance[n] * factor).to_array()
-        });
-        let segments = segments(surfaces, scene.reach, &chosen, row);
-        for lane in 0..live {
-            let value = values.map(|value| value[lane]);
+        let factor = weight / chosen.pdf_w;
+        let mut values = [[0.0; LANES]; N];
+        for (n, values) in values.iter_mut().enumerate() {
+            let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
+            *values = (beta * chosen.radiance[n] * factor).to_array();
+        }
+        let segments = segments(paths, surfaces, scene.reach, &chosen, row, live);
+        for (lane, &segment) in segments.iter().enumerate().take(live) {
+            let value = row_of_lanes(&values, lane);
             if value.iter().any(|&value| value > 0.0) {
-                let (origin, towards) = (segments.origin[lane], segments.towards[lane]);
-                connections.push(origin, towards, segments.t_max[lane], value, (row + lane) as u32);
+                connections.push(segment, value, (row + lane) as u32);
             }
         }
     }
 }
 
-/// Georgiev's technical report, equations 44 and 45.
+/// Georgiev's technical report, equations 44 and 45; `chance` is the density of drawing the
+/// direction over that of choosing it.
 #[inline(always)]
 fn bidirectional_weight<const N: usize, C>(
     paths: &PathTable<N, C>,
     chosen: &DirectLanes<N>,
-    facing: &Facing,
-    given: Vector<F32s>,
-    bsdf_pdf: F32s,
+    turn: &Turn<N>,
+    chance: F32s,
     row: usize,
 ) -> F32s {
-    let cos_to_light = chosen.direction.dot(facing.geometric).abs();
-    let reverse_pdf = warp::cosine_pdf(given.dot(facing.shading).abs());
-    let light = bsdf_pdf / chosen.pdf_w;
-    let to_vertex = chosen.emission_pdf * cos_to_light / (chosen.pdf_w * chosen.cos_at_light);
+    let to_vertex = chosen.emission_pdf * turn.measure / (chosen.pdf_w * chosen.cos_at_light);
     let sensor = to_vertex
         * lanes::load(&paths.mis.d_vc, row)
-            .mul_add(reverse_pdf, lanes::load(&paths.mis.d_vcm, row));
-    F32s::splat(1.0) / (light + F32s::splat(1.0) + sensor)
+            .mul_add(turn.pdf_reverse, lanes::load(&paths.mis.d_vcm, row));
+    F32s::splat(1.0) / (chance + F32s::splat(1.0) + sensor)
+}
+
+/// What eight rows that have met the same scatter.
+#[inline(always)]
+pub(super) fn vertex_lanes<'a, const N: usize>(
+    met: Met,
+    surfaces: &SurfaceColumns,
+    scene: &'a Scene<N>,
+    row: usize,
+    live: usize,
+) -> VertexLanes<'a, N> {
+    match met {
+        Met::Medium(medium) => VertexLanes::Volume(scene.medium(medium)),
+        Met::Surface(_) => {
+            let material = MaterialLanes::gather(scene, surfaces, row, live);
+            let mut brdf = material.reflectance;
+            brdf.iter_mut().for_each(|brdf| *brdf *= F32s::splat(BRDF));
+            VertexLanes::Surface { facing: facing_of(surfaces, &material, row), brdf }
+        }
+    }
+}
+
+/// One lane of values per wavelength.
+#[inline(always)]
+pub(super) fn row_of_lanes<const N: usize>(values: &[[f32; LANES]; N], lane: usize) -> [f32; N] {
+    let mut row = [0.0; N];
+    for (row, values) in row.iter_mut().zip(values) {
+        *row = values[lane];
+    }
+    row
 }
 
 /// One emitter a row, and a point or direction on it.
@@ -100,19 +123,15 @@ fn choose<const N: usize, C>(
 }
 
 /// Eight segments to be tested, off the surfaces at both ends.
-struct Segments {
-    origin: [[f32; 3]; LANES],
-    towards: [[f32; 3]; LANES],
-    t_max: [f32; LANES],
-}
-
 #[inline(always)]
-fn segments<const N: usize>(
+fn segments<const N: usize, C>(
+    paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     reach: f32,
     chosen: &DirectLanes<N>,
     row: usize,
-) -> Segments {
+    live: usize,
+) -> [Segment; LANES] {
     let reach = F32s::splat(reach);
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
@@ -121,19 +140,20 @@ fn segments<const N: usize>(
     let offset = end - origin;
     let length = offset.length();
     let towards = offset * (F32s::splat(1.0) / length);
-    Segments {
-        origin: to_rows(origin),
-        towards: to_rows(Vector::select(chosen.finite, towards, chosen.direction)),
-        t_max: Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array(),
+    let origin = to_rows(origin);
+    let direction = to_rows(Vector::select(chosen.finite, towards, chosen.direction));
+    let t_max = Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array();
+    let none = Segment { origin: [0.0; 3], direction: [0.0; 3], t_max: 0.0, inside: NONE };
+    let mut segments = [none; LANES];
+    for lane in 0..live {
+        segments[lane] = Segment {
+            origin: origin[lane],
+            direction: direction[lane],
+            t_max: t_max[lane],
+            inside: paths.media.inside(row + lane),
+        };
     }
-}
-
-/// Direction and length of the segment between two points that are off their surfaces.
-#[inline(always)]
-pub(super) fn segment(from: [f32; 3], to: [f32; 3]) -> ([f32; 3], f32) {
-    let offset: [f32; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
-    let length = offset.iter().map(|x| x * x).sum::<f32>().sqrt();
-    (offset.map(|x| x / length), length)
+    segments
 }
 
 /// The lanes of a vector as rows.

@@ -1,36 +1,33 @@
 //! Connects light vertices to the sensor.
 
+use glam::Vec3;
+
 use crate::geometry::offset_origin;
-use crate::math::{F32s, LANES, Vector, lanes, warp};
+use crate::math::{F32s, LANES, Real, Vector, lanes, warp};
+use crate::polarization::{film_axis, s_axis};
 use crate::scattering::Scene;
 use crate::scattering::diffuse::Facing;
+use crate::scattering::medium::{PhaseFunction, half_sine2};
 use crate::scattering::sensor::SensorConnection;
-use crate::transport::Chunk;
+use crate::scattering::vertex::{Turn, mean};
+use crate::scene::baked::NONE;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
-use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::connections::{ConnectionTable, Segment};
+use crate::transport::tables::states::{LightState, kernels_of_lanes};
 use crate::transport::tables::vertices::VertexTable;
+use crate::transport::{Chunk, LightModel};
 
 use super::collect_emission::Strategy;
-use super::connect_to_emitters::{segment, to_rows};
+use super::connect_to_emitters::{row_of_lanes, to_rows};
 use super::row_of;
-
-/// The normals of eight light vertices.
-#[inline(always)]
-pub(super) fn facing_of_vertices<const N: usize>(vertices: &VertexTable<N>, row: usize) -> Facing {
-    Facing {
-        geometric: Vector::load(&vertices.geometric_normal, row),
-        shading: Vector::load(&vertices.shading_normal, row),
-        two_sided: lanes::load(&vertices.two_sided, row).simd_gt(F32s::splat(0.5)),
-    }
-}
 
 /// Connects all vertices, each to the pixel that sees it. `light_paths` is the number of light
 /// paths an iteration. With [`Strategy::Unidirectional`] nothing else finds these paths.
 ///
 /// From: store_light_vertices, ordered by slot, so that splats come in an order that no mode
-/// changes. To: trace_visibility, splat_connections.
+/// changes. To: trace_connections, splat_connections.
 /// Writes: connections. Reads: vertices, chunk, scene.
-pub fn connect_to_sensor<const N: usize>(
+pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
     vertices: &VertexTable<N>,
     chunk: &Chunk,
@@ -57,29 +54,35 @@ pub fn connect_to_sensor<const N: usize>(
         let direction = Vector::gather(|lane| {
             found[lane].as_ref().map_or([0.0, 0.0, 1.0], |found| found.direction.to_array())
         });
-        let factor = connection_factor(
-            vertices,
-            direction,
-            field(|found| found.pdf_area),
-            light_paths,
-            strategy,
-            row,
-        );
+        let turn = light_turn(vertices, scene, direction, (row, live));
+        let importance = field(|found| found.pdf_area) * F32s::splat(1.0 / light_paths);
+        let factor = importance * weight(vertices, &turn, importance, strategy, row);
         let origin = to_rows(offset_origin(
             Vector::load(&vertices.position, row),
             Vector::load(&vertices.geometric_normal, row),
             direction,
             F32s::splat(scene.reach),
         ));
-        let values: [[f32; LANES]; N] =
-            std::array::from_fn(|n| (lanes::load(&vertices.power[n], row) * factor).to_array());
+        let mut values = [[0.0; LANES]; N];
+        for (n, values) in values.iter_mut().enumerate() {
+            let power = lanes::load(&vertices.power[n], row);
+            *values = (power * turn.value[n] * factor).to_array();
+        }
+        let states = departing_states::<N, M>(vertices, scene, direction, (row, live));
         for (lane, found) in found.iter().enumerate() {
-            let value = values.map(|value| value[lane]);
+            let value = row_of_lanes(&values, lane);
             let Some(found) = found.as_ref().filter(|_| value.iter().any(|&v| v > 0.0)) else {
                 continue;
             };
-            let (towards, t_max) = segment(origin[lane], found.lens.to_array());
-            connections.push(origin[lane], towards, t_max, value, found.pixel);
+            let inside = vertices.inside[row + lane];
+            let segment = Segment::between(origin[lane], found.lens.to_array(), inside);
+            match states[lane] {
+                Some(state) => {
+                    let state = in_film_frame(&state, found.direction, scene.sensor.up());
+                    connections.push_polarized(segment, value, found.pixel, state);
+                }
+                None => connections.push(segment, value, found.pixel),
+            }
         }
     }
 }
@@ -103,32 +106,123 @@ fn lens_of<const N: usize>(
         .map(|u| u.to_array()[0])
 }
 
-/// Importance over the number of light paths, cosines, and weight (Georgiev's technical report,
-/// equations 46 and 47).
+/// Georgiev's technical report, equations 46 and 47; `importance` is the density of the sensor's
+/// ray per unit of perpendicular area, over the number of light paths.
 #[inline(always)]
-fn connection_factor<const N: usize>(
+fn weight<const N: usize>(
     vertices: &VertexTable<N>,
-    direction: Vector<F32s>,
-    pdf_area: F32s,
-    light_paths: f32,
+    turn: &Turn<N>,
+    importance: F32s,
     strategy: Strategy,
     row: usize,
 ) -> F32s {
+    if strategy != Strategy::Bidirectional {
+        return F32s::splat(1.0);
+    }
+    let d_vcm = lanes::load(&vertices.d_vcm, row);
+    let d_vc = lanes::load(&vertices.d_vc, row);
+    let light = importance * turn.measure * d_vc.mul_add(turn.pdf_reverse, d_vcm);
+    F32s::splat(1.0) / (light + F32s::splat(1.0))
+}
+
+/// Stokes vectors for the axis of the film; `direction` is where the light travels.
+fn in_film_frame<const N: usize>(
+    state: &LightState<N>,
+    direction: Vec3,
+    film_up: Vec3,
+) -> LightState<N> {
+    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
+    state.turned(film_axis(vector(-direction), vector(film_up)), vector(direction))
+}
+
+/// The normals of eight light vertices.
+#[inline(always)]
+fn facing_of_vertices<const N: usize>(vertices: &VertexTable<N>, row: usize) -> Facing {
+    Facing {
+        geometric: Vector::load(&vertices.geometric_normal, row),
+        shading: Vector::load(&vertices.shading_normal, row),
+        two_sided: lanes::load(&vertices.two_sided, row).simd_gt(F32s::splat(0.5)),
+    }
+}
+
+/// What eight light vertices do to light that leaves them along `direction`. The BRDF of
+/// surfaces, which is in their power, is left out.
+#[inline(always)]
+pub(super) fn light_turn<const N: usize>(
+    vertices: &VertexTable<N>,
+    scene: &Scene<N>,
+    direction: Vector<F32s>,
+    (row, live): (usize, usize),
+) -> Turn<N> {
     let facing = facing_of_vertices(vertices, row);
     let given = Vector::load(&vertices.given, row);
-    let cos_shading = direction.dot(facing.shading).abs();
-    let cos_geometric = direction.dot(facing.geometric).abs();
-    let per_path = F32s::splat(1.0 / light_paths);
-    let weight = match strategy {
-        Strategy::Unidirectional => F32s::splat(1.0),
-        Strategy::Bidirectional => {
-            let reverse_pdf = warp::cosine_pdf(given.dot(facing.shading).abs());
-            let d_vcm = lanes::load(&vertices.d_vcm, row);
-            let d_vc = lanes::load(&vertices.d_vc, row);
-            let light = pdf_area * cos_geometric * per_path * d_vc.mul_add(reverse_pdf, d_vcm);
-            F32s::splat(1.0) / (light + F32s::splat(1.0))
-        }
-    };
+    let cosine = direction.dot(facing.shading).abs();
     let adjoint = facing.adjoint(given, direction);
-    facing.reflects(given, direction) & (adjoint * cos_shading * pdf_area * per_path * weight)
+    let mut turn = Turn {
+        value: [facing.reflects(given, direction) & (adjoint * cosine); N],
+        pdf: warp::cosine_pdf(cosine),
+        pdf_reverse: warp::cosine_pdf(given.dot(facing.shading).abs()),
+        measure: direction.dot(facing.geometric).abs(),
+    };
+    for_each_volume(vertices, (row, live), |medium, mask| {
+        let medium = scene.medium(medium);
+        let values = medium.phase.values(half_sine2(-given, direction));
+        let pdf = mean(&values);
+        for (value, &phase) in turn.value.iter_mut().zip(&values) {
+            *value = Real::select(mask, phase, *value);
+        }
+        turn.pdf = Real::select(mask, pdf, turn.pdf);
+        turn.pdf_reverse = Real::select(mask, pdf, turn.pdf_reverse);
+        turn.measure = Real::select(mask, F32s::splat(medium.density), turn.measure);
+    });
+    turn
+}
+
+/// The light that leaves eight vertices along `direction`, where it is polarized.
+#[inline(always)]
+pub(super) fn departing_states<const N: usize, M: LightModel<N>>(
+    vertices: &VertexTable<N>,
+    scene: &Scene<N>,
+    direction: Vector<F32s>,
+    (row, live): (usize, usize),
+) -> [Option<LightState<N>>; LANES] {
+    let mut states = [None; LANES];
+    if !M::POLARIZED {
+        return states;
+    }
+    let k_in = -Vector::load(&vertices.given, row);
+    for_each_volume(vertices, (row, live), |medium, mask| {
+        let PhaseFunction::Table(table) = &scene.medium(medium).phase else { return };
+        let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, direction)));
+        let (axis, k_in) = (to_rows(s_axis(k_in, direction)), to_rows(k_in));
+        let mask = mask.to_bits().to_array();
+        for lane in (0..live).filter(|&lane| mask[lane] != 0) {
+            let [axis, k_in] = [axis[lane], k_in[lane]].map(|[x, y, z]| Vector::new(x, y, z));
+            states[lane] = Some(match vertices.state[row + lane] {
+                NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
+                state => vertices.states[state as usize].scattered(&kernels[lane], axis, k_in),
+            });
+        }
+    });
+    states
+}
+
+/// Calls `work` once for every medium among eight vertices, with the mask of those in it.
+#[inline(always)]
+fn for_each_volume<const N: usize>(
+    vertices: &VertexTable<N>,
+    (row, live): (usize, usize),
+    mut work: impl FnMut(u32, F32s),
+) {
+    let volumes = &vertices.volume[row..row + live];
+    for (lane, &medium) in volumes.iter().enumerate() {
+        if medium == NONE || volumes[..lane].contains(&medium) {
+            continue;
+        }
+        let same = lanes::each(|lane| {
+            let is = volumes.get(lane).is_some_and(|&other| other == medium);
+            f32::from_bits(if is { u32::MAX } else { 0 })
+        });
+        work(medium, F32s::from(same));
+    }
 }

@@ -1,35 +1,42 @@
-//! Connects depolarizing vertices of sensor paths to those of the light path they are paired
-//! with (paper, equation 12).
+//! Connects vertices of sensor paths to those of the light path they are paired with (paper,
+//! equation 12).
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use crate::geometry::{SurfaceColumns, offset_origin};
-use crate::math::{F32s, LANES, Vector, lanes, warp};
+use crate::math::{F32s, LANES, Vector, lanes};
+use crate::scattering::Met;
 use crate::scattering::Scene;
 use crate::scattering::diffuse::{BRDF, Facing};
-use crate::transport::tables::connections::ConnectionTable;
+use crate::scattering::event::{Event, Form};
+use crate::scattering::vertex::{Turn, VertexLanes};
+use crate::transport::LightModel;
+use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
-use super::connect_to_emitters::{segment, to_rows};
-use super::connect_to_sensor::facing_of_vertices;
+use super::connect_to_emitters::{row_of_lanes, to_rows};
+use super::connect_to_sensor::{departing_states, light_turn};
 use super::{row_of, splat};
 
-/// Connects each of the rows `rows`, which have hit diffuse surfaces, to all vertices of its
-/// slot's light path that keep the whole within `path_length_max` segments.
+/// Connects each of the rows `rows`, which have met `event`, to all vertices of its slot's light
+/// path that keep the whole within the greatest path length.
 ///
-/// Both ends are depolarizers, so the Mueller kernels reduce to their first elements: only
-/// intensity crosses the connection.
+/// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
+/// only intensity crosses the connection.
 ///
-/// From: weigh_arrival, depolarize_sensor. To: trace_visibility, gather_connections.
+/// From: weigh_arrival, depolarize_sensor. To: trace_connections, gather_connections.
 /// Writes: connections. Reads: paths, surfaces, vertices, scene.
-pub fn connect_to_vertices<const N: usize, C>(
+pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &PathTable<N, M::Sensor>,
     surfaces: &SurfaceColumns,
     (vertices, order): (&VertexTable<N>, &SlotOrder),
     scene: &Scene<N>,
-    (rows, vertex_length_max): (Range<usize>, u32),
+    (event, rows): (Event, Range<usize>),
+    vertex_length_max: u32,
 ) {
     connections.clear();
     for row in rows {
@@ -37,116 +44,150 @@ pub fn connect_to_vertices<const N: usize, C>(
         if of_path.is_empty() {
             continue;
         }
-        let sensor = SensorVertex::load(paths, surfaces, scene, row);
-        for vertex in of_path.clone().step_by(LANES) {
-            let live = LANES.min(of_path.end - vertex);
-            connect(connections, &sensor, vertices, vertex, live, vertex_length_max, scene.reach);
+        let sensor = SensorVertex::load(paths, surfaces, scene, event, row);
+        for first in of_path.clone().step_by(LANES) {
+            let some = (first, LANES.min(of_path.end - first));
+            sensor.connect::<M>(connections, vertices, scene, some, vertex_length_max);
         }
     }
 }
 
 /// One sensor vertex in all lanes.
-struct SensorVertex<const N: usize> {
+struct SensorVertex<'a, const N: usize> {
     row: u32,
+    /// The medium around it.
+    inside: u32,
     position: Vector<F32s>,
-    facing: Facing,
+    normal: Vector<F32s>,
     given: Vector<F32s>,
-    /// Throughput times BRDF.
-    power: [F32s; N],
+    scatters: VertexLanes<'a, N>,
+    depolarizes: bool,
+    beta: [F32s; N],
     d_vcm: F32s,
     d_vc: F32s,
 }
 
-impl<const N: usize> SensorVertex<N> {
+impl<'a, const N: usize> SensorVertex<'a, N> {
     #[inline(always)]
     fn load<C>(
         paths: &PathTable<N, C>,
         surfaces: &SurfaceColumns,
-        scene: &Scene<N>,
+        scene: &'a Scene<N>,
+        event: Event,
         row: usize,
     ) -> Self {
-        let primitive = surfaces.primitive[row] as usize;
-        let material = &scene.tables.materials[scene.material_of_primitive[primitive] as usize];
-        let two_sided = F32s::splat(if material.two_sided { 1.0 } else { 0.0 });
+        let normal = row_of(&surfaces.geometric_normal, row);
+        let mut beta = [F32s::splat(0.0); N];
+        for (beta, column) in beta.iter_mut().zip(&paths.beta) {
+            *beta = F32s::splat(column[row]);
+        }
         Self {
             row: row as u32,
+            inside: paths.media.inside(row),
             position: splat(row_of(&surfaces.position, row)),
-            facing: Facing {
-                geometric: splat(row_of(&surfaces.geometric_normal, row)),
-                shading: splat(row_of(&surfaces.shading_normal, row)),
-                two_sided: two_sided.simd_gt(F32s::splat(0.5)),
-            },
+            normal: splat(normal),
             given: -splat(row_of(&paths.rays.direction, row)),
-            power: std::array::from_fn(|n| {
-                F32s::splat(paths.beta[n][row] * material.reflectance[n] * BRDF)
-            }),
+            scatters: match event.met {
+                Met::Medium(medium) => VertexLanes::Volume(scene.medium(medium)),
+                Met::Surface(_) => on_surface(surfaces, scene, normal, row),
+            },
+            depolarizes: event.form == Form::Depolarizer,
+            beta,
             d_vcm: F32s::splat(paths.mis.d_vcm[row]),
             d_vc: F32s::splat(paths.mis.d_vc[row]),
         }
     }
-}
 
-#[inline(always)]
-fn connect<const N: usize>(
-    connections: &mut ConnectionTable<N>,
-    sensor: &SensorVertex<N>,
-    vertices: &VertexTable<N>,
-    vertex: usize,
-    live: usize,
-    vertex_length_max: u32,
-    reach: f32,
-) {
-    let position = Vector::load(&vertices.position, vertex);
-    let offset = position - sensor.position;
-    let distance2 = offset.length_squared();
-    let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
-    let factor = factor(sensor, vertices, vertex, direction, distance2);
-    let lengths = lanes::load_u32(&vertices.path_length, vertex).to_array();
-    let values: [[f32; LANES]; N] = std::array::from_fn(|n| {
-        (sensor.power[n] * lanes::load(&vertices.power[n], vertex) * factor).to_array()
-    });
-    let normal = Vector::load(&vertices.geometric_normal, vertex);
-    let reach = F32s::splat(reach);
-    let from = to_rows(offset_origin(sensor.position, sensor.facing.geometric, direction, reach));
-    let to = to_rows(offset_origin(position, normal, -direction, reach));
-    for lane in 0..live {
-        let value = values.map(|value| value[lane]);
-        if lengths[lane] <= vertex_length_max && value.iter().any(|&value| value > 0.0) {
-            let (towards, t_max) = segment(from[lane], to[lane]);
-            connections.push(from[lane], towards, t_max, value, sensor.row);
+    /// Connects to the `live` vertices from `first` on.
+    #[inline(always)]
+    fn connect<M: LightModel<N>>(
+        &self,
+        connections: &mut ConnectionTable<N>,
+        vertices: &VertexTable<N>,
+        scene: &Scene<N>,
+        (first, live): (usize, usize),
+        vertex_length_max: u32,
+    ) {
+        let position = Vector::load(&vertices.position, first);
+        let offset = position - self.position;
+        let distance2 = offset.length_squared();
+        let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
+        let turn = self.scatters.turn(self.given, direction);
+        let light = light_turn(vertices, scene, -direction, (first, live));
+        let factor = self.factor(vertices, &turn, &light, first, distance2);
+        let mut values = [[0.0; LANES]; N];
+        for (n, values) in values.iter_mut().enumerate() {
+            let power = lanes::load(&vertices.power[n], first) * light.value[n];
+            *values = (self.beta[n] * turn.value[n] * power * factor).to_array();
         }
+        let normal = Vector::load(&vertices.geometric_normal, first);
+        let reach = F32s::splat(scene.reach);
+        let from = to_rows(offset_origin(self.position, self.normal, direction, reach));
+        let to = to_rows(offset_origin(position, normal, -direction, reach));
+        let states = departing_states::<N, M>(vertices, scene, -direction, (first, live));
+        for lane in 0..live {
+            let mut value = row_of_lanes(&values, lane);
+            let fits = vertices.path_length[first + lane] <= vertex_length_max;
+            if !fits || !value.iter().any(|&value| value > 0.0) {
+                continue;
+            }
+            let segment = Segment::between(from[lane], to[lane], self.inside);
+            match &states[lane] {
+                Some(state) if !self.depolarizes => {
+                    connections.push_polarized(segment, value, self.row, *state);
+                    continue;
+                }
+                Some(state) => {
+                    for (value, s0) in value.iter_mut().zip(&state.stokes[0]) {
+                        *value *= s0;
+                    }
+                }
+                None => {}
+            }
+            connections.push(segment, value, self.row);
+        }
+    }
+
+    /// Geometry term without cosines, and weight (Georgiev's technical report, equations 40 and
+    /// 41).
+    #[inline(always)]
+    fn factor(
+        &self,
+        vertices: &VertexTable<N>,
+        turn: &Turn<N>,
+        light: &Turn<N>,
+        first: usize,
+        distance2: F32s,
+    ) -> F32s {
+        let inverse2 = F32s::splat(1.0) / distance2;
+        let sensor_to_light = turn.pdf * light.measure * inverse2;
+        let light_to_sensor = light.pdf * turn.measure * inverse2;
+        let light_d_vcm = lanes::load(&vertices.d_vcm, first);
+        let light_d_vc = lanes::load(&vertices.d_vc, first);
+        let before = sensor_to_light * light_d_vc.mul_add(light.pdf_reverse, light_d_vcm);
+        let after = light_to_sensor * self.d_vc.mul_add(turn.pdf_reverse, self.d_vcm);
+        inverse2 / (before + F32s::splat(1.0) + after)
     }
 }
 
-/// Geometry term, cosines and weight (Georgiev's technical report, equations 40 and 41).
 #[inline(always)]
-fn factor<const N: usize>(
-    sensor: &SensorVertex<N>,
-    vertices: &VertexTable<N>,
-    vertex: usize,
-    direction: Vector<F32s>,
-    distance2: F32s,
-) -> F32s {
-    let light_facing = facing_of_vertices(vertices, vertex);
-    let light_given = Vector::load(&vertices.given, vertex);
-    let inverse2 = F32s::splat(1.0) / distance2;
-    let sensor_cos = direction.dot(sensor.facing.shading).abs();
-    let sensor_geometric = direction.dot(sensor.facing.geometric).abs();
-    let light_cos = direction.dot(light_facing.shading).abs();
-    let light_geometric = direction.dot(light_facing.geometric).abs();
-
-    let sensor_to_light = warp::cosine_pdf(sensor_cos) * light_geometric * inverse2;
-    let light_to_sensor = warp::cosine_pdf(light_cos) * sensor_geometric * inverse2;
-    let sensor_reverse = warp::cosine_pdf(sensor.given.dot(sensor.facing.shading).abs());
-    let light_reverse = warp::cosine_pdf(light_given.dot(light_facing.shading).abs());
-    let light_d_vcm = lanes::load(&vertices.d_vcm, vertex);
-    let light_d_vc = lanes::load(&vertices.d_vc, vertex);
-    let light = sensor_to_light * light_d_vc.mul_add(light_reverse, light_d_vcm);
-    let rest = light_to_sensor * sensor.d_vc.mul_add(sensor_reverse, sensor.d_vcm);
-    let weight = F32s::splat(1.0) / (light + F32s::splat(1.0) + rest);
-
-    let adjoint = light_facing.adjoint(light_given, -direction);
-    let visible = sensor.facing.reflects(sensor.given, direction)
-        & light_facing.reflects(light_given, -direction);
-    visible & (sensor_cos * light_cos * adjoint * inverse2 * weight)
+fn on_surface<'a, const N: usize>(
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    normal: Vec3,
+    row: usize,
+) -> VertexLanes<'a, N> {
+    let primitive = surfaces.primitive[row] as usize;
+    let material = &scene.tables.materials[scene.material_of_primitive[primitive] as usize];
+    let two_sided = F32s::splat(if material.two_sided { 1.0 } else { 0.0 });
+    let mut brdf = [F32s::splat(0.0); N];
+    for (brdf, &reflectance) in brdf.iter_mut().zip(&material.reflectance) {
+        *brdf = F32s::splat(reflectance * BRDF);
+    }
+    let facing = Facing {
+        geometric: splat(normal),
+        shading: splat(row_of(&surfaces.shading_normal, row)),
+        two_sided: two_sided.simd_gt(F32s::splat(0.5)),
+    };
+    VertexLanes::Surface { facing, brdf }
 }

@@ -39,9 +39,10 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
         }
         let samples = sample_emissions(&paths.identity, scene, row);
         for (slot, sample) in (row..end).zip(&samples) {
-            start_row(paths, slot, sample, scene.reach);
+            start_row(paths, slot, sample, scene);
         }
     }
+    paths.media.start(slots);
 }
 
 /// How the paths of eight rows leave their emitters.
@@ -66,9 +67,13 @@ fn start_row<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     row: usize,
     sample: &EmissionSample<N>,
-    reach: f32,
+    scene: &Scene<N>,
 ) {
-    let origin = leave(sample.position, sample.normal, sample.direction, reach);
+    let origin = leave(sample.position, sample.normal, sample.direction, scene.reach);
+    if paths.media.present() {
+        let front = sample.direction.dot(sample.normal) >= 0.0;
+        paths.media.inside[row] = scene.medium_at_emitter(sample.emitter, front);
+    }
     for axis in 0..3 {
         paths.rays.origin[axis][row] = origin[axis];
         paths.rays.direction[axis][row] = sample.direction[axis];

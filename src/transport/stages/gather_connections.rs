@@ -1,31 +1,44 @@
-//! Tests connections for visibility and adds up what they carry.
+//! Adds up what open connections carry.
 
-use crate::geometry::trace_visibility;
-use crate::scattering::Scene;
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::math::{LANES, Vector};
+use crate::polarization::s_axis;
+use crate::scattering::medium::{PhaseFunction, PhaseLookup, half_sine2};
+use crate::scattering::{Met, Scene};
+use crate::scene::baked::NONE;
+use crate::transport::LightModel;
 use crate::transport::tables::connections::ConnectionTable;
-use crate::transport::tables::measured::{Measured, Splat};
+use crate::transport::tables::measured::{Measured, PolarizedSplat, Splats};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::states::{LightState, kernels_of_lanes};
 
 use super::collect_sensor::SensorSide;
+use super::connect_to_emitters::to_rows;
 
-/// Finds which connections are blocked.
-///
-/// From: connect_*. To: gather_connections, splat_connections.
-/// Writes: connections.blocked. Reads: connections.rays, scene.
-pub fn trace_connections<const N: usize>(connections: &mut ConnectionTable<N>, scene: &Scene<N>) {
-    let ConnectionTable { len, rays, t_max, blocked, .. } = connections;
-    trace_visibility(blocked, rays, t_max, 0..*len, &scene.accelerator);
-}
-
-/// Adds open connections to the slots of the sensor paths they belong to.
+/// Adds open connections to the slots of the sensor paths they belong to, all of which have met
+/// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
 ///
 /// From: trace_connections. To: the film.
-/// Writes: measured. Reads: connections, paths.
-pub fn gather_connections<const N: usize, C: SensorSide<N>>(
+/// Writes: measured. Reads: connections, paths, scene.
+pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &PathTable<N, M::Sensor>,
+    scene: &Scene<N>,
+    met: Met,
 ) {
+    if let (true, Met::Medium(medium)) = (M::POLARIZED, met)
+        && let PhaseFunction::Table(table) = &scene.medium(medium).phase
+    {
+        for first in (0..connections.len).step_by(LANES) {
+            let rows = first..connections.len.min(first + LANES);
+            gather_scattered(measured, connections, paths, table, rows, scene.sensor.up());
+        }
+        return;
+    }
     for index in 0..connections.len {
         if connections.blocked[index] == 0 {
             let row = connections.target[index] as usize;
@@ -35,19 +48,62 @@ pub fn gather_connections<const N: usize, C: SensorSide<N>>(
     }
 }
 
-/// Appends open connections to the sensor to the list of splats, in their order.
+/// Eight connections to polarizing vertices.
+fn gather_scattered<const N: usize, C: SensorSide<N>>(
+    measured: &mut Measured<N>,
+    connections: &ConnectionTable<N>,
+    paths: &PathTable<N, C>,
+    table: &PhaseLookup<N>,
+    rows: Range<usize>,
+    film_up: Vec3,
+) {
+    if rows.clone().all(|index| connections.blocked[index] != 0) {
+        return;
+    }
+    let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
+    let k_in = -Vector::load(&connections.rays.direction, rows.start);
+    let k_out = -Vector::gather(|lane| {
+        let [x, y, z] = &paths.rays.direction;
+        [x[target(lane)], y[target(lane)], z[target(lane)]]
+    });
+    let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, k_out)));
+    let axis = to_rows(s_axis(k_in, k_out));
+    let (k_in, k_out) = (to_rows(k_in), to_rows(k_out));
+    for (lane, index) in rows.clone().enumerate() {
+        if connections.blocked[index] != 0 {
+            continue;
+        }
+        let vector = |[x, y, z]: [f32; 3]| Vector::new(x, y, z);
+        let (axis, k_in) = (vector(axis[lane]), vector(k_in[lane]));
+        let light = match connections.state[index] {
+            NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
+            state => connections.states[state as usize].scattered(&kernels[lane], axis, k_in),
+        };
+        let row = target(lane);
+        let place = (row, paths.identity.slot[row] as usize);
+        let along = (vector(k_out[lane]), film_up);
+        paths.carriers.measure_polarized(measured, place, connections.value[index], &light, along);
+    }
+}
+
+/// Appends open connections to the sensor to the lists of splats, in their order.
 ///
 /// From: trace_connections. To: the film.
 /// Writes: splats. Reads: connections.
-pub fn splat_connections<const N: usize>(
-    splats: &mut Vec<Splat<N>>,
-    connections: &ConnectionTable<N>,
-) {
-    let open = (0..connections.len).filter(|&index| connections.blocked[index] == 0);
-    splats.extend(
-        open.map(|index| Splat {
-            pixel: connections.target[index],
-            value: connections.value[index],
-        }),
-    );
+pub fn splat_connections<const N: usize>(splats: &mut Splats<N>, connections: &ConnectionTable<N>) {
+    for index in (0..connections.len).filter(|&index| connections.blocked[index] == 0) {
+        let (pixel, value) = (connections.target[index], connections.value[index]);
+        match connections.state[index] {
+            NONE => splats.push(pixel, value),
+            state => {
+                let mut stokes = connections.states[state as usize].stokes;
+                for component in &mut stokes {
+                    for (component, value) in component.iter_mut().zip(&value) {
+                        *component *= value;
+                    }
+                }
+                splats.polarized.push(PolarizedSplat { pixel, stokes });
+            }
+        }
+    }
 }

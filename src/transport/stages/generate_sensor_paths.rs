@@ -1,7 +1,7 @@
 //! Starts one sensor path a slot, through a random point of its pixel.
 
 use crate::math::{LANES, lanes};
-use crate::scattering::Sensor;
+use crate::scattering::Scene;
 use crate::transport::Chunk;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::paths::PathTable;
@@ -12,14 +12,15 @@ use super::collect_sensor::SensorSide;
 /// what connections to the sensor are weighed by (0: there are none).
 ///
 /// To: trace_closest.
-/// Writes: paths. Reads: chunk, sensor.
+/// Writes: paths. Reads: chunk, scene.
 pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     paths: &mut PathTable<N, C>,
     chunk: &Chunk,
-    sensor: &Sensor,
+    scene: &Scene<N>,
     light_paths: f32,
 ) {
     let slots = chunk.slots();
+    let sensor = &scene.sensor;
     paths.len = slots;
     paths.carriers.start_at_film(slots);
     for channel in &mut paths.beta {
@@ -27,6 +28,10 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     }
     paths.mis.pdf_w[..slots].fill(f32::INFINITY);
     paths.mis.d_vc[..slots].fill(0.0);
+    if paths.media.present() {
+        paths.media.inside[..slots].fill(scene.sensor_medium);
+        paths.media.start(slots);
+    }
     let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
     for row in (0..slots).step_by(LANES) {
         let end = slots.min(row + LANES);

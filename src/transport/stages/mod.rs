@@ -8,14 +8,17 @@ pub mod connect_to_emitters;
 pub mod connect_to_sensor;
 pub mod connect_to_vertices;
 pub mod emit_light_paths;
+pub mod fly_through_media;
 pub mod gather_connections;
 pub mod generate_sensor_paths;
 pub mod partition_paths;
 pub mod play_roulette;
 pub mod scatter_diffuse;
 pub mod scatter_light;
+pub mod scatter_medium;
 pub mod scatter_specular;
 pub mod store_light_vertices;
+pub mod trace_connections;
 pub mod weigh_arrival;
 
 use glam::Vec3;

@@ -1,8 +1,8 @@
-//! Groups rows by material kind and carrier class, and drops those that end.
+//! Groups rows by what they have met and carrier class, and drops those that end.
 
 use crate::geometry::HitColumns;
 use crate::scattering::Scene;
-use crate::scene::baked::MaterialKind;
+use crate::scattering::event::END;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::gather;
 use crate::transport::tables::partition::Partition;
@@ -21,12 +21,12 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
     hits: &HitColumns,
     scene: &Scene<N>,
 ) {
-    partition.group(paths.len, C::CLASSES, |row| {
+    partition.group(paths.len, &scene.events, C::CLASSES, |row| {
         // Any channel that is not +-0 carries something.
         let bits = paths.beta.iter().fold(0, |bits, beta| bits | (beta[row].to_bits() << 1));
-        let kind = scene.kind_hit(hits.primitive[row]);
-        let kind = if bits == 0 { MaterialKind::Absorber } else { kind };
-        (kind, paths.carriers.class(row))
+        let event = scene.event_hit(hits.primitive[row]);
+        let event = if bits == 0 { END } else { event };
+        (event, paths.carriers.class(row))
     });
     sorted.gather(paths, partition);
     let order = &partition.order;

@@ -1,4 +1,4 @@
-//! Ends paths at random, by what their surface scatters and nothing else.
+//! Ends paths at random, by what they have met scatters and nothing else.
 
 use crate::geometry::HitColumns;
 use crate::math::{LANES, lanes};
@@ -8,7 +8,7 @@ use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::paths::PathTable;
 
 /// Rows that lose become rows that hit nothing; the others gain what those lose. The probability
-/// is local to the surface, so both modes play alike; strategies are weighed without it.
+/// is local to the event, so both modes play alike; strategies are weighed without it.
 ///
 /// From: collect_emission. To: partition_paths.
 /// Writes: beta, hits. Reads: identity, scene.
@@ -27,8 +27,7 @@ pub fn play_roulette<const N: usize, C>(
             if primitive == NONE {
                 continue;
             }
-            let material = scene.material_of_primitive[primitive as usize];
-            let survival = scene.survival_of_material[material as usize];
+            let survival = scene.survival(primitive);
             if u >= survival {
                 hits.primitive[row + lane] = NONE;
             } else {

@@ -98,9 +98,10 @@ pub fn scatter_diffuse<const N: usize, C>(
     }
 }
 
-/// First half of equations 34 to 36 of Georgiev's technical report.
+/// First half of equations 34 to 36 of Georgiev's technical report. `cos_out` is the density of
+/// the medium for a vertex in one.
 #[inline(always)]
-fn weigh_departure<const N: usize, C>(
+pub(super) fn weigh_departure<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     pdf: F32s,
     reverse_pdf: F32s,

@@ -3,13 +3,15 @@
 use std::ops::Range;
 
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::polarization::kernel::{Block, Kernel};
+use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::{Rotation, Stokes};
-use crate::scene::baked::MaterialKind;
+use crate::scattering::event::Form;
+use crate::scene::baked::NONE;
 use crate::transport::tables::Channels;
 use crate::transport::tables::carriers::{CarrierTable, LightCarriers, POLARIZED, UNPOLARIZED};
-use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
+use crate::transport::tables::states::LightState;
 
 /// The verbs of the light side.
 pub trait LightSide<const N: usize>: CarrierTable {
@@ -30,6 +32,13 @@ pub trait LightSide<const N: usize>: CarrierTable {
         partition: &Partition,
     );
 
+    /// Appends the states of the rows that are polarized; `place` of each row is where its state
+    /// went, or `NONE`.
+    ///
+    /// From: depolarize_light. To: connect_to_sensor, connect_to_vertices.
+    /// Writes: states, place. Reads: carriers.
+    fn keep_states(&self, states: &mut Vec<LightState<N>>, place: &mut [u32], rows: Range<usize>);
+
     /// Forgets what earlier paths left: all rows start unpolarized.
     fn emit_unpolarized(&mut self, rows: usize);
 }
@@ -43,13 +52,21 @@ impl<const N: usize> LightSide<N> for () {
         _partition: &Partition,
     ) {
     }
+    fn keep_states(
+        &self,
+        _states: &mut Vec<LightState<N>>,
+        place: &mut [u32],
+        _rows: Range<usize>,
+    ) {
+        place.fill(NONE);
+    }
     fn emit_unpolarized(&mut self, _rows: usize) {}
 }
 
 impl<const N: usize> LightSide<N> for LightCarriers<N> {
     fn depolarize_light(&mut self, beta: &mut Channels<N>, partition: &Partition) {
-        let diffuse = |part: &&Part| part.kind == MaterialKind::Diffuse;
-        for part in partition.parts.iter().filter(diffuse) {
+        let depolarized = |part: &&Part| part.event.form == Form::Depolarizer;
+        for part in partition.parts.iter().filter(depolarized) {
             if part.class == POLARIZED {
                 for (beta, s0) in beta.iter_mut().zip(&self.stokes[0]) {
                     multiply(beta, s0, part.rows.clone());
@@ -65,14 +82,36 @@ impl<const N: usize> LightSide<N> for LightCarriers<N> {
         direction: &[Vec<f32>; 3],
         partition: &Partition,
     ) {
-        for part in partition.parts.iter().filter(|part| part.kind != MaterialKind::Diffuse) {
-            let rows = part.rows.clone();
-            if part.class == POLARIZED {
-                scatter_polarized(self, kernels, direction, part);
-            } else {
-                scatter_unpolarized(self, kernels, part);
+        for part in &partition.parts {
+            match (part.event.form, part.class) {
+                (Form::Depolarizer, _) => continue,
+                (_, UNPOLARIZED) => scatter_unpolarized(self, kernels, part),
+                (Form::Block, _) => {
+                    scatter_polarized::<N, Block<F32s>>(self, kernels, direction, part);
+                }
+                (Form::Spheroid, _) => {
+                    scatter_polarized::<N, SpheroidBlock<F32s>>(self, kernels, direction, part);
+                }
             }
-            self.class[rows].fill(POLARIZED as u8);
+            self.class[part.rows.clone()].fill(POLARIZED as u8);
+        }
+    }
+
+    fn keep_states(&self, states: &mut Vec<LightState<N>>, place: &mut [u32], rows: Range<usize>) {
+        for (place, row) in place.iter_mut().zip(rows) {
+            if self.class(row) == UNPOLARIZED {
+                *place = NONE;
+                continue;
+            }
+            *place = states.len() as u32;
+            let mut stokes = [[0.0; N]; 4];
+            for (stokes, columns) in stokes.iter_mut().zip(&self.stokes) {
+                for (stokes, column) in stokes.iter_mut().zip(columns) {
+                    *stokes = column[row];
+                }
+            }
+            let [x, y, z] = &self.axis;
+            states.push(LightState { stokes, axis: Vector::new(x[row], y[row], z[row]) });
         }
     }
 
@@ -88,7 +127,7 @@ fn scatter_unpolarized<const N: usize>(
     part: &Part,
 ) {
     for channel in 0..N {
-        let a = &kernels.a[coefficient_channel(part.kind, channel)];
+        let a = &kernels.a[part.event.channel(channel)];
         let rows = part.rows.clone();
         carriers.stokes[0][channel][rows.clone()].fill(1.0);
         carriers.stokes[1][channel][rows.clone()].copy_from_slice(&a[rows.clone()]);
@@ -98,7 +137,7 @@ fn scatter_unpolarized<const N: usize>(
     copy_axis(&mut carriers.axis, &kernels.axis, part.rows.clone());
 }
 
-fn scatter_polarized<const N: usize>(
+fn scatter_polarized<const N: usize, K: StoredKernel>(
     carriers: &mut LightCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
@@ -113,36 +152,15 @@ fn scatter_polarized<const N: usize>(
             Vector::load(direction, row),
         );
         for channel in 0..N {
-            let block = load_block(kernels, coefficient_channel(part.kind, channel), row);
+            let kernel = K::load(kernels, part.event.channel(channel), row);
             let stokes =
                 Stokes(std::array::from_fn(|i| lanes::load(&carriers.stokes[i][channel], row)));
-            let Stokes(scattered) = block.scatter(turn.apply(stokes));
+            let Stokes(scattered) = kernel.scatter(turn.apply(stokes));
             for (column, value) in carriers.stokes.iter_mut().zip(&scattered) {
                 lanes::store(&mut column[channel], row, end, *value);
             }
         }
         axis.store(&mut carriers.axis, row, end);
-    }
-}
-
-/// Which channel of the kernel columns holds the coefficients: they are stored once where they
-/// do not depend on wavelength.
-#[inline(always)]
-pub(super) fn coefficient_channel(kind: MaterialKind, channel: usize) -> usize {
-    if kind == MaterialKind::Conductor { channel } else { 0 }
-}
-
-/// Eight kernels.
-#[inline(always)]
-pub(super) fn load_block<const N: usize>(
-    kernels: &KernelColumns<N>,
-    channel: usize,
-    row: usize,
-) -> Block<F32s> {
-    Block {
-        a: lanes::load(&kernels.a[channel], row),
-        c: lanes::load(&kernels.c[channel], row),
-        s: lanes::load(&kernels.s[channel], row),
     }
 }
 

@@ -6,15 +6,16 @@ use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::elements::transmission_axis;
 use crate::polarization::kernel::Block;
 use crate::polarization::{fresnel, s_axis};
-use crate::scattering::Scene;
 use crate::scattering::specular::{against, reflect, refract};
+use crate::scattering::{Met, Scene};
 use crate::scene::baked::{Material, MaterialKind};
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::Column;
-use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
+use super::fly_through_media::beyond;
 use super::scatter_diffuse::Side;
 
 /// Sends the rows of all but the diffuse parts on.
@@ -37,17 +38,44 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
         for row in part.rows.clone().step_by(LANES) {
             let live = LANES.min(end - row);
             let lanes = RowLanes::load(paths, surfaces, scene, row, live);
-            let scattered = match part.kind {
-                MaterialKind::Conductor => conduct::<N, POLARIZED>(kernels, &lanes, part, row),
-                MaterialKind::Dielectric => {
+            let scattered = match part.event.met {
+                Met::Surface(MaterialKind::Conductor) => {
+                    conduct::<N, POLARIZED>(kernels, &lanes, part, row)
+                }
+                Met::Surface(MaterialKind::Dielectric) => {
                     dielectric::<N, POLARIZED, C>(kernels, paths, &lanes, part, row, event)
                 }
-                MaterialKind::Polarizer | MaterialKind::Retarder => {
+                Met::Surface(MaterialKind::Polarizer | MaterialKind::Retarder) => {
                     pass::<N, POLARIZED>(kernels, surfaces, scene, &lanes, part, row)
                 }
-                MaterialKind::Diffuse | MaterialKind::Absorber | MaterialKind::Null => continue,
+                Met::Surface(_) | Met::Medium(_) => continue,
             };
+            if paths.media.present() {
+                cross(paths, surfaces, scene, &scattered.direction, row, end);
+            }
             depart(drawn, paths, &lanes, scattered, row, end, event.side);
+        }
+    }
+}
+
+/// Where a row has gone through its surface, it is in the medium on the other side from now on:
+/// the one that the surface names.
+#[inline(always)]
+fn cross<const N: usize, C>(
+    paths: &mut PathTable<N, C>,
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    drawn: &Vector<F32s>,
+    row: usize,
+    end: usize,
+) {
+    let normal = Vector::load(&surfaces.geometric_normal, row);
+    let before = Vector::load(&paths.rays.direction, row).dot(normal).to_array();
+    let after = drawn.dot(normal).to_array();
+    for lane in 0..LANES.min(end - row) {
+        if before[lane] * after[lane] > 0.0 {
+            let inside = &mut paths.media.inside[row + lane];
+            *inside = beyond(scene, surfaces.primitive[row + lane], after[lane] > 0.0, *inside);
         }
     }
 }
@@ -132,7 +160,7 @@ fn conduct<const N: usize, const POLARIZED: bool>(
         let k = lanes.field(|material| material.k[n]);
         let reflectance = if POLARIZED {
             let (reflectance, block) = fresnel::conductor(lanes.cos_i, eta, k);
-            store_block(kernels, block, n, row, part.rows.end);
+            block.store(kernels, n, row, part.rows.end);
             reflectance
         } else {
             fresnel::conductor_reflectance(lanes.cos_i, eta, k)
@@ -166,7 +194,7 @@ fn dielectric<const N: usize, const POLARIZED: bool, C>(
     if POLARIZED {
         let interface = fresnel::dielectric(lanes.cos_i, eta);
         let block = Block::select(reflects, interface.reflection, interface.transmission);
-        store_block(kernels, block, 0, row, part.rows.end);
+        block.store(kernels, 0, row, part.rows.end);
         let axis = s_axis(lanes.normal, lanes.direction);
         axis.store(&mut kernels.axis, row, part.rows.end);
     }
@@ -200,7 +228,7 @@ fn pass<const N: usize, const POLARIZED: bool>(
             c: lanes.field(|material| material.c),
             s: lanes.field(|material| material.s),
         };
-        store_block(kernels, block, 0, row, part.rows.end);
+        block.store(kernels, 0, row, part.rows.end);
         let axis = element_axis(surfaces, scene, lanes, row, part.rows.end);
         axis.store(&mut kernels.axis, row, part.rows.end);
     }
@@ -267,17 +295,4 @@ fn depart<const N: usize, C>(
     lanes::store(&mut paths.mis.d_vc, row, end, d_vc);
     lanes::store(&mut paths.mis.d_vcm, row, end, F32s::splat(0.0));
     lanes::store(&mut paths.mis.pdf_w, row, end, F32s::splat(f32::INFINITY));
-}
-
-#[inline(always)]
-fn store_block<const N: usize>(
-    kernels: &mut KernelColumns<N>,
-    block: Block<F32s>,
-    channel: usize,
-    row: usize,
-    end: usize,
-) {
-    lanes::store(&mut kernels.a[channel], row, end, block.a);
-    lanes::store(&mut kernels.c[channel], row, end, block.c);
-    lanes::store(&mut kernels.s[channel], row, end, block.s);
 }

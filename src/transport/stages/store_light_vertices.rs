@@ -4,23 +4,26 @@ use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scattering::Scene;
 use crate::scattering::diffuse::BRDF;
+use crate::scattering::event::Event;
+use crate::scattering::{Met, Scene};
+use crate::scene::baked::NONE;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::VertexTable;
 
 use super::scatter_diffuse::MaterialLanes;
+use super::scatter_light::LightSide;
 
-/// Appends the rows `rows`, which have hit diffuse surfaces.
+/// Appends the rows `rows`, which have met `event`.
 ///
 /// From: weigh_arrival, depolarize_light. To: connect_to_sensor, connect_to_vertices.
 /// Writes: vertices. Reads: paths, surfaces, scene.
-pub fn store_light_vertices<const N: usize, C>(
+pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     vertices: &mut VertexTable<N>,
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
-    rows: Range<usize>,
+    (event, rows): (Event, Range<usize>),
     path_length: u32,
 ) {
     vertices.reserve(rows.len());
@@ -28,26 +31,47 @@ pub fn store_light_vertices<const N: usize, C>(
     let end = start + rows.len();
     for row in rows.clone().step_by(LANES) {
         let to = start + row - rows.start;
-        let live = LANES.min(rows.end - row);
-        let material = MaterialLanes::gather(scene, surfaces, row, live);
         Vector::load(&surfaces.position, row).store(&mut vertices.position, to, end);
-        Vector::load(&surfaces.geometric_normal, row).store(
-            &mut vertices.geometric_normal,
-            to,
-            end,
-        );
+        let normal = Vector::load(&surfaces.geometric_normal, row);
+        normal.store(&mut vertices.geometric_normal, to, end);
         Vector::load(&surfaces.shading_normal, row).store(&mut vertices.shading_normal, to, end);
         (-Vector::load(&paths.rays.direction, row)).store(&mut vertices.given, to, end);
-        for n in 0..N {
-            let power = lanes::load(&paths.beta[n], row) * material.reflectance[n];
-            lanes::store(&mut vertices.power[n], to, end, power * F32s::splat(BRDF));
-        }
-        let two_sided = material.two_sided & F32s::splat(1.0);
-        lanes::store(&mut vertices.two_sided, to, end, two_sided);
+        let live = LANES.min(rows.end - row);
+        store_power(vertices, paths, surfaces, scene, (event, row, live), (to, end));
         lanes::store(&mut vertices.d_vcm, to, end, lanes::load(&paths.mis.d_vcm, row));
         lanes::store(&mut vertices.d_vc, to, end, lanes::load(&paths.mis.d_vc, row));
     }
-    vertices.slot[start..end].copy_from_slice(&paths.identity.slot[rows]);
+    vertices.slot[start..end].copy_from_slice(&paths.identity.slot[rows.clone()]);
     vertices.path_length[start..end].fill(path_length);
+    for (to, row) in (start..end).zip(rows.clone()) {
+        vertices.inside[to] = paths.media.inside(row);
+    }
+    let volume = if let Met::Medium(medium) = event.met { medium } else { NONE };
+    vertices.volume[start..end].fill(volume);
+    paths.carriers.keep_states(&mut vertices.states, &mut vertices.state[start..end], rows);
     vertices.len = end;
+}
+
+fn store_power<const N: usize, C>(
+    vertices: &mut VertexTable<N>,
+    paths: &PathTable<N, C>,
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    (event, row, live): (Event, usize, usize),
+    (to, end): (usize, usize),
+) {
+    let mut factor = [F32s::splat(1.0); N];
+    let mut two_sided = F32s::splat(1.0);
+    if let Met::Surface(_) = event.met {
+        let material = MaterialLanes::gather(scene, surfaces, row, live);
+        for (factor, &reflectance) in factor.iter_mut().zip(&material.reflectance) {
+            *factor = reflectance * F32s::splat(BRDF);
+        }
+        two_sided = material.two_sided & F32s::splat(1.0);
+    }
+    for (n, &factor) in factor.iter().enumerate() {
+        let power = lanes::load(&paths.beta[n], row) * factor;
+        lanes::store(&mut vertices.power[n], to, end, power);
+    }
+    lanes::store(&mut vertices.two_sided, to, end, two_sided);
 }

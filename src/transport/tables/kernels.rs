@@ -1,14 +1,21 @@
 //! The Mueller kernels of this bounce's polarizing events.
 
 use super::{Channels, Column, channels, vectors};
+use crate::math::{F32s, lanes};
+use crate::polarization::kernel::{Block, Kernel, SpheroidBlock};
 
-/// One sparse block per row, relative to the scalar value M00 that already is in `beta`.
+/// One sparse block per row, relative to the scalar value M00 that already is in `beta`;
+/// `Event::channel` says which wavelengths are stored.
 pub struct KernelColumns<const N: usize> {
-    /// Diattenuation; only channel 0 for kernels that do not depend on wavelength.
+    /// M01: diattenuation.
     pub a: Channels<N>,
-    /// Cosine-like element of the lower block.
+    /// M11; only for spheroids.
+    pub b: Channels<N>,
+    /// M22: cosine-like element of the lower block.
     pub c: Channels<N>,
-    /// Sine-like element of the lower block.
+    /// M33; only for spheroids.
+    pub d: Channels<N>,
+    /// M23: sine-like element of the lower block.
     pub s: Channels<N>,
     /// The x axis of the block's frames: perpendicular to the light before and after.
     pub axis: [Column; 3],
@@ -19,9 +26,72 @@ impl<const N: usize> KernelColumns<N> {
     pub fn new(capacity: usize) -> Self {
         Self {
             a: channels(capacity),
+            b: channels(capacity),
             c: channels(capacity),
+            d: channels(capacity),
             s: channels(capacity),
             axis: vectors(capacity),
         }
+    }
+}
+
+/// Kernels that the columns hold, eight rows at a time.
+pub trait StoredKernel: Kernel<F32s> {
+    /// Reads the rows from `row` on.
+    fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self;
+
+    /// Writes the rows from `row` to `end`, eight at most.
+    fn store<const N: usize>(
+        self,
+        columns: &mut KernelColumns<N>,
+        channel: usize,
+        row: usize,
+        end: usize,
+    );
+}
+
+impl StoredKernel for Block<F32s> {
+    #[inline(always)]
+    fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self {
+        Self {
+            a: lanes::load(&columns.a[channel], row),
+            c: lanes::load(&columns.c[channel], row),
+            s: lanes::load(&columns.s[channel], row),
+        }
+    }
+
+    #[inline(always)]
+    fn store<const N: usize>(
+        self,
+        columns: &mut KernelColumns<N>,
+        channel: usize,
+        row: usize,
+        end: usize,
+    ) {
+        lanes::store(&mut columns.a[channel], row, end, self.a);
+        lanes::store(&mut columns.c[channel], row, end, self.c);
+        lanes::store(&mut columns.s[channel], row, end, self.s);
+    }
+}
+
+impl StoredKernel for SpheroidBlock<F32s> {
+    #[inline(always)]
+    fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self {
+        let Block { a, c, s } = Block::load(columns, channel, row);
+        let b = lanes::load(&columns.b[channel], row);
+        Self { a, b, c, d: lanes::load(&columns.d[channel], row), s }
+    }
+
+    #[inline(always)]
+    fn store<const N: usize>(
+        self,
+        columns: &mut KernelColumns<N>,
+        channel: usize,
+        row: usize,
+        end: usize,
+    ) {
+        Block { a: self.a, c: self.c, s: self.s }.store(columns, channel, row, end);
+        lanes::store(&mut columns.b[channel], row, end, self.b);
+        lanes::store(&mut columns.d[channel], row, end, self.d);
     }
 }

@@ -30,8 +30,45 @@ impl<const N: usize> Measured<N> {
     }
 }
 
-/// Light that reached the film by a connection to the sensor, after a depolarizer or from an
-/// emitter: unpolarized.
+/// All that reached the film by connections to the sensor.
+#[derive(Default)]
+pub struct Splats<const N: usize> {
+    /// After a depolarizer or from an emitter.
+    pub unpolarized: Vec<Splat<N>>,
+    /// After a polarizing event.
+    pub polarized: Vec<PolarizedSplat<N>>,
+}
+
+impl<const N: usize> Splats<N> {
+    /// Removes all.
+    pub fn clear(&mut self) {
+        self.unpolarized.clear();
+        self.polarized.clear();
+    }
+
+    /// Appends unpolarized light.
+    #[inline(always)]
+    pub fn push(&mut self, pixel: u32, value: [f32; N]) {
+        self.unpolarized.push(Splat { pixel, value });
+    }
+
+    /// Takes all of another.
+    pub fn append(&mut self, other: &mut Self) {
+        self.unpolarized.append(&mut other.unpolarized);
+        self.polarized.append(&mut other.polarized);
+    }
+}
+
+/// Stokes vectors on the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PolarizedSplat<const N: usize> {
+    /// Index of the pixel.
+    pub pixel: u32,
+    /// S0..S3 in the film's frame.
+    pub stokes: [[f32; N]; 4],
+}
+
+/// Unpolarized light on the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat<const N: usize> {
     /// Index of the pixel.

@@ -4,10 +4,13 @@
 
 pub mod carriers;
 pub mod connections;
+pub mod flights;
 pub mod kernels;
 pub mod measured;
+pub mod media;
 pub mod partition;
 pub mod paths;
+pub mod states;
 pub mod vertices;
 
 use crate::math::LANES;

@@ -2,62 +2,54 @@
 
 use std::ops::Range;
 
-use crate::scene::baked::MaterialKind;
+use crate::scattering::Met;
+use crate::scattering::event::{END, Event};
 
-/// The rows that one loop works on: one kind of material, one class of carrier.
+/// The rows that one loop works on: one kind of event, one class of carrier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What the rows have hit.
-    pub kind: MaterialKind,
+    /// What the rows have met.
+    pub event: Event,
     /// Class of their carriers (`carriers`).
     pub class: usize,
     /// The rows.
     pub rows: Range<usize>,
 }
 
-/// A stable grouping of rows by material kind, then carrier class.
+/// A stable grouping of rows by event, then carrier class.
 #[derive(Default)]
 pub struct Partition {
     /// For every new row, the old one; rows that end here are missing.
     pub order: Vec<u32>,
     /// The groups, in the order of the new rows; none is empty.
     pub parts: Vec<Part>,
-    keys: Vec<u8>,
+    keys: Vec<u16>,
     counts: Vec<u32>,
 }
 
-/// The kinds that scatter, in the order of their rows.
-const KINDS: [MaterialKind; 5] = [
-    MaterialKind::Diffuse,
-    MaterialKind::Conductor,
-    MaterialKind::Dielectric,
-    MaterialKind::Polarizer,
-    MaterialKind::Retarder,
-];
-
 impl Partition {
-    /// Groups the rows `0..rows`; rows whose kind is [`MaterialKind::Absorber`] end.
+    /// Groups the rows `0..rows` by their place in `events` and their class; rows at [`END`] end.
     pub fn group(
         &mut self,
         rows: usize,
+        events: &[Event],
         classes: usize,
-        kind_and_class: impl Fn(usize) -> (MaterialKind, usize),
+        event_and_class: impl Fn(usize) -> (usize, usize),
     ) {
         // Key 0 is that of the rows that end: they are sorted like the others, without a branch
         // that would be guessed wrong, and cut off in the end.
-        let keys = KINDS.len() * classes + 1;
+        let keys = (events.len() - 1) * classes + 1;
         self.keys.clear();
         self.counts.clear();
         self.counts.resize(keys, 0);
         for row in 0..rows {
-            let (kind, class) = kind_and_class(row);
-            let place = (kind as usize).wrapping_sub(MaterialKind::Diffuse as usize);
-            let key = place.wrapping_mul(classes).wrapping_add(class + 1);
-            let key = if kind == MaterialKind::Absorber { 0 } else { key };
+            let (event, class) = event_and_class(row);
+            let key = event.wrapping_sub(1).wrapping_mul(classes).wrapping_add(class + 1);
+            let key = if event == END { 0 } else { key };
             self.counts[key] += 1;
-            self.keys.push(key as u8);
+            self.keys.push(key as u16);
         }
-        let ended = self.list_parts(classes);
+        let ended = self.list_parts(events, classes);
         self.order.clear();
         self.order.resize(rows, 0);
         for (row, &key) in self.keys.iter().enumerate() {
@@ -68,23 +60,36 @@ impl Partition {
         self.order.truncate(rows - ended);
     }
 
-    /// All rows of one kind; they are contiguous.
-    pub fn rows_of(&self, kind: MaterialKind) -> Range<usize> {
-        let mut parts = self.parts.iter().filter(|part| part.kind == kind);
+    /// All rows that have met the same; they are contiguous.
+    pub fn rows_of(&self, met: Met) -> Range<usize> {
+        let mut parts = self.parts.iter().filter(|part| part.event.met == met);
         let Some(first) = parts.next() else { return 0..0 };
         first.rows.start..parts.next_back().unwrap_or(first).rows.end
     }
 
+    /// The kinds of events that can be connected to, and their rows.
+    pub fn connectable(&self) -> impl Iterator<Item = (Event, Range<usize>)> + '_ {
+        let mut next = 0;
+        std::iter::from_fn(move || {
+            let first = self.parts[next..].iter().position(|part| part.event.connects())? + next;
+            let event = self.parts[first].event;
+            let same = self.parts[first..].iter().take_while(|part| part.event == event);
+            next = first + same.count();
+            Some((event, self.parts[first].rows.start..self.parts[next - 1].rows.end))
+        })
+    }
+
     /// Turns the counts into the first place of each key, those of key 0 behind all others, lists
     /// the parts, and returns how many rows end.
-    fn list_parts(&mut self, classes: usize) -> usize {
+    fn list_parts(&mut self, events: &[Event], classes: usize) -> usize {
         self.parts.clear();
         let mut start = 0;
         for key in 1..self.counts.len() {
             let end = start + self.counts[key];
             if end > start {
-                let (kind, class) = (KINDS[(key - 1) / classes], (key - 1) % classes);
-                self.parts.push(Part { kind, class, rows: start as usize..end as usize });
+                let event = events[(key - 1) / classes + 1];
+                let class = (key - 1) % classes;
+                self.parts.push(Part { event, class, rows: start as usize..end as usize });
             }
             self.counts[key] = start;
             start = end;
@@ -96,26 +101,29 @@ impl Partition {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scattering::event::Form;
+    use crate::scene::baked::MaterialKind;
 
     #[test]
     fn groups_are_stable_and_drop_the_dead() {
-        use MaterialKind::{Absorber, Dielectric, Diffuse, Retarder};
-        let rows = [
-            (Dielectric, 1),
-            (Diffuse, 0),
-            (Absorber, 1),
-            (Retarder, 1),
-            (Absorber, 0),
-            (Diffuse, 0),
-            (Dielectric, 0),
-            (Dielectric, 1),
-        ];
+        use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse, Retarder};
+        let event = |met, form| Event { met, form, achromatic: true };
+        let surface = |kind| event(Met::Surface(kind), Form::Block);
+        let kinds = [Absorber, Diffuse, Conductor, Dielectric, Retarder].map(surface);
+        let media = [0, 1].map(|row| event(Met::Medium(row), Form::Depolarizer));
+        let events = [&kinds[..], &media[..]].concat();
+        let rows = [(3, 1), (1, 0), (0, 1), (6, 1), (4, 1), (0, 0), (1, 0), (3, 0), (3, 1), (5, 0)];
         let mut partition = Partition::default();
-        partition.group(rows.len(), 2, |row| rows[row]);
-        assert_eq!(partition.order, [1, 5, 6, 0, 7, 3]);
-        assert_eq!(partition.rows_of(Diffuse), 0..2);
-        assert_eq!(partition.rows_of(Dielectric), 2..5);
-        assert_eq!(partition.rows_of(MaterialKind::Conductor), 0..0);
-        assert_eq!(partition.parts.len(), 4);
+        partition.group(rows.len(), &events, 2, |row| rows[row]);
+        assert_eq!(partition.order, [1, 6, 7, 0, 8, 4, 9, 3]);
+        assert_eq!(partition.rows_of(Met::Surface(Diffuse)), 0..2);
+        assert_eq!(partition.rows_of(Met::Surface(Dielectric)), 2..5);
+        assert_eq!(partition.rows_of(Met::Surface(Conductor)), 0..0);
+        assert_eq!(partition.parts.len(), 6);
+        let found: Vec<_> =
+            partition.connectable().map(|(event, rows)| (event.met, rows)).collect();
+        let expected =
+            [(Met::Surface(Diffuse), 0..2), (Met::Medium(0), 6..7), (Met::Medium(1), 7..8)];
+        assert_eq!(found, expected);
     }
 }

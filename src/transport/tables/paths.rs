@@ -3,6 +3,7 @@
 use crate::geometry::RayColumns;
 
 use super::carriers::CarrierTable;
+use super::media::MediaColumns;
 use super::partition::Partition;
 use super::{Channels, Column, channels, column, gather, identifiers};
 
@@ -19,6 +20,8 @@ pub struct PathTable<const N: usize, C> {
     pub beta: Channels<N>,
     /// What weighs strategies against each other.
     pub mis: MisColumns,
+    /// Media, if the scene has any.
+    pub media: MediaColumns<N>,
     /// Polarization, for the rows that have any.
     pub carriers: C,
 }
@@ -47,8 +50,8 @@ pub struct MisColumns {
 }
 
 impl<const N: usize, C: CarrierTable> PathTable<N, C> {
-    /// An empty table for `capacity` rows.
-    pub fn new(capacity: usize) -> Self {
+    /// An empty table for `capacity` rows, with or without media.
+    pub fn new(capacity: usize, with_media: bool) -> Self {
         Self {
             len: 0,
             rays: RayColumns::new(capacity),
@@ -63,6 +66,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
                 d_vcm: column(capacity),
                 d_vc: column(capacity),
             },
+            media: MediaColumns::new(capacity, with_media),
             carriers: C::new(capacity),
         }
     }
@@ -84,6 +88,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
         gather(&mut self.mis.pdf_w, &from.mis.pdf_w, order, 0);
         gather(&mut self.mis.d_vcm, &from.mis.d_vcm, order, 0);
         gather(&mut self.mis.d_vc, &from.mis.d_vc, order, 0);
+        self.media.gather(&from.media, order);
         for part in &partition.parts {
             self.carriers.gather(&from.carriers, order, part.rows.clone(), part.class);
         }

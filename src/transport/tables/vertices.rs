@@ -1,21 +1,22 @@
 //! Light vertices that sensor paths and the sensor connect to.
 
+use super::states::LightState;
 use super::{Channels, Column, channels, column, gather, identifiers, vectors};
 
-/// Vertices of light paths on depolarizing surfaces. They carry power and no Stokes vector: what
-/// leaves a depolarizer does not depend on the polarization of what arrived.
+/// Vertices of light paths on diffuse surfaces and in media. At depolarizers they carry power and
+/// no Stokes vector: what leaves those does not depend on the polarization of what arrived.
 pub struct VertexTable<const N: usize> {
     /// Number of rows in use.
     pub len: usize,
     /// Where.
     pub position: [Column; 3],
-    /// Geometric normal, to the front.
+    /// Geometric normal, to the front; zero in a medium.
     pub geometric_normal: [Column; 3],
     /// Shading normal.
     pub shading_normal: [Column; 3],
     /// Where the light came from: away from the surface, unit length.
     pub given: [Column; 3],
-    /// Throughput times BRDF, per steradian.
+    /// Throughput times BRDF, per steradian; only the throughput in a medium.
     pub power: Channels<N>,
     /// 1 if the back scatters too, else 0.
     pub two_sided: Column,
@@ -27,6 +28,15 @@ pub struct VertexTable<const N: usize> {
     pub slot: Vec<u32>,
     /// Segments from the emitter.
     pub path_length: Vec<u32>,
+    /// The medium around the vertex: a row of the scene's media, or `NONE`.
+    pub inside: Vec<u32>,
+    /// The medium whose particle the vertex is, or `NONE` on a surface.
+    pub volume: Vec<u32>,
+    /// Polarization of the arriving light where the vertex does not undo it: a row of `states`,
+    /// or `NONE`.
+    pub state: Vec<u32>,
+    /// Polarized light on arrival.
+    pub states: Vec<LightState<N>>,
 }
 
 impl<const N: usize> VertexTable<N> {
@@ -44,6 +54,10 @@ impl<const N: usize> VertexTable<N> {
             d_vc: column(capacity),
             slot: identifiers(capacity),
             path_length: identifiers(capacity),
+            inside: identifiers(capacity),
+            volume: identifiers(capacity),
+            state: identifiers(capacity),
+            states: Vec::new(),
         }
     }
 
@@ -55,8 +69,7 @@ impl<const N: usize> VertexTable<N> {
             for column in self.float_columns() {
                 column.resize(size, 0.0);
             }
-            self.slot.resize(size, 0);
-            self.path_length.resize(size, 0);
+            self.identifier_columns().for_each(|column| column.resize(size, 0));
         }
     }
 
@@ -71,8 +84,21 @@ impl<const N: usize> VertexTable<N> {
         for (to, from) in self.float_columns().zip(from.float_columns()) {
             gather(to, from, rows, 0);
         }
-        gather(&mut self.slot, &from.slot, rows, 0);
-        gather(&mut self.path_length, &from.path_length, rows, 0);
+        for (to, from) in self.identifier_columns().zip(from.identifier_columns()) {
+            gather(to, from, rows, 0);
+        }
+        std::mem::swap(&mut self.states, &mut from.states);
+    }
+
+    /// Removes all rows.
+    pub fn clear(&mut self) {
+        self.len = 0;
+        self.states.clear();
+    }
+
+    fn identifier_columns(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
+        let all = [&mut self.slot, &mut self.path_length, &mut self.inside];
+        all.into_iter().chain([&mut self.volume, &mut self.state])
     }
 
     fn float_columns(&mut self) -> impl Iterator<Item = &mut Column> {

@@ -1,0 +1,114 @@
+//! Which medium a point is in: what a path that starts there starts in.
+
+use glam::Vec3;
+
+use crate::geometry::Accelerator;
+use crate::scene::baked::{BakedScene, EmitterKind, KEEP, NONE};
+
+/// Directions in which to look for the nearest boundary; the majority rules, as one of them may
+/// run along an edge.
+const DIRECTIONS: [Vec3; 7] = [
+    Vec3::new(0.267, 0.535, 0.802),
+    Vec3::new(-0.802, 0.267, 0.535),
+    Vec3::new(0.535, -0.802, 0.267),
+    Vec3::new(-0.267, -0.535, -0.802),
+    Vec3::new(0.913, 0.365, -0.183),
+    Vec3::new(-0.183, 0.913, -0.365),
+    Vec3::new(-0.365, -0.183, 0.913),
+];
+
+/// Surfaces that a look goes through before it gives up.
+const SURFACES_MAX: usize = 256;
+
+/// How far a look steps off a surface, relative to the scene.
+const STEP: f32 = 1e-5;
+
+/// Finds media of points in a scene.
+pub struct Immersion<'a, const N: usize> {
+    tables: &'a BakedScene<N>,
+    accelerator: &'a Accelerator,
+}
+
+impl<'a, const N: usize> Immersion<'a, N> {
+    /// Looks at the surfaces of `tables`, found by `accelerator`.
+    pub fn new(tables: &'a BakedScene<N>, accelerator: &'a Accelerator) -> Self {
+        Self { tables, accelerator }
+    }
+
+    /// The medium around a point: a row in `media`, or [`NONE`].
+    pub fn at(&self, point: Vec3) -> u32 {
+        if self.tables.media.is_empty() {
+            return NONE;
+        }
+        let found = DIRECTIONS.map(|direction| self.look(point, direction.normalize()));
+        let votes = |medium: u32| found.iter().filter(|&&other| other == medium).count();
+        found.into_iter().max_by_key(|&medium| votes(medium)).unwrap_or(NONE)
+    }
+
+    /// The media before and behind every emitter; those at infinity shine through the scene's.
+    pub fn of_emitters(&self) -> Vec<[u32; 2]> {
+        let of = |index: usize| {
+            let emitter = &self.tables.emitters[index];
+            match emitter.kind {
+                EmitterKind::Triangle | EmitterKind::Sphere => self.of_primitive(emitter.primitive),
+                EmitterKind::Point | EmitterKind::Spot => [self.at(emitter.position); 2],
+                EmitterKind::Directional | EmitterKind::Environment => {
+                    [self.tables.scene_medium; 2]
+                }
+            }
+        };
+        (0..self.tables.emitters.len()).map(of).collect()
+    }
+
+    fn of_primitive(&self, primitive: u32) -> [u32; 2] {
+        let surface = self.tables.surface_of_primitive[primitive as usize];
+        let surface = &self.tables.surfaces[surface as usize];
+        let index = primitive as usize;
+        let (point, normal) = match self.tables.triangles.get(index) {
+            Some(triangle) => {
+                let [a, b, c] = triangle.corners;
+                ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())
+            }
+            None => {
+                let sphere = &self.tables.spheres[index - self.tables.triangles.len()];
+                (sphere.center + Vec3::X * sphere.radius, Vec3::X)
+            }
+        };
+        let step = normal * (STEP * self.tables.bounds.radius);
+        let side = |stated: u32, point: Vec3| if stated == KEEP { self.at(point) } else { stated };
+        [side(surface.exterior, point + step), side(surface.interior, point - step)]
+    }
+
+    /// The medium on the near side of the first boundary in a direction; that of the scene if
+    /// there is none.
+    fn look(&self, mut origin: Vec3, direction: Vec3) -> u32 {
+        for _ in 0..SURFACES_MAX {
+            let hit = self.accelerator.closest(origin, direction, f32::INFINITY);
+            if hit.primitive == NONE {
+                break;
+            }
+            let surface = self.tables.surface_of_primitive[hit.primitive as usize];
+            let surface = &self.tables.surfaces[surface as usize];
+            let position = origin + direction * hit.t;
+            let normal = self.normal(hit.primitive, position);
+            let near =
+                if direction.dot(normal) < 0.0 { surface.exterior } else { surface.interior };
+            if near != KEEP {
+                return near;
+            }
+            origin = position + direction * (STEP * self.tables.bounds.radius);
+        }
+        self.tables.scene_medium
+    }
+
+    fn normal(&self, primitive: u32, position: Vec3) -> Vec3 {
+        let index = primitive as usize;
+        match self.tables.triangles.get(index) {
+            Some(triangle) => {
+                let [a, b, c] = triangle.corners;
+                (b - a).cross(c - a)
+            }
+            None => position - self.tables.spheres[index - self.tables.triangles.len()].center,
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Free flights: where paths meet particles of the media they cross, or the surface behind.
+
+use glam::Vec3;
+
+use crate::geometry::{HitColumns, IN_MEDIUM, offset_origin, trace_closest};
+use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
+use crate::scattering::Scene;
+use crate::scene::baked::{KEEP, MaterialKind, NONE};
+use crate::transport::sampler::{Purpose, draw};
+use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::paths::{IdentityColumns, PathTable};
+
+/// Draws how far every row flies, through boundaries that do not bend it, and turns hits behind
+/// that into hits of the medium. The throughput takes transmittance over density; both are summed
+/// over the wavelengths that the distance could have been drawn for.
+///
+/// From: trace_closest. To: collect_emission, play_roulette, partition_paths.
+/// Writes: hits, paths (beta, media), flights. Reads: paths, scene.
+pub fn fly_through_media<const N: usize, C>(
+    hits: &mut HitColumns,
+    paths: &mut PathTable<N, C>,
+    flights: &mut FlightTable<N>,
+    scene: &Scene<N>,
+    path_length: u32,
+) {
+    flights.clear(paths.len);
+    first_pieces(hits, paths, flights, scene, path_length);
+    while flights.len > 0 {
+        let rows = 0..flights.len;
+        trace_closest(&mut flights.hits, &flights.rays, rows, &scene.accelerator);
+        later_pieces(hits, paths, flights, scene);
+    }
+    for row in (0..paths.len).step_by(LANES) {
+        weigh(hits, paths, flights, scene, row);
+    }
+}
+
+/// The wavelength that a path's distances and angles are drawn for.
+#[inline(always)]
+pub(super) fn wavelength_of<const N: usize>(
+    identity: &IdentityColumns,
+    row: usize,
+) -> [u32; LANES] {
+    if N == 1 {
+        return [0; LANES];
+    }
+    let seed = lanes::load_u32(&identity.seed, row);
+    let iteration = lanes::load_u32(&identity.iteration, row);
+    let [u, _] = draw(seed, iteration, 0, Purpose::Wavelength);
+    let place = (u * F32s::splat(N as f32)).to_array();
+    lanes::each(|lane| (place[lane] as u32).min(N as u32 - 1))
+}
+
+/// The segments up to their first boundary.
+fn first_pieces<const N: usize, C>(
+    hits: &mut HitColumns,
+    paths: &mut PathTable<N, C>,
+    flights: &mut FlightTable<N>,
+    scene: &Scene<N>,
+    path_length: u32,
+) {
+    for first in (0..paths.len).step_by(LANES) {
+        let end = paths.len.min(first + LANES);
+        let clear = paths.media.inside[first..end].iter().all(|&medium| medium == NONE);
+        if clear && !scene.has_null_boundaries {
+            continue;
+        }
+        let seed = lanes::load_u32(&paths.identity.seed, first);
+        let iteration = lanes::load_u32(&paths.identity.iteration, first);
+        let [u, _] = draw(seed, iteration, path_length, Purpose::Distance);
+        let left = (-(F32s::splat(1.0) - u).ln()).to_array();
+        let wavelength = wavelength_of::<N>(&paths.identity, first);
+        for row in first..end {
+            let lane = row - first;
+            flights.left[row] = left[lane];
+            let (t, inside) = (hits.t[row], paths.media.inside[row]);
+            match fly(flights, scene, (row, inside), t, wavelength[lane]) {
+                Some(distance) => {
+                    hits.t[row] = distance;
+                    hits.primitive[row] = IN_MEDIUM + inside;
+                }
+                None if is_null_boundary(scene, hits.primitive[row]) => {
+                    let rays = &paths.rays;
+                    let at = |c: &[Vec<f32>; 3]| [c[0][row], c[1][row], c[2][row]];
+                    let to = flights.len;
+                    flights.push(row as u32, at(&rays.origin), at(&rays.direction), inside);
+                    (flights.hits.t[to], flights.hits.primitive[to]) = (t, hits.primitive[row]);
+                    flights.len = to;
+                    step_over(flights, to, scene);
+                }
+                None => {}
+            }
+        }
+    }
+}
+
+/// The pieces between two boundaries, or behind the last.
+fn later_pieces<const N: usize, C>(
+    hits: &mut HitColumns,
+    paths: &mut PathTable<N, C>,
+    flights: &mut FlightTable<N>,
+    scene: &Scene<N>,
+) {
+    let len = std::mem::replace(&mut flights.len, 0);
+    for index in 0..len {
+        let row = flights.row[index] as usize;
+        let inside = flights.inside[index];
+        let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
+        let start = row - row % LANES;
+        let wavelength = wavelength_of::<N>(&paths.identity, start)[row - start];
+        let met = fly(flights, scene, (row, inside), t, wavelength);
+        if met.is_none() && is_null_boundary(scene, primitive) {
+            step_over(flights, index, scene);
+            continue;
+        }
+        paths.media.inside[row] = inside;
+        hits.t[row] = flights.travelled[index] + met.unwrap_or(t);
+        hits.primitive[row] = if met.is_some() { IN_MEDIUM + inside } else { primitive };
+        hits.u[row] = flights.hits.u[index];
+        hits.v[row] = flights.hits.v[index];
+    }
+}
+
+/// Flies up to `t` through the medium `inside`: the distance at which the row meets a particle, if
+/// it does. Takes what is flown through from the optical depth that is left.
+#[inline(always)]
+fn fly<const N: usize>(
+    flights: &mut FlightTable<N>,
+    scene: &Scene<N>,
+    (row, inside): (usize, u32),
+    t: f32,
+    wavelength: u32,
+) -> Option<f32> {
+    if inside == NONE {
+        return None;
+    }
+    let sigma_t = &scene.medium(inside).sigma_t;
+    let sigma = sigma_t[wavelength as usize];
+    let distance = flights.left[row] / sigma;
+    // Without extinction the distance is infinite, or not a number: nothing is met.
+    let meets = distance < t;
+    let piece = if meets { distance } else { t.min(f32::MAX) };
+    for (depth, sigma) in flights.depth[row].iter_mut().zip(sigma_t) {
+        *depth += sigma * piece;
+    }
+    flights.left[row] -= sigma * piece;
+    meets.then_some(distance)
+}
+
+fn is_null_boundary<const N: usize>(scene: &Scene<N>, primitive: u32) -> bool {
+    scene.has_null_boundaries && primitive != NONE && {
+        let material = scene.material_of_primitive[primitive as usize];
+        scene.tables.materials[material as usize].kind == MaterialKind::Null
+    }
+}
+
+/// Moves the flight at `index`, which has reached a boundary, behind it and to the end of the
+/// rows in use. What the step off the boundary skips counts as part of the next piece.
+pub(super) fn step_over<const N: usize>(
+    flights: &mut FlightTable<N>,
+    index: usize,
+    scene: &Scene<N>,
+) {
+    let of = |c: &[Vec<f32>; 3]| Vec3::new(c[0][index], c[1][index], c[2][index]);
+    let (origin, direction) = (of(&flights.rays.origin), of(&flights.rays.direction));
+    let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
+    let position = origin + direction * t;
+    let normal = scene.geometric_normal(primitive, position);
+    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
+    let after = offset_origin(vector(position), vector(normal), vector(direction), scene.reach);
+    let skipped = (after - vector(position)).dot(vector(direction));
+    let to = flights.len;
+    let (row, travelled) = (flights.row[index], flights.travelled[index]);
+    let before = flights.inside[index];
+    flights.push(row, [after.x, after.y, after.z], direction.to_array(), before);
+    flights.travelled[to] = travelled + t + skipped;
+    flights.inside[to] = beyond(scene, primitive, normal.dot(direction) > 0.0, before);
+    let sigma_t = &scene.medium(flights.inside[to]).sigma_t;
+    for (depth, sigma) in flights.depth[row as usize].iter_mut().zip(sigma_t) {
+        *depth += sigma * skipped;
+    }
+}
+
+/// The medium on the side of a surface that is entered, for a path in the medium `before`.
+#[inline(always)]
+pub(super) fn beyond<const N: usize>(
+    scene: &Scene<N>,
+    primitive: u32,
+    to_front: bool,
+    before: u32,
+) -> u32 {
+    let surface = scene.tables.surface_of_primitive[primitive as usize];
+    let surface = &scene.tables.surfaces[surface as usize];
+    match if to_front { surface.exterior } else { surface.interior } {
+        KEEP => before,
+        medium => medium,
+    }
+}
+
+/// Throughput and shares of eight rows.
+#[inline(always)]
+fn weigh<const N: usize, C>(
+    hits: &HitColumns,
+    paths: &mut PathTable<N, C>,
+    flights: &FlightTable<N>,
+    scene: &Scene<N>,
+    row: usize,
+) {
+    let live = LANES.min(paths.len - row);
+    let of = |lane: usize| row + lane.min(live - 1);
+    let depth = |n: usize| F32s::from(lanes::each(|lane| flights.depth[of(lane)][n]));
+    let mut least = depth(0);
+    for n in 1..N {
+        least = least.min(depth(n));
+    }
+    let meets = lanes::each(|lane| {
+        let met = hits.primitive[of(lane)];
+        if met >= IN_MEDIUM && met != NONE { u32::MAX } else { 0 }
+    });
+    let meets: F32s = bytemuck::cast(U32s::from(meets));
+    let one = F32s::splat(1.0);
+    let mut densities = [one; N];
+    let mut values = [one; N];
+    let mut sum = F32s::splat(0.0);
+    for n in 0..N {
+        let sigma = |of_medium: fn(&crate::scattering::medium::Medium<N>) -> &[f32; N]| {
+            let value = |lane| of_medium(scene.medium(paths.media.inside[of(lane)]))[n];
+            Real::select(meets, F32s::from(lanes::each(value)), one)
+        };
+        // Only ratios matter: the least depth is taken out, so that nothing underflows.
+        let transmittance = (least - depth(n)).exp();
+        values[n] = sigma(|medium| &medium.sigma_s) * transmittance;
+        densities[n] = sigma(|medium| &medium.sigma_t) * transmittance;
+        if N > 1 {
+            densities[n] *= lanes::load(&paths.media.share[n], row);
+        }
+        sum += densities[n];
+    }
+    let inverse = one / sum;
+    for n in 0..N {
+        let beta = lanes::load(&paths.beta[n], row) * values[n] * inverse;
+        lanes::store(&mut paths.beta[n], row, paths.len, beta);
+        if N > 1 {
+            lanes::store(&mut paths.media.share[n], row, paths.len, densities[n] * inverse);
+        }
+    }
+}
