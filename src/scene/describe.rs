@@ -7,18 +7,19 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::world::{
-    Ball, Bsdf, Emission, Environment, Film, Lens, MadeOf, Mesh, Name, Punctual, Sides, Transform,
-    World,
+    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Film, Lens, MadeOf, Medium,
+    Mesh, Name, Phase, Punctual, Sides, Transform, World,
 };
 use crate::spectrum::Spectrum;
 
 impl World {
-    /// Meshes, spheres, materials, lights, camera and bounds, a line each.
+    /// Meshes, spheres, materials, media, lights, camera and bounds, a line each.
     pub fn describe(&self) -> String {
         let mut text = format!("scene `{}`\n", self.name());
         // Writing to a string cannot fail.
         let _ = write_shapes(self, &mut text)
             .and_then(|()| write_materials(self, &mut text))
+            .and_then(|()| write_media(self, &mut text))
             .and_then(|()| write_lights(self, &mut text))
             .and_then(|()| write_camera(self, &mut text));
         for warning in self.warnings() {
@@ -80,13 +81,50 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Conductor { eta, k } => {
             format!("smooth conductor, eta {}, k {}", spectrum(eta), spectrum(k))
         }
-        Bsdf::Dielectric { ior } => format!("smooth dielectric, ior {ior}"),
+        Bsdf::Dielectric { ior, exterior_ior: 1.0 } => format!("smooth dielectric, ior {ior}"),
+        Bsdf::Dielectric { ior, exterior_ior } => {
+            format!("smooth dielectric, ior {ior} behind and {exterior_ior} before it")
+        }
+        Bsdf::Null => "boundary between media".to_owned(),
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
             format!("linear polarizer at {axis_deg} degrees, extinction ratio {extinction_ratio}")
         }
         Bsdf::Retarder { axis_deg, retardance_deg } => {
             format!("linear retarder of {retardance_deg} degrees at {axis_deg} degrees")
         }
+    }
+}
+
+fn write_media(world: &World, text: &mut String) -> fmt::Result {
+    type Components<'a> = (Entity, &'a Name, &'a Medium, Option<&'a FillsScene>);
+    let mut users: BTreeMap<Entity, usize> = BTreeMap::new();
+    for boundary in world.in_order::<&Boundary, _>(|boundary| *boundary) {
+        for filling in [boundary.interior, boundary.exterior].into_iter().flatten() {
+            if let Filling::Medium(entity) = filling {
+                *users.entry(entity).or_default() += 1;
+            }
+        }
+    }
+    let media = world.in_order::<Components, _>(|(entity, name, medium, fills)| {
+        let coefficient = |given: &Option<Spectrum>| {
+            given.as_ref().map_or("from its particles".to_owned(), spectrum)
+        };
+        let (sigma_a, sigma_s) = (coefficient(&medium.sigma_a), coefficient(&medium.sigma_s));
+        let scene = if fills.is_some() { ", fills the scene" } else { "" };
+        let count = users.get(&entity).copied().unwrap_or(0);
+        let phase = phase(&medium.phase);
+        let name = &name.0;
+        format!(
+            "  {name}: sigma_a {sigma_a}, sigma_s {sigma_s}, {phase}{scene}; at {count} boundaries"
+        )
+    });
+    lines(text, &media)
+}
+
+fn phase(phase: &Phase) -> String {
+    match phase {
+        Phase::HenyeyGreenstein { g } => format!("Henyey-Greenstein, g {}", spectrum(g)),
+        Phase::Rayleigh { depolarization } => format!("Rayleigh, depolarization {depolarization}"),
     }
 }
 

@@ -3,8 +3,10 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits |
-//! | part of a mesh instance | [`Order`], [`Name`], [`Transform`], [`Mesh`], [`MadeOf`] |
-//! | sphere | [`Order`], [`Name`], [`Transform`], [`Ball`], [`MadeOf`] |
+//! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
+//! | part of a mesh instance | those of all shapes, [`Mesh`] |
+//! | sphere | those of all shapes, [`Ball`] |
+//! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Film`] if the file states its size |
 //! | environment | [`Order`], [`Name`], [`Environment`] |
@@ -120,10 +122,12 @@ pub enum Bsdf {
         /// Extinction coefficient k >= 0.
         k: Spectrum,
     },
-    /// Smooth boundary of a dielectric in vacuum.
+    /// Smooth boundary between two dielectrics.
     Dielectric {
         /// Index of refraction behind the front, greater than zero.
         ior: f32,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
     },
     /// Sheet polarizer.
     Polarizer {
@@ -138,6 +142,70 @@ pub enum Bsdf {
         axis_deg: f64,
         /// Retardance in degrees.
         retardance_deg: f64,
+    },
+    /// Nothing but a boundary between media of the same index of refraction.
+    Null,
+}
+
+impl Bsdf {
+    /// Whether light passes through to the other side.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => false,
+            Self::Dielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Null => true,
+        }
+    }
+}
+
+/// What the file says about the media on the two sides of a surface. What it does not say is
+/// up to the material; see `bake`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Boundary {
+    /// Behind the surface, against its normal.
+    pub interior: Option<Filling>,
+    /// Before the surface.
+    pub exterior: Option<Filling>,
+}
+
+/// What fills a space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filling {
+    /// Nothing that absorbs or scatters.
+    Clear,
+    /// A medium entity.
+    Medium(Entity),
+}
+
+/// Marks the medium that fills the scene outside all boundaries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FillsScene;
+
+/// A homogeneous participating medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Medium {
+    /// Absorption coefficient in 1/m, not negative; none if it follows from the particles.
+    pub sigma_a: Option<Spectrum>,
+    /// Scattering coefficient in 1/m, not negative; none if it follows from the particles.
+    pub sigma_s: Option<Spectrum>,
+    /// How it scatters.
+    pub phase: Phase,
+}
+
+/// A phase function, or what it follows from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase {
+    /// Henyey and Greenstein 1941, an ideal depolarizer.
+    HenyeyGreenstein {
+        /// Mean cosine of the scattering angle, within (-1, 1); 0 is isotropic.
+        g: Spectrum,
+    },
+    /// Particles much smaller than the wavelength.
+    Rayleigh {
+        /// Ratio of the two intensities scattered at 90 degrees from unpolarized light, 0 to 1/2.
+        depolarization: f64,
     },
 }
 

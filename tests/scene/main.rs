@@ -4,4 +4,5 @@ mod common;
 mod errors;
 mod fuzz;
 mod meaning;
+mod media;
 mod reference;

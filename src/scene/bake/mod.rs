@@ -1,10 +1,13 @@
-//! From the world to the tables: materials -> primitives -> bounds -> emitters, and the camera.
+//! From the world to the tables: media -> materials -> primitives -> bounds -> emitters, and the
+//! camera.
 //!
 //! The order of every table follows the file's order alone, so that the same file gives the same
 //! tables, bit for bit. What can still fail here is what depends on the wavelengths of the render
 //! or on world space in `f32`.
 
 mod emitters;
+mod media;
+mod phase;
 mod primitives;
 
 use std::collections::HashMap;
@@ -12,7 +15,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Projection};
+use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, Projection};
 use super::error::SceneError;
 use super::world::{Bsdf, Emission, Film, Lens, Name, Sides, Transform, World};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
@@ -22,7 +25,7 @@ use crate::spectrum::{Color, OutsideTable, Spectrum};
 ///
 /// # Errors
 /// When `N` does not fit, a spectrum's table does not cover the wavelengths, a triangle has no
-/// area left in `f32`, coordinates are out of range, or nothing emits.
+/// area left in `f32`, coordinates are out of range, nothing emits, or a medium lets no light in.
 pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
     bake_tables(world, color).map_err(|error| error.in_file(&world.file))
 }
@@ -33,9 +36,11 @@ fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene
         return Err(SceneError::new("bake", problem, ""));
     }
     let materials = materials(world, color)?;
-    let primitives = primitives::primitives(world, &materials)?;
+    let media = media::media(world, color)?;
+    let primitives = primitives::primitives(world, &materials, &media)?;
     let bounds = bounds(world, &primitives)?;
     let emitters = emitters::emitters(world, color, &materials, &primitives, &bounds)?;
+    media.check_lights(&emitters)?;
     let rows = materials.rows;
     Ok(BakedScene {
         triangles: primitives.triangles,
@@ -45,8 +50,8 @@ fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene
         emitter_of_primitive: emitters.emitter_of_primitive,
         surfaces: primitives.surfaces,
         materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
-        media: Vec::new(),
-        scene_medium: NONE,
+        media: media.rows,
+        scene_medium: media.scene_medium,
         emitters: emitters.rows,
         environment: emitters.environment,
         camera: camera(world)?,
@@ -108,7 +113,10 @@ fn material<const N: usize>(
             k: k.sample(color)?,
             ..blank
         },
-        Bsdf::Dielectric { ior } => Material { kind: MaterialKind::Dielectric, ior: *ior, ..blank },
+        Bsdf::Dielectric { ior, exterior_ior } => {
+            Material { kind: MaterialKind::Dielectric, ior: ior / exterior_ior, ..blank }
+        }
+        Bsdf::Null => Material { kind: MaterialKind::Null, ..blank },
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
             // The greatest transmittance is 1, the least its reciprocal.
             let t_min = extinction_ratio.recip();

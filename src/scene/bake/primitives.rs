@@ -3,10 +3,11 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
+use super::media::Media;
 use super::{Materials, check_range};
-use crate::scene::baked::{KEEP, Sphere, Surface, Triangle};
+use crate::scene::baked::{Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Ball, Geometry, MadeOf, Mesh, Name, Transform, World};
+use crate::scene::world::{Ball, Boundary, Geometry, MadeOf, Mesh, Name, Transform, World};
 
 /// Shading normals that are this close to the geometric one are the geometric one.
 const FLAT_TOLERANCE: f32 = 1e-4;
@@ -27,15 +28,27 @@ pub struct Primitives {
 pub fn primitives<const N: usize>(
     world: &World,
     materials: &Materials<N>,
+    media: &Media<N>,
 ) -> Result<Primitives, SceneError> {
+    type Placed<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
     let mut tables = Primitives::default();
-    let row = |entity: &Entity| materials.row_of.get(entity).copied().unwrap_or(0);
-    let meshes =
-        world.in_order::<(&Name, &Transform, &Mesh, &MadeOf), _>(|(name, at, mesh, of)| {
-            (name.clone(), at.0, mesh.clone(), of.0)
-        });
-    for (name, to_world, mesh, material) in meshes {
-        let surface = tables.add_surface(row(&material), &to_world);
+    let surface = |material: &Entity, to_world: &DAffine3, boundary: &Boundary| {
+        let material = materials.row_of.get(material).copied().unwrap_or(0);
+        let kind = materials.rows[material as usize].kind;
+        let (interior, exterior) = media.sides(kind, boundary);
+        Surface {
+            material,
+            axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
+            axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
+            interior,
+            exterior,
+        }
+    };
+    let meshes = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
+        (name.clone(), mesh.clone(), at.0, surface(&of.0, &at.0, boundary))
+    });
+    for (name, mesh, to_world, surface) in meshes {
+        let surface = tables.add_surface(surface);
         tables.add_mesh(&mesh.0, &to_world, &name.0)?;
         tables.surface_of_primitive.resize(tables.triangles.len(), surface);
     }
@@ -44,11 +57,11 @@ pub fn primitives<const N: usize>(
     } else {
         tables.fill_flat_normals();
     }
-    let balls = world.in_order::<(&Name, &Transform, &Ball, &MadeOf), _>(|(name, at, ball, of)| {
-        (name.clone(), at.0, ball.radius, of.0)
+    let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
+        (name.clone(), ball.radius, at.0, surface(&of.0, &at.0, boundary))
     });
-    for (name, to_world, radius, material) in balls {
-        let surface = tables.add_surface(row(&material), &to_world);
+    for (name, radius, to_world, surface) in balls {
+        let surface = tables.add_surface(surface);
         tables.surface_of_primitive.push(surface);
         let radius = (radius * to_world.matrix3.x_axis.length()) as f32;
         if !(radius >= f32::MIN_POSITIVE && radius.is_finite()) {
@@ -61,14 +74,8 @@ pub fn primitives<const N: usize>(
 }
 
 impl Primitives {
-    fn add_surface(&mut self, material: u32, to_world: &DAffine3) -> u32 {
-        self.surfaces.push(Surface {
-            material,
-            axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
-            axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
-            interior: KEEP,
-            exterior: KEEP,
-        });
+    fn add_surface(&mut self, surface: Surface) -> u32 {
+        self.surfaces.push(surface);
         (self.surfaces.len() - 1) as u32
     }
 

@@ -32,6 +32,7 @@ pub const MATERIAL: Keys = Keys {
         "axis_deg",
         "bsdf",
         "eta",
+        "exterior_ior",
         "extinction_ratio",
         "ior",
         "k",
@@ -44,8 +45,8 @@ pub const MATERIAL: Keys = Keys {
 /// Keys of a node.
 pub const NODE: Keys = Keys {
     definition: "node",
-    known: &["material", "shape", "sphere_radius"],
-    planned: &["exterior", "interior"],
+    known: &["exterior", "interior", "material", "shape", "sphere_radius"],
+    planned: &[],
 };
 /// Keys of a camera.
 pub const CAMERA: Keys = Keys {
@@ -59,7 +60,13 @@ pub const FILM: Keys = Keys { definition: "film", known: &["resolution"], planne
 pub const LIGHT: Keys = Keys { definition: "light", known: &["units"], planned: &["emission"] };
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
-    Keys { definition: "scene", known: &["environment"], planned: &["media", "medium"] };
+    Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };
+/// Keys of a medium.
+pub const MEDIUM: Keys = Keys {
+    definition: "medium",
+    known: &["depolarization", "g", "name", "phase", "sigma_a", "sigma_s"],
+    planned: &[],
+};
 /// Keys of the environment.
 pub const ENVIRONMENT: Keys =
     Keys { definition: "environment", known: &["radiance"], planned: &["uri"] };
@@ -71,8 +78,8 @@ pub const SPECTRUM: Keys =
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 8] =
-    [&MATERIAL, &NODE, &CAMERA, &FILM, &LIGHT, &SCENE, &ENVIRONMENT, &SPECTRUM];
+pub const ALL: [&Keys; 9] =
+    [&MATERIAL, &NODE, &CAMERA, &FILM, &LIGHT, &SCENE, &ENVIRONMENT, &MEDIUM, &SPECTRUM];
 
 /// A set of numbers, and its name in errors.
 #[derive(Clone, Copy)]
@@ -91,6 +98,11 @@ impl Range {
     pub const NOT_NEGATIVE: Self = Self { text: "not negative", contains: |x| x >= 0.0 };
     /// From zero to one.
     pub const UNIT: Self = Self { text: "within [0, 1]", contains: |x| (0.0..=1.0).contains(&x) };
+    /// Between -1 and 1, both excluded.
+    pub const MEAN_COSINE: Self =
+        Self { text: "within (-1, 1)", contains: |x| (x as f32).abs() < 1.0 };
+    /// From zero to a half.
+    pub const HALF: Self = Self { text: "within [0, 0.5]", contains: |x| (0.0..=0.5).contains(&x) };
     /// One or more.
     pub const AT_LEAST_ONE: Self = Self { text: "at least 1", contains: |x| x >= 1.0 };
 
@@ -107,6 +119,8 @@ impl Range {
 pub struct Body<'a> {
     /// The object's name in errors.
     label: String,
+    /// What stands before the name of a key that is not there.
+    prefix: String,
     /// Value and field name in errors, by key.
     values: BTreeMap<&'a str, (&'a Value, String)>,
 }
@@ -114,7 +128,8 @@ pub struct Body<'a> {
 impl<'a> Body<'a> {
     /// Gathers the keys of a glTF object from its extension and its extras.
     pub fn of(object: &'a Value, label: &str, keys: &Keys) -> Result<Self, SceneError> {
-        let mut body = Self { label: label.to_owned(), values: BTreeMap::new() };
+        let prefix = format!("{label}, {EXTENSION}.");
+        let mut body = Self { label: label.to_owned(), prefix, values: BTreeMap::new() };
         let extension = &object["extensions"][EXTENSION];
         body.add_object(extension, &format!("{label}, {EXTENSION}"), keys)?;
         let extras = &object["extras"];
@@ -124,6 +139,14 @@ impl<'a> Body<'a> {
                 body.add(key, value, format!("{label}, extras.{name}"), keys)?;
             }
         }
+        Ok(body)
+    }
+
+    /// The keys of an object within the extension.
+    fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
+        let prefix = format!("{label}.");
+        let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
+        body.add_object(object, &label, keys)?;
         Ok(body)
     }
 
@@ -187,7 +210,7 @@ impl<'a> Body<'a> {
     pub fn field(&self, key: &str) -> String {
         match self.values.get(key) {
             Some((_, field)) => field.clone(),
-            None => format!("{}, {EXTENSION}.{key}", self.label),
+            None => format!("{}{key}", self.prefix),
         }
     }
 
@@ -212,6 +235,39 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// An index into an array of the file, or null or "none" for nothing of it.
+    pub fn index_or_none(
+        &self,
+        key: &str,
+        what: &str,
+        len: usize,
+    ) -> Result<Option<Option<usize>>, SceneError> {
+        match self.values.get(key) {
+            None => Ok(None),
+            Some((value, _)) if value.is_null() || value.as_str() == Some("none") => Ok(Some(None)),
+            Some(_) => Ok(self.index(key, what, len)?.map(Some)),
+        }
+    }
+
+    /// Objects with keys of their own. Errors call them by their number, and their `name`.
+    pub fn objects(&self, key: &str, keys: &Keys) -> Result<Option<Vec<Body<'a>>>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let Some(array) = value.as_array() else {
+            return Err(SceneError::new(field, "is not an array of objects", keys.advice()));
+        };
+        let object = |(index, value): (usize, &'a Value)| {
+            let label = match value["name"].as_str() {
+                Some(name) => format!("{field}[{index}] \"{name}\""),
+                None => format!("{field}[{index}]"),
+            };
+            if !value.is_object() {
+                return Err(SceneError::new(label, "is not an object", keys.advice()));
+            }
+            Body::nested(value, label, keys)
+        };
+        array.iter().enumerate().map(object).collect::<Result<_, _>>().map(Some)
+    }
+
     /// A word.
     pub fn word(&self, key: &str) -> Result<Option<&'a str>, SceneError> {
         let Some((value, field)) = self.values.get(key) else { return Ok(None) };
@@ -224,9 +280,7 @@ impl<'a> Body<'a> {
     /// An object with keys of its own.
     pub fn object(&self, key: &str, keys: &Keys) -> Result<Option<Body<'a>>, SceneError> {
         let Some((value, field)) = self.values.get(key) else { return Ok(None) };
-        let mut body = Body { label: field.clone(), values: BTreeMap::new() };
-        body.add_object(value, field, keys)?;
-        Ok(Some(body))
+        Body::nested(value, field.clone(), keys).map(Some)
     }
 
     /// Width and height in pixels.
@@ -286,8 +340,7 @@ fn not_a_spectrum(field: &str) -> SceneError {
 }
 
 fn spectrum_table(value: &Value, field: &str, range: Range) -> Result<Spectrum, SceneError> {
-    let mut body = Body { label: field.to_owned(), values: BTreeMap::new() };
-    body.add_object(value, field, &SPECTRUM)?;
+    Body::nested(value, field.to_owned(), &SPECTRUM)?;
     let column = |key: &str, range: Range| -> Result<Vec<f32>, SceneError> {
         let rows = value[key].as_array().ok_or_else(|| not_a_spectrum(field))?;
         let number = |row: &Value| {

@@ -26,16 +26,17 @@ const DEFAULT_REFLECTANCE: f32 = 0.8;
 const F0_MAX: f32 = 0.999;
 
 /// Values of `bsdf`, with the keys that they take.
-const MODELS: [(&str, &[&str]); 6] = [
+const MODELS: [(&str, &[&str]); 7] = [
     ("absorber", &[]),
     ("conductor", &["eta", "k", "metal"]),
-    ("dielectric", &["ior"]),
+    ("dielectric", &["exterior_ior", "ior"]),
     ("diffuse", &["reflectance"]),
+    ("null", &[]),
     ("polarizer", &["axis_deg", "extinction_ratio"]),
     ("retarder", &["axis_deg", "retardance_deg"]),
 ];
 /// Values of `bsdf` that later versions will know.
-const PLANNED_MODELS: [&str; 4] = ["null", "plastic", "rough_conductor", "rough_dielectric"];
+const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectric"];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -48,7 +49,13 @@ impl Import<'_> {
                 let label = self.document.label("materials", index);
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
-                (label.clone(), bsdf, emission(material, &label)?, material.double_sided)
+                let emission = emission(material, &label)?;
+                if bsdf == Bsdf::Null && emission.is_some() {
+                    let remedy = "remove emissiveFactor, or use the bsdf absorber";
+                    let problem = "a null surface is not there, so it cannot emit";
+                    return Err(SceneError::new(label, problem, remedy));
+                }
+                (label, bsdf, emission, material.double_sided)
             }
             None => {
                 let remark = "has no material and is taken as a diffuse surface of reflectance";
@@ -112,7 +119,7 @@ impl Import<'_> {
                 if [red, green, blue] != [1.0; 3] {
                     self.warn(format!("{label}: the color of the glass is ignored"));
                 }
-                Ok(Bsdf::Dielectric { ior: khr_ior(material, label)? })
+                Ok(Bsdf::Dielectric { ior: khr_ior(material, label)?, exterior_ior: 1.0 })
             }
             (0.0, 1.0) => refuse("is rough glass, which is not supported yet"),
             (0.0, 0.0) => {
@@ -161,8 +168,14 @@ fn extension_model(model: &str, body: &Body, material: &Material) -> Result<Bsdf
         "dielectric" => {
             let ior = body.number("ior", Range::POSITIVE)?.map(|ior| ior as f32);
             let ior = ior.map_or_else(|| khr_ior(material, body.label()), Ok)?;
-            Ok(Bsdf::Dielectric { ior })
+            let exterior_ior = body.number("exterior_ior", Range::POSITIVE)?.unwrap_or(1.0);
+            Range::POSITIVE.check(
+                f64::from(ior) / exterior_ior,
+                &format!("{}, ior over exterior_ior", body.label()),
+            )?;
+            Ok(Bsdf::Dielectric { ior, exterior_ior: exterior_ior as f32 })
         }
+        "null" => Ok(Bsdf::Null),
         "polarizer" => {
             let ratio = body.number("extinction_ratio", Range::AT_LEAST_ONE)?;
             Ok(Bsdf::Polarizer { axis_deg, extinction_ratio: ratio.unwrap_or(f64::INFINITY) })

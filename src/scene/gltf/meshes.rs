@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 use super::extension::{Body, MESH};
 use super::{Import, accessors};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Geometry, MadeOf, Mesh, Transform};
+use crate::scene::world::{Boundary, Geometry, MadeOf, Mesh, Transform};
 
 /// Most vertices and corners that all instances of a scene together may have: what a file of a
 /// few kilobytes can ask for must not fill the memory.
@@ -18,11 +18,12 @@ const ELEMENTS_MAX: u64 = 1 << 27;
 const ELEMENTS_OF_PART: u64 = 1 << 8;
 
 impl Import<'_> {
-    /// Adds the parts of a mesh instance.
+    /// Adds the parts of a mesh instance, all with the same media on their two sides.
     pub fn add_mesh(
         &mut self,
         mesh: usize,
-        node: &str,
+        node: &Body,
+        boundary: Boundary,
         to_world: DAffine3,
     ) -> Result<(), SceneError> {
         let object = &self.document.root.meshes[mesh];
@@ -36,9 +37,10 @@ impl Import<'_> {
             let geometry = self.geometry((mesh, index), primitive, &place)?;
             let material = primitive.material.map(|material| material.value());
             let material = self.material(material, &place)?;
-            let (order, name) = self.identity(format!("{node}, {place}"));
-            let mesh = Mesh(geometry);
-            self.entities.spawn((order, name, Transform(to_world), mesh, MadeOf(material)));
+            self.check_boundary(node, &boundary, material)?;
+            let (order, name) = self.identity(format!("{}, {place}", node.label()));
+            let (transform, mesh, of) = (Transform(to_world), Mesh(geometry), MadeOf(material));
+            self.entities.spawn((order, name, transform, mesh, of, boundary));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! glTF 2.0 in: from a file to a [`World`].
 //!
-//! `document` reads and validates; `hierarchy` walks the nodes; `meshes`, `materials`, `lights`
-//! and `cameras` turn what hangs on them into entities; `extension` reads the vendor keys.
+//! `document` reads and validates; `hierarchy` walks the nodes; `media`, `meshes`, `materials`,
+//! `lights` and `cameras` turn what hangs on them into entities; `extension` reads the vendor keys.
 
 mod accessors;
 mod cameras;
@@ -10,6 +10,7 @@ mod extension;
 mod hierarchy;
 mod lights;
 mod materials;
+mod media;
 mod meshes;
 mod validate;
 
@@ -23,7 +24,7 @@ use self::document::Document;
 use self::extension::{Body, ENVIRONMENT, NODE, Range, SCENE};
 use self::hierarchy::PlacedNode;
 use super::error::SceneError;
-use super::world::{Ball, Environment, Geometry, MadeOf, Name, Order, Transform, World};
+use super::world::{Ball, Boundary, Environment, Geometry, MadeOf, Name, Order, Transform, World};
 
 /// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
 ///
@@ -64,6 +65,8 @@ struct Import<'a> {
     entities: hecs::World,
     warnings: Vec<String>,
     order: u32,
+    /// Medium entities, by index in the file.
+    media: Vec<Entity>,
     /// Material entities, by index in the file; `None` is the material of what has none.
     materials: BTreeMap<Option<usize>, Entity>,
     /// Triangles, by mesh and primitive.
@@ -85,6 +88,7 @@ impl<'a> Import<'a> {
             entities: hecs::World::new(),
             warnings,
             order: 0,
+            media: Vec::new(),
             materials: BTreeMap::new(),
             geometries: BTreeMap::new(),
             elements: 0,
@@ -115,6 +119,7 @@ impl<'a> Import<'a> {
 
     fn add_scene(&mut self, scene: usize, camera: Option<&str>) -> Result<(), SceneError> {
         let nodes = hierarchy::placed_nodes(self.document, scene)?;
+        self.add_media(scene)?;
         for node in &nodes {
             self.add_node(node)?;
         }
@@ -129,13 +134,17 @@ impl<'a> Import<'a> {
         if node.skin.is_some() {
             self.warn(format!("{label}: the skin is ignored, the mesh stays in its bind pose"));
         }
+        let boundary = self.boundary(&body)?;
         if body.has("shape") || body.has("sphere_radius") {
-            self.add_sphere(placed, &body)?;
+            self.add_sphere(placed, &body, boundary)?;
         } else if body.has("material") {
             let remedy = "add `shape` or `sphere_radius`; meshes have materials of their own";
             return Err(SceneError::new(body.field("material"), "belongs to a sphere", remedy));
         } else if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh.value(), &label, placed.to_world)?;
+            self.add_mesh(mesh.value(), &body, boundary, placed.to_world)?;
+        } else if let Some(key) = ["interior", "exterior"].into_iter().find(|key| body.has(key)) {
+            let remedy = "move it to the node of the mesh";
+            return Err(SceneError::new(body.field(key), "belongs to a mesh or sphere", remedy));
         }
         let extensions = node.extensions.as_ref();
         if let Some(light) = extensions.and_then(|all| all.khr_lights_punctual.as_ref()) {
@@ -146,7 +155,12 @@ impl<'a> Import<'a> {
 
     /// Adds an analytic sphere. A mesh on the same node is a stand-in for viewers that know none:
     /// its first material is the sphere's, and its triangles are not used.
-    fn add_sphere(&mut self, placed: &PlacedNode, body: &Body) -> Result<(), SceneError> {
+    fn add_sphere(
+        &mut self,
+        placed: &PlacedNode,
+        body: &Body,
+        boundary: Boundary,
+    ) -> Result<(), SceneError> {
         let radius = self.sphere_radius(body)?;
         if !hierarchy::is_similarity(&placed.to_world) {
             let remedy = "apply the scale, or scale all axes by the same factor";
@@ -173,9 +187,10 @@ impl<'a> Import<'a> {
             _ => own.or(stand_in),
         };
         let material = self.material(material, body.label())?;
-        let identity = self.identity(format!("{}, sphere", body.label()));
-        let place = Transform(placed.to_world);
-        self.entities.spawn((identity.0, identity.1, place, Ball { radius }, MadeOf(material)));
+        self.check_boundary(body, &boundary, material)?;
+        let (order, name) = self.identity(format!("{}, sphere", body.label()));
+        let (transform, ball, of) = (Transform(placed.to_world), Ball { radius }, MadeOf(material));
+        self.entities.spawn((order, name, transform, ball, of, boundary));
         Ok(())
     }
 

@@ -1,0 +1,173 @@
+//! Tables of phase matrices: from elements at equally spaced angles to what rendering samples and
+//! looks up.
+
+use std::f64::consts::PI;
+
+use crate::polarization::rayleigh::rayleigh_depolarized;
+use crate::scene::baked::PhaseTable;
+
+/// Number of intervals from 0 to pi that resolve the dipole's phase function.
+const RAYLEIGH_INTERVALS: usize = 1024;
+
+/// A phase matrix at one angle, in any unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elements {
+    pub m00: f64,
+    pub m01: f64,
+    pub m11: f64,
+    pub m22: f64,
+    pub m23: f64,
+    pub m33: f64,
+}
+
+/// The phase matrix of small particles, the same at all wavelengths.
+pub fn rayleigh<const N: usize>(depolarization: f64) -> PhaseTable<N> {
+    let at = |index: usize| {
+        let cos_theta = (PI * index as f64 / RAYLEIGH_INTERVALS as f64).cos();
+        let (m00, block) = rayleigh_depolarized(cos_theta, depolarization);
+        let spheres = depolarization == 0.0;
+        Elements {
+            m00,
+            m01: m00 * block.a,
+            m11: if spheres { m00 } else { m00 * block.b },
+            m22: m00 * block.c,
+            m23: 0.0,
+            m33: if spheres { m00 * block.c } else { m00 * block.d },
+        }
+    };
+    let matrix: Vec<Elements> = (0..=RAYLEIGH_INTERVALS).map(at).collect();
+    table(&[(); N].map(|()| matrix.clone()))
+}
+
+/// The table of one matrix per wavelength, all at the same equally spaced angles, two at least,
+/// with `m00` not negative and greater than zero somewhere.
+pub fn table<const N: usize>(matrices: &[Vec<Elements>; N]) -> PhaseTable<N> {
+    let angles = matrices[0].len();
+    let half_sine2: Vec<f32> = (0..angles).map(|index| half_sine2(index, angles - 1)).collect();
+    let mut table = PhaseTable {
+        half_sine2,
+        m00: vec![[0.0; N]; angles],
+        cdf: vec![[0.0; N]; angles],
+        elements: vec![[[0.0; N]; 5]; angles],
+        spheres: false,
+        achromatic: false,
+    };
+    for (channel, matrix) in matrices.iter().enumerate() {
+        fill_channel(&mut table, channel, matrix);
+    }
+    let equal = |a: &[f32; N], b: &[f32; N]| a == b;
+    table.spheres = table.elements.iter().all(|[_, b, c, d, _]| *b == [1.0; N] && equal(c, d));
+    let same = |element: &[f32; N]| element.iter().all(|value| *value == element[0]);
+    table.achromatic = table.elements.iter().flatten().all(same);
+    table
+}
+
+/// `sin^2(theta / 2)` of an angle, exact at both ends.
+fn half_sine2(index: usize, intervals: usize) -> f32 {
+    let half = 0.5 * PI * index as f64 / intervals as f64;
+    // The form that is accurate for small angles, from either end.
+    let value = if 2 * index <= intervals {
+        half.sin().powi(2)
+    } else {
+        1.0 - (0.5 * PI * (intervals - index) as f64 / intervals as f64).sin().powi(2)
+    };
+    value as f32
+}
+
+/// Integral of `m00` over the sphere of directions up to each angle, read as linear in
+/// `half_sine2`, for which `dOmega = 4 pi d(half_sine2)`.
+fn integrals(half_sine2: &[f32], matrix: &[Elements]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut integrals = vec![0.0];
+    for (ends, m) in half_sine2.windows(2).zip(matrix.windows(2)) {
+        let width = f64::from(ends[1]) - f64::from(ends[0]);
+        sum += 2.0 * PI * width * (m[0].m00 + m[1].m00);
+        integrals.push(sum);
+    }
+    integrals
+}
+
+/// Writes one wavelength: a phase function that integrates to one, its cumulative distribution
+/// and the elements relative to it.
+fn fill_channel<const N: usize>(table: &mut PhaseTable<N>, channel: usize, matrix: &[Elements]) {
+    let integrals = integrals(&table.half_sine2, matrix);
+    let total = integrals[integrals.len() - 1];
+    for (index, m) in matrix.iter().enumerate() {
+        table.m00[index][channel] = (m.m00 / total) as f32;
+        table.cdf[index][channel] = (integrals[index] / total) as f32;
+        // Where nothing is scattered, the matrix is a depolarizer.
+        let scale = if m.m00 > 0.0 { 1.0 / m.m00 } else { 0.0 };
+        let relative = |element: f64| ((element * scale) as f32).clamp(-1.0, 1.0);
+        let m11 = if m.m11 == m.m00 { 1.0 } else { relative(m.m11) };
+        let elements = [relative(m.m01), m11, relative(m.m22), relative(m.m33), relative(m.m23)];
+        for (row, element) in table.elements[index].iter_mut().zip(elements) {
+            row[channel] = element;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The integral of a table's phase function as rendering reads it.
+    fn integral<const N: usize>(table: &PhaseTable<N>, channel: usize) -> f64 {
+        let rows = table.half_sine2.windows(2).zip(table.m00.windows(2));
+        rows.map(|(x, m)| {
+            let mean = 0.5 * (f64::from(m[0][channel]) + f64::from(m[1][channel]));
+            4.0 * PI * (f64::from(x[1]) - f64::from(x[0])) * mean
+        })
+        .sum()
+    }
+
+    fn check<const N: usize>(table: &PhaseTable<N>) {
+        let last = table.m00.len() - 1;
+        assert!(table.half_sine2.is_sorted_by(|a, b| a < b));
+        assert_eq!((table.half_sine2[0], table.half_sine2[last]), (0.0, 1.0));
+        for channel in 0..N {
+            assert!((integral(table, channel) - 1.0).abs() < 1e-6);
+            assert!(table.cdf.is_sorted_by(|a, b| a[channel] <= b[channel]));
+            assert_eq!((table.cdf[0][channel], table.cdf[last][channel]), (0.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn dipoles() {
+        for depolarization in [0.0, 0.03, 0.5] {
+            let table = rayleigh::<3>(depolarization);
+            check(&table);
+            assert!(table.achromatic);
+            assert_eq!(table.spheres, depolarization == 0.0);
+            let (m00, block) = rayleigh_depolarized(0.0, depolarization);
+            let [a, b, c, d, s] = table.elements[RAYLEIGH_INTERVALS / 2].map(|row| row[1]);
+            let expected = [block.a, block.b, block.c, block.d, 0.0];
+            for (found, expected) in [a, b, c, d, s].into_iter().zip(expected) {
+                assert!((f64::from(found) - expected).abs() < 1e-6, "{found} {expected}");
+            }
+            assert!((f64::from(table.m00[RAYLEIGH_INTERVALS / 2][2]) / m00 - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn peaks_keep_the_integral_at_the_finest_spacing() {
+        let peak = |index: usize| {
+            let m00 = (1e-9 + (index as f64 / 8192.0).powi(2)).powi(-2);
+            Elements { m00, m01: -0.5 * m00, m11: m00, m22: 0.0, m23: 0.0, m33: 0.0 }
+        };
+        let flat = Elements { m00: 2.0, m01: 0.0, m11: 1.0, m22: 0.5, m23: 0.25, m33: -0.5 };
+        let table = table(&[(0..=8192).map(peak).collect(), vec![flat; 8193]]);
+        check(&table);
+        assert!(!table.spheres && !table.achromatic);
+        assert_eq!(table.elements[100].map(|row| row[1]), [0.0, 0.5, 0.25, -0.25, 0.125]);
+    }
+
+    #[test]
+    fn where_nothing_is_scattered_nothing_is_divided_by_zero() {
+        let none = Elements { m00: 0.0, m01: 0.0, m11: 0.0, m22: 0.0, m23: 0.0, m33: 0.0 };
+        let mut matrix = vec![none; 513];
+        matrix[256].m00 = 1.0;
+        let table = table(&[matrix]);
+        check(&table);
+        assert!(table.elements.iter().flatten().all(|row| row[0].is_finite()));
+    }
+}

@@ -1,0 +1,139 @@
+//! Participating media, and which of them lie on the two sides of a surface.
+
+use hecs::Entity;
+
+use super::Import;
+use super::extension::{Body, MEDIUM, Range, SCENE};
+use crate::scene::error::SceneError;
+use crate::scene::world::{Boundary, Bsdf, Filling, FillsScene, Medium, Phase};
+use crate::spectrum::Spectrum;
+
+/// Most media that a scene may have.
+const MEDIA_MAX: usize = 4096;
+
+/// Values of `phase`, with the keys that they take beside `COMMON_KEYS`.
+const PHASES: [(&str, &[&str]); 3] =
+    [("hg", &["g"]), ("isotropic", &[]), ("rayleigh", &["depolarization"])];
+/// Keys of every medium.
+const COMMON_KEYS: [&str; 4] = ["name", "phase", "sigma_a", "sigma_s"];
+
+impl Import<'_> {
+    /// Adds the media that the scene, or the root of the file, describes.
+    pub fn add_media(&mut self, scene: usize) -> Result<(), SceneError> {
+        let value = &self.document.value;
+        let label = self.document.label("scenes", scene);
+        let owners =
+            [Body::of(&value["scenes"][scene], &label, &SCENE)?, Body::of(value, "root", &SCENE)?];
+        for key in ["media", "medium"] {
+            if owners.iter().all(|owner| owner.has(key)) {
+                let problem = format!("is described twice, by {} too", owners[1].field(key));
+                return Err(SceneError::new(owners[0].field(key), problem, "keep one of them"));
+            }
+        }
+        for owner in &owners {
+            let bodies = owner.objects("media", &MEDIUM)?.unwrap_or_default();
+            if bodies.len() > MEDIA_MAX {
+                let problem = format!("has {} media, more than {MEDIA_MAX}", bodies.len());
+                return Err(SceneError::new(owner.field("media"), problem, "use fewer"));
+            }
+            for body in &bodies {
+                let medium = self.medium(body)?;
+                let (order, name) = self.identity(body.label().to_owned());
+                self.media.push(self.entities.spawn((order, name, medium)));
+            }
+        }
+        for owner in &owners {
+            if let Some(Some(index)) = owner.index_or_none("medium", "media", self.media.len())? {
+                // The entity has just been spawned, so this cannot fail.
+                let _ = self.entities.insert_one(self.media[index], FillsScene);
+            }
+        }
+        Ok(())
+    }
+
+    fn medium(&mut self, body: &Body) -> Result<Medium, SceneError> {
+        let names = || PHASES.map(|(name, _)| name).join(", ");
+        let Some(model) = body.word("phase")? else {
+            let remedy = format!("use one of {}", names());
+            return Err(SceneError::new(body.field("phase"), "is missing", remedy));
+        };
+        let Some((_, keys)) = PHASES.iter().find(|(name, _)| *name == model) else {
+            let problem = format!("`{model}` is not a phase function");
+            let remedy = format!("use one of {}", names());
+            return Err(SceneError::new(body.field("phase"), problem, remedy));
+        };
+        let foreign = |key: &&str| !COMMON_KEYS.contains(key) && !keys.contains(key);
+        if let Some(key) = body.keys().find(foreign) {
+            let remedy = match keys.join(", ") {
+                keys if keys.is_empty() => format!("{model} takes no keys"),
+                keys => format!("{model} takes: {keys}"),
+            };
+            let problem = format!("means nothing for the phase function {model}");
+            return Err(SceneError::new(body.field(key), problem, remedy));
+        }
+        body.word("name")?;
+        let phase = self.phase(model, body)?;
+        let coefficient = |key: &str| {
+            let spectrum = body.spectrum(key, Range::NOT_NEGATIVE)?;
+            if spectrum.is_none() {
+                let remedy = "give sigma_a and sigma_s, in 1/m";
+                return Err(SceneError::new(body.field(key), "is missing", remedy));
+            }
+            Ok(spectrum)
+        };
+        Ok(Medium { sigma_a: coefficient("sigma_a")?, sigma_s: coefficient("sigma_s")?, phase })
+    }
+
+    fn phase(&mut self, model: &str, body: &Body) -> Result<Phase, SceneError> {
+        match model {
+            "hg" => match body.spectrum("g", Range::MEAN_COSINE)? {
+                Some(g) => Ok(Phase::HenyeyGreenstein { g }),
+                None => {
+                    let remedy = "give the mean cosine of the scattering angle, within (-1, 1)";
+                    Err(SceneError::new(body.field("g"), "is missing", remedy))
+                }
+            },
+            "rayleigh" => {
+                let depolarization = body.number("depolarization", Range::HALF)?.unwrap_or(0.0);
+                Ok(Phase::Rayleigh { depolarization })
+            }
+            _ => Ok(Phase::HenyeyGreenstein { g: Spectrum::Constant(0.0) }),
+        }
+    }
+
+    /// What a node says about the two sides of its surfaces.
+    pub fn boundary(&self, node: &Body) -> Result<Boundary, SceneError> {
+        let filling = |key: &str| {
+            let index = node.index_or_none(key, "media", self.media.len())?;
+            let clear = Filling::Clear;
+            Ok(index.map(|index| index.map_or(clear, |index| Filling::Medium(self.media[index]))))
+        };
+        Ok(Boundary { interior: filling("interior")?, exterior: filling("exterior")? })
+    }
+
+    /// Refuses media about an opaque surface, and a null surface without any.
+    pub fn check_boundary(
+        &self,
+        node: &Body,
+        boundary: &Boundary,
+        material: Entity,
+    ) -> Result<(), SceneError> {
+        // The material has been added before, so it is there.
+        let Ok(bsdf) = self.entities.get::<&Bsdf>(material) else { return Ok(()) };
+        let stated = [("interior", boundary.interior), ("exterior", boundary.exterior)];
+        let first = stated.into_iter().find(|(_, filling)| filling.is_some());
+        match first {
+            Some((key, _)) if !bsdf.transmits() => {
+                let problem = "an opaque surface has nothing behind it";
+                let remedy = "remove it, or use a material that transmits: dielectric or null";
+                Err(SceneError::new(node.field(key), problem, remedy))
+            }
+            None if *bsdf == Bsdf::Null => {
+                let problem = "a null surface without media is not there at all";
+                let remedy = "add `interior`, the index of what is inside in `media`";
+                Err(SceneError::new(node.label(), problem, remedy))
+            }
+            _ => Ok(()),
+        }
+    }
+}
