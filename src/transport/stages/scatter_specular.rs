@@ -33,7 +33,7 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
     partition: &Partition,
     event: Event,
 ) {
-    for part in &partition.parts {
+    for part in partition.parts.iter().filter(|part| !part.event.connects()) {
         let end = part.rows.end;
         for row in part.rows.clone().step_by(LANES) {
             let live = LANES.min(end - row);
