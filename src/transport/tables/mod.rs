@@ -8,6 +8,7 @@ pub mod kernels;
 pub mod measured;
 pub mod partition;
 pub mod paths;
+pub mod photons;
 pub mod vertices;
 
 use crate::math::LANES;
