@@ -60,6 +60,13 @@ pub fn store_signed(column: &mut [i16], row: usize, end: usize, value: F32s) {
     column[row..row + live].copy_from_slice(&lanes[..live]);
 }
 
+/// The mask of the first `live` lanes; of all if there are more than eight.
+#[inline(always)]
+pub fn first(live: usize) -> F32s {
+    let live = i32x8::splat(live.min(LANES) as i32);
+    bytemuck::cast(live.simd_gt(i32x8::from([0, 1, 2, 3, 4, 5, 6, 7])))
+}
+
 /// One value per lane. A plain loop: `array::from_fn` and `map` with closures of some size are not
 /// always inlined, and then cost more than what they compute.
 #[inline(always)]

@@ -8,6 +8,9 @@ pub mod kernels;
 pub mod measured;
 pub mod partition;
 pub mod paths;
+pub mod photon_grid;
+pub mod photon_queries;
+mod photon_sort;
 pub mod photons;
 pub mod vertices;
 

@@ -118,8 +118,8 @@ impl<const N: usize> PhotonTable<N> {
         position.store(&mut self.position, row, end);
         let packed = pack_directions(direction).to_array();
         self.direction[row..end].copy_from_slice(&packed[..live]);
-        for n in 0..N {
-            lanes::store(&mut self.power[n], row, end, power[n]);
+        for (column, value) in self.power.iter_mut().zip(power) {
+            lanes::store(column, row, end, *value);
         }
         self.len = end;
     }
@@ -169,9 +169,8 @@ impl<const N: usize> PhotonTable<N> {
     /// `end`, at most eight. Class [`PhotonClass::Stokes`] has channel 0 alone.
     #[inline(always)]
     pub fn store_stokes(&mut self, row: usize, end: usize, channel: usize, states: [F32s; 3]) {
-        for component in 0..3 {
-            let column = &mut self.stokes[component][channel];
-            lanes::store_signed(column, row, end, states[component]);
+        for (group, state) in self.stokes.iter_mut().zip(&states) {
+            lanes::store_signed(&mut group[channel], row, end, *state);
         }
     }
 
@@ -193,8 +192,8 @@ impl<const N: usize> PhotonTable<N> {
     pub fn states(&self, row: usize, wavelength: usize) -> [F32s; 3] {
         let channel = if self.class == PhotonClass::Stokes { 0 } else { wavelength };
         let mut states = [F32s::ZERO; 3];
-        for component in 0..3 {
-            states[component] = lanes::load_signed(&self.stokes[component][channel], row);
+        for (state, group) in states.iter_mut().zip(&self.stokes) {
+            *state = lanes::load_signed(&group[channel], row);
         }
         states
     }
