@@ -30,6 +30,12 @@ fn uniform(salt: u32, row: usize, dimension: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
+/// One row of three columns.
+#[inline(always)]
+fn row_of(columns: &[Column; 3], row: usize) -> [f32; 3] {
+    [columns[0][row], columns[1][row], columns[2][row]]
+}
+
 /// Points on the walls of the box from -1 to 1, in random order.
 fn on_walls(salt: u32) -> Points {
     let mut points = Points { position: vectors(COUNT), normal: vectors(COUNT) };
@@ -87,8 +93,9 @@ impl PhotonVisitor<N> for Irradiance<'_> {
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
-        let [x, y, z] = [0, 1, 2].map(|axis| F32s::splat(self.normal[axis][query]));
-        (Vector { x, y, z }, [F32s::ZERO; N])
+        let [x, y, z] = row_of(self.normal, query);
+        let normal = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
+        (normal, [F32s::ZERO; N])
     }
 
     #[inline(always)]
@@ -233,7 +240,8 @@ impl HashGrid {
             let start = if index == 0 { 0 } else { self.ends[index - 1] };
             for &number in &self.numbers[start as usize..self.ends[index] as usize] {
                 let particle = &particles[number as usize];
-                let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - particle.position[axis]);
+                let at = &particle.position;
+                let (x, y, z) = (point[0] - at[0], point[1] - at[1], point[2] - at[2]);
                 if x * x + y * y + z * z <= self.radius_squared {
                     found(particle);
                 }
@@ -244,8 +252,8 @@ impl HashGrid {
 
 fn gather_hashed(sum: &mut Channels<N>, grid: &HashGrid, particles: &[Particle], queries: &Points) {
     for query in 0..COUNT {
-        let point = [0, 1, 2].map(|axis| queries.position[axis][query]);
-        let [x, y, z] = [0, 1, 2].map(|axis| queries.normal[axis][query]);
+        let point = row_of(&queries.position, query);
+        let [x, y, z] = row_of(&queries.normal, query);
         let mut total = [0.0; N];
         grid.process(particles, point, |particle| {
             let d = &particle.direction;

@@ -2,9 +2,12 @@
 //! rows.
 //!
 //! A cell is as wide as the ball that queries look at, so a ball meets at most two cells along
-//! each axis. The bucket of a cell is `hash(y, z) + x`: cells that follow each other along x have
-//! buckets that do too, and the eight cells of a query are four runs of two buckets. Two of the
-//! runs may share a bucket; such queries list their buckets singly, or photons would count twice.
+//! each axis. The bucket of a cell is `hash(z) + y * stride + x`: cells that follow each other
+//! along x have buckets that do too, and the eight cells of a query are four runs of two buckets.
+//! Two of the runs may share a bucket; such queries list their buckets singly, or photons would
+//! count twice. The stride is the extent of the photons along x, so that rows of cells side by
+//! side are side by side in memory: with all rows scattered by a hash, most of a gather was
+//! waiting for memory.
 //!
 //! Rows of one bucket keep the order of the table they come from, and a query visits runs in a
 //! fixed order, so sums over photons depend on the order of the photons alone and not on threads.
@@ -26,8 +29,13 @@ const RADIUS_RANGE: [f32; 2] = [1e-18, 1e18];
 const SLACK: f64 = 1.0 + 1.0 / 65536.0;
 /// Coordinates of cells lie within this distance of zero; what is farther shares the last cells.
 const COORDINATE_MAX: f64 = (1 << 30) as f64;
+/// Stride of rows that are too long to lie side by side: they are strewn over all buckets.
+const SCATTER: u32 = 0x9e37_79b1;
 /// Fewest and most bits of the number of a bucket.
 const BUCKET_BITS: Range<u32> = 4..28;
+
+/// Rows of a column that a thread takes at a time.
+const ROWS: usize = 1 << 14;
 
 /// What becomes of the photons near each point of a batch.
 ///
@@ -76,18 +84,27 @@ impl<const N: usize, F: FnMut(usize, usize, F32s, &PhotonTable<N>)> PhotonVisito
 pub struct Cells {
     /// Cells per scene unit.
     per_unit: f64,
+    /// Buckets from a cell to the next along y.
+    stride: u32,
     /// Bits of the number of a bucket.
     pub(super) bits: u32,
 }
 
 impl Cells {
-    /// Cells for balls of `radius` and about as many buckets as photons.
-    fn new(radius: f32, photons: usize) -> Self {
+    /// Cells for balls of `radius` and about as many buckets as photons, whose finite positions
+    /// are within `extent` along x.
+    fn new(radius: f32, photons: usize, extent: [f32; 2]) -> Self {
         let bits = (usize::BITS - photons.leading_zeros()).saturating_sub(1);
-        Self {
-            per_unit: 1.0 / (2.0 * f64::from(radius) * SLACK),
-            bits: bits.clamp(BUCKET_BITS.start, BUCKET_BITS.end),
+        let bits = bits.clamp(BUCKET_BITS.start, BUCKET_BITS.end);
+        let mut cells =
+            Self { per_unit: 1.0 / (2.0 * f64::from(radius) * SLACK), stride: SCATTER, bits };
+        let along_x = |x: f32| i64::from(cells.coordinates([x, 0.0, 0.0], 0.0)[0]);
+        let stride = along_x(extent[1]) - along_x(extent[0]) + 3;
+        // Longer rows would come around to the beginning, perhaps to where they began.
+        if (4..1 << (bits - 2)).contains(&stride) {
+            cells.stride = stride as u32;
         }
+        cells
     }
 
     /// The bucket of the cell that contains a point.
@@ -105,7 +122,8 @@ impl Cells {
     /// The bucket of a cell.
     #[inline(always)]
     pub(super) fn bucket(&self, cell: [i32; 3]) -> u32 {
-        let row = hash::combine(cell[1] as u32, cell[2] as u32);
+        let row =
+            hash::mix(cell[2] as u32).wrapping_add((cell[1] as u32).wrapping_mul(self.stride));
         row.wrapping_add(cell[0] as u32) & (u32::MAX >> (32 - self.bits))
     }
 
@@ -134,7 +152,7 @@ pub struct PhotonGrid<const N: usize> {
 impl<const N: usize> PhotonGrid<N> {
     /// An empty grid for photons of `class`.
     pub fn new(class: PhotonClass) -> Self {
-        let cells = Cells::new(1.0, 0);
+        let cells = Cells::new(1.0, 0, [0.0; 2]);
         Self {
             photons: PhotonTable::new(class, 0),
             starts: vec![0; (1 << cells.bits) + 1],
@@ -155,13 +173,10 @@ impl<const N: usize> PhotonGrid<N> {
         assert!(radius > 0.0 && radius.is_finite(), "photons are gathered within {radius}");
         assert_eq!(self.photons.class, photons.class, "photons of another class");
         let radius = radius.clamp(RADIUS_RANGE[0], RADIUS_RANGE[1]);
-        self.rebuild_cells(photons, radius, Cells::new(radius, photons.len));
-    }
-
-    fn rebuild_cells(&mut self, photons: &PhotonTable<N>, radius: f32, cells: Cells) {
-        self.cells = cells;
+        let extent = extent_of(&photons.position[0][..photons.len]);
+        self.cells = Cells::new(radius, photons.len, extent);
         self.radius_squared = radius * radius;
-        let order = self.sort.sort(&mut self.starts, photons, cells);
+        let order = self.sort.sort(&mut self.starts, photons, self.cells);
         self.photons.clear();
         self.photons.reserve(order.len());
         self.photons.len = order.len();
@@ -210,8 +225,7 @@ impl<const N: usize> PhotonGrid<N> {
         // that follow each other closely wait together.
         const BLOCK: usize = 64;
         let mut block = [[0.0; 3]; BLOCK];
-        let mut runs = Runs::default();
-        let mut last = None;
+        let mut candidates = Candidates::new();
         for start in places.clone().step_by(BLOCK) {
             let queries = order.queries(start..places.end.min(start + BLOCK));
             for (point, &query) in block.iter_mut().zip(queries) {
@@ -220,36 +234,39 @@ impl<const N: usize> PhotonGrid<N> {
             }
             for (point, &query) in block.iter().zip(queries) {
                 let corner = self.cells.corner(*point);
-                if last != Some(corner) {
-                    self.find_runs(&mut runs, corner);
-                    last = Some(corner);
+                if candidates.corner != Some(corner) {
+                    candidates.corner = Some(corner);
+                    self.find_runs(&mut candidates.runs, corner);
+                    candidates.rewind(&self.photons.position);
                 }
-                self.visit_runs(visitor, &runs, *point, order.row(query));
+                self.visit_candidates(visitor, &mut candidates, *point, order.row(query));
             }
         }
     }
 
     #[inline(always)]
-    fn visit_runs<V: PhotonVisitor<N>>(
+    fn visit_candidates<V: PhotonVisitor<N>>(
         &self,
         visitor: &mut V,
-        runs: &Runs,
+        candidates: &mut Candidates,
         point: [f32; 3],
         query: usize,
     ) {
         let [x, y, z] = point;
         let center = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
-        let reach = F32s::splat(self.radius_squared);
         let mut state = visitor.begin(query);
-        for run in &runs.list[..runs.len] {
-            let end = run[1] as usize;
-            for row in (run[0] as usize..end).step_by(LANES) {
-                let offset = Vector::load(&self.photons.position, row) - center;
-                let within = offset.length_squared().simd_le(reach) & lanes::first(end - row);
-                if within.any() {
-                    visitor.visit(&mut state, row, within, &self.photons);
-                }
+        loop {
+            let hits = candidates.test(center, F32s::splat(self.radius_squared));
+            for hit in &candidates.hits[..hits] {
+                visitor.visit(&mut state, hit.row as usize, hit.within, &self.photons);
             }
+            if candidates.is_end() {
+                break;
+            }
+            candidates.fill(&self.photons.position);
+        }
+        if !candidates.is_whole {
+            candidates.rewind(&self.photons.position);
         }
         visitor.finish(query, state);
     }
@@ -303,10 +320,105 @@ fn overlap(buckets: &[u32; 4], last: u32) -> bool {
     found
 }
 
+/// Packets that [`Candidates`] hold at a time, a power of two: the surroundings of a query, if it
+/// finds some tens of photons.
+const PACKETS: usize = 128;
+
+/// The photons in the cells about a query, copied to one place for the queries after it that meet
+/// the same cells.
+struct Candidates {
+    /// The lowest of the cells.
+    corner: Option<[i32; 3]>,
+    runs: Runs,
+    /// The run from which to go on, and the row.
+    next: (usize, u32),
+    /// Whether all packets are held at once.
+    is_whole: bool,
+    len: usize,
+    /// Lanes beyond the end of a run are infinitely far away.
+    position: [Vector<F32s>; PACKETS],
+    rows: [u32; PACKETS],
+    hits: [Hit; PACKETS],
+}
+
+/// A packet with photons in reach.
+#[derive(Clone, Copy)]
+struct Hit {
+    within: F32s,
+    row: u32,
+}
+
+impl Candidates {
+    fn new() -> Self {
+        let zero = F32s::ZERO;
+        Self {
+            corner: None,
+            runs: Runs::default(),
+            next: (0, 0),
+            is_whole: true,
+            len: 0,
+            position: [Vector { x: zero, y: zero, z: zero }; PACKETS],
+            rows: [0; PACKETS],
+            hits: [Hit { within: zero, row: 0 }; PACKETS],
+        }
+    }
+
+    /// Holds the first packets of the runs.
+    fn rewind(&mut self, position: &[Column; 3]) {
+        self.next = (0, self.runs.list[0][0]);
+        self.fill(position);
+        self.is_whole = self.is_end();
+    }
+
+    /// Whether no packets come after those held.
+    #[inline(always)]
+    fn is_end(&self) -> bool {
+        self.next.0 >= self.runs.len
+    }
+
+    /// Holds the next packets.
+    fn fill(&mut self, position: &[Column; 3]) {
+        self.len = 0;
+        let (mut run, mut row) = self.next;
+        while run < self.runs.len && self.len < PACKETS {
+            let end = self.runs.list[run][1];
+            let live = lanes::first((end - row) as usize);
+            let far = Vector { x: F32s::splat(f32::INFINITY), y: F32s::ZERO, z: F32s::ZERO };
+            let near = Vector::load(position, row as usize);
+            self.position[self.len] = Vector::select(live, near, far);
+            self.rows[self.len] = row;
+            self.len += 1;
+            row += LANES as u32;
+            if row >= end {
+                run += 1;
+                row = self.runs.list[run % RUNS][0];
+            }
+        }
+        self.next = (run, row);
+    }
+
+    /// Lists the packets with photons in reach, and returns how many. Without a branch: whether a
+    /// packet has any cannot be predicted.
+    #[inline(always)]
+    fn test(&mut self, center: Vector<F32s>, reach: F32s) -> usize {
+        let mut hits = 0;
+        let packets = self.position[..self.len].iter().zip(&self.rows);
+        for (position, &row) in packets {
+            let within = (*position - center).length_squared().simd_le(reach);
+            self.hits[hits % PACKETS] = Hit { within, row };
+            hits += usize::from(within.any());
+        }
+        hits
+    }
+}
+
+/// Most runs of a query.
+const RUNS: usize = 8;
+
 /// Rows to look at: first and end of each run, none empty.
 #[derive(Default)]
 struct Runs {
-    list: [[u32; 2]; 8],
+    list: [[u32; 2]; RUNS],
     len: usize,
 }
 
@@ -320,9 +432,24 @@ impl Runs {
     }
 }
 
+/// The lowest and the highest of the finite values.
+fn extent_of(column: &[f32]) -> [f32; 2] {
+    let wider = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let none = [f32::MAX, f32::MIN];
+    (column.par_chunks(ROWS))
+        .map(|chunk| {
+            chunk.iter().fold(
+                none,
+                |extent, &x| {
+                    if x.is_finite() { wider(extent, [x, x]) } else { extent }
+                },
+            )
+        })
+        .reduce(|| none, wider)
+}
+
 /// Takes the rows `order` of a column, on all threads.
 fn gather_rows<T: Copy + Send + Sync>(to: &mut [T], from: &[T], order: &[u32]) {
-    const ROWS: usize = 1 << 14;
     to[..order.len()]
         .par_chunks_mut(ROWS)
         .zip(order.par_chunks(ROWS))
