@@ -47,7 +47,7 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
     w.vertices[0].clear();
     // One more segment leads to the sensor.
     for path_length in 1..chunk.path_length_max {
-        arrive(w, scene, chunk, path_length);
+        arrive(w, scene, chunk, path_length, Strategy::Bidirectional);
         let paths = &w.light[1];
         w.profile.time(Stage::Connect, || {
             let vertices = &mut w.vertices[0];
@@ -68,11 +68,12 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
 
 /// Traces the next segment, groups the rows by what they have hit and brings them there;
 /// `workspace.light[1]` holds them.
-fn arrive<const N: usize, M: LightModel<N>>(
+pub fn arrive<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
     path_length: u32,
+    strategy: Strategy,
 ) {
     let [paths, sorted] = &mut w.light;
     w.profile.rays_closest += paths.len as u64;
@@ -89,8 +90,10 @@ fn arrive<const N: usize, M: LightModel<N>>(
         sort(sorted, paths, &mut w.hits, &mut w.partition, scene, chunk, bounce);
         let rows = 0..sorted.len;
         resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.tables);
-        let events = (scene, &w.partition);
-        weigh_arrival(sorted, &w.hits[1], &w.surfaces, events, path_length == 1);
+        if strategy == Strategy::Bidirectional {
+            let events = (scene, &w.partition);
+            weigh_arrival(sorted, &w.hits[1], &w.surfaces, events, path_length == 1);
+        }
     });
     w.profile.time(Stage::Mueller, || {
         sorted.carriers.depolarize_light(&mut sorted.beta, &w.partition);
@@ -98,7 +101,7 @@ fn arrive<const N: usize, M: LightModel<N>>(
 }
 
 /// Sends the rows on in new directions; `workspace.light[0]` holds them then.
-fn depart<const N: usize, M: LightModel<N>>(
+pub fn depart<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     path_length: u32,

@@ -6,6 +6,8 @@ mod bounce;
 mod light;
 mod light_walk;
 mod path;
+mod photon_pass;
+mod ppm;
 pub mod profile;
 mod sensor_walk;
 pub mod threads;
@@ -24,6 +26,7 @@ use crate::transport::chunk::{ITERATIONS, tiles};
 use crate::transport::tables::measured::Splats;
 use crate::transport::{Chunk, LightModel, Polarized, Scalar};
 
+use photon_pass::{PhotonMaps, Shot};
 use profile::{Profile, Stage};
 use workspace::Workspace;
 
@@ -43,6 +46,29 @@ pub enum Integrator {
     Light,
     /// From both, with all connections.
     Bdpt,
+    /// From both, merged: progressive photon mapping.
+    Ppm,
+}
+
+/// How photons are shot and gathered; for [`Integrator::Ppm`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photons {
+    /// Light paths an iteration of photons, at least one.
+    pub per_iteration: u32,
+    /// Samples per pixel for every iteration of photons, at least one.
+    pub samples: u32,
+    /// How much the kernel keeps of what an iteration could take: from 0 (exclusive) to 1, where
+    /// it does not shrink at all.
+    pub alpha: f32,
+    /// First radius of the kernel in scene units, greater than zero; by default what holds 25
+    /// photons.
+    pub radius: Option<f32>,
+}
+
+impl Default for Photons {
+    fn default() -> Self {
+        Self { per_iteration: 1_000_000, samples: 1, alpha: 2.0 / 3.0, radius: None }
+    }
 }
 
 /// Intensity only, or Stokes vectors.
@@ -74,6 +100,8 @@ pub struct Settings {
     pub roulette_after: u32,
     /// Seed of all randomness.
     pub seed: u32,
+    /// Photons, where they are used.
+    pub photons: Photons,
     /// Stop after the first wave of iterations that ends later than this.
     pub time_limit: Option<Duration>,
 }
@@ -113,6 +141,9 @@ fn render_as<const N: usize, M: LightModel<N>>(
     let mut film = Film::new(width, height, settings.color, M::COMPONENTS, with_variance);
     let pool = Pool::<N, M>::new(scene.has_media());
     let mut profile = Profile::default();
+    let mut maps = (settings.integrator == Integrator::Ppm)
+        .then(|| PhotonMaps::new(scene, settings.photons.per_iteration, M::POLARIZED));
+    let wave_of = if maps.is_some() { settings.photons.samples } else { WAVE };
     let mut done = 0;
     let late = || settings.time_limit.is_some_and(|limit| start.elapsed() > limit);
     for replicate in 0..settings.replicates {
@@ -120,8 +151,14 @@ fn render_as<const N: usize, M: LightModel<N>>(
         let seed = combine(settings.seed, replicate);
         let mut first = 0;
         while first < iterations && !(done > 0 && late()) {
-            let count = WAVE.min(iterations - first);
-            wave(&mut film, &mut profile, &pool, scene, settings, (first, count, seed));
+            let count = wave_of.min(iterations - first);
+            if let Some(maps) = &mut maps {
+                let (iteration, earlier) = (first / wave_of, done / wave_of);
+                let shot = Shot { iteration, seed, earlier };
+                maps.shoot(&pool, scene, settings, shot, &mut profile);
+            }
+            let part = (first, count, seed);
+            wave(&mut film, &mut profile, &pool, scene, settings, part, maps.as_ref());
             first += count;
             done += count;
             progress(done);
@@ -184,6 +221,7 @@ fn wave<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     settings: &Settings,
     (first, count, seed): (u32, u32, u32),
+    maps: Option<&PhotonMaps<N>>,
 ) {
     for tiles in tiles(scene.sensor.width, scene.sensor.height).chunks(TILES) {
         let results: Vec<TileResult<N>> = tiles
@@ -200,7 +238,7 @@ fn wave<const N: usize, M: LightModel<N>>(
                     path_length_max: settings.path_length_max,
                     roulette_after: settings.roulette_after,
                 };
-                pool.with(|workspace| tile(workspace, scene, settings, (first, count), chunk))
+                pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
             })
             .collect();
         profile.time(Stage::Film, || {
@@ -223,6 +261,7 @@ fn tile<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     settings: &Settings,
     (first, count): (u32, u32),
+    maps: Option<&PhotonMaps<N>>,
     chunk: impl Fn(u32, u32) -> Chunk,
 ) -> TileResult<N> {
     let mut result = TileResult { sums: Vec::new(), splats: Splats::default() };
@@ -232,11 +271,15 @@ fn tile<const N: usize, M: LightModel<N>>(
             Integrator::Path => path::path(workspace, scene, &chunk),
             Integrator::Light => light::light(workspace, scene, &chunk),
             Integrator::Bdpt => bdpt::bdpt(workspace, scene, &chunk),
+            Integrator::Ppm => {
+                let maps = maps.expect("photons are shot before they are gathered");
+                ppm::ppm(workspace, scene, &chunk, maps);
+            }
         }
         if settings.integrator != Integrator::Light {
             sum_measured(&mut result.sums, workspace, &chunk);
         }
-        if settings.integrator != Integrator::Path {
+        if matches!(settings.integrator, Integrator::Light | Integrator::Bdpt) {
             result.splats.append(&mut workspace.splats);
         }
     }

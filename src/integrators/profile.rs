@@ -22,6 +22,10 @@ pub enum Stage {
     Visibility,
     /// Adding up open connections.
     Gather,
+    /// Storing photons and sorting them into cells.
+    Store,
+    /// Merging vertices with the photons about them.
+    Merge,
     /// New directions and kernels.
     Scatter,
     /// Mueller kernels applied to carriers.
@@ -33,7 +37,7 @@ pub enum Stage {
 }
 
 /// Names of the stages, in their order.
-pub const STAGES: [&str; 12] = [
+pub const STAGES: [&str; 14] = [
     "start",
     "trace",
     "flight",
@@ -42,6 +46,8 @@ pub const STAGES: [&str; 12] = [
     "connect",
     "visibility",
     "gather",
+    "store",
+    "merge",
     "scatter",
     "mueller",
     "advance",
@@ -57,6 +63,8 @@ pub struct Profile {
     pub rays_closest: u64,
     /// Visibility rays.
     pub rays_visibility: u64,
+    /// Photons stored.
+    pub photons: u64,
 }
 
 impl Profile {
@@ -69,6 +77,14 @@ impl Profile {
         result
     }
 
+    /// Runs `work`, which keeps all threads busy, on the clock of `stage`.
+    pub fn time_of_all_threads<R>(&mut self, stage: Stage, work: impl FnOnce() -> R) -> R {
+        let start = Instant::now();
+        let result = work();
+        self.times[stage as usize] += start.elapsed() * rayon::current_num_threads() as u32;
+        result
+    }
+
     /// Adds another profile.
     pub fn add(&mut self, other: &Profile) {
         for (time, other) in self.times.iter_mut().zip(other.times) {
@@ -76,5 +92,6 @@ impl Profile {
         }
         self.rays_closest += other.rays_closest;
         self.rays_visibility += other.rays_visibility;
+        self.photons += other.photons;
     }
 }

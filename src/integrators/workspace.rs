@@ -9,6 +9,7 @@ use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::photon_queries::QueryOrder;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 use crate::transport::tables::{Column, vectors};
 
@@ -57,6 +58,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             partition: Partition::default(),
             drawn: vectors(ROWS),
             kernels: KernelColumns::new(ROWS),
+            queries: QueryOrder::default(),
             flights: FlightTable::new(ROWS),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),

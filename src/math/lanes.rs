@@ -3,7 +3,7 @@
 //! Lanes are an alias and not a type parameter: the instruction set is fixed when the binary is
 //! built, so a width parameter would multiply instances and gain nothing.
 
-use wide::{f32x8, u32x8};
+use wide::{f32x8, i16x8, i32x8, u32x8};
 
 /// Rows that one instruction of a stage works on.
 pub const LANES: usize = 8;
@@ -38,6 +38,33 @@ pub fn store(column: &mut [f32], row: usize, end: usize, value: F32s) {
 pub fn load_u32(column: &[u32], row: usize) -> U32s {
     let lanes: [u32; LANES] = column[row..row + LANES].try_into().expect("eight lanes");
     U32s::from(lanes)
+}
+
+/// Steps of a packed signed number from 0 to 1.
+const SIGNED_STEPS: f32 = i16::MAX as f32;
+
+/// [`load`] for numbers in [-1, 1] in 16 bits; -1, 0 and 1 are exact.
+#[inline(always)]
+pub fn load_signed(column: &[i16], row: usize) -> F32s {
+    let lanes: [i16; LANES] = column[row..row + LANES].try_into().expect("eight lanes");
+    i32x8::from_i16x8(i16x8::from(lanes)).round_float() * F32s::splat(1.0 / SIGNED_STEPS)
+}
+
+/// [`store`] for [`load_signed`]; what lies outside of [-1, 1] becomes its end.
+#[inline(always)]
+pub fn store_signed(column: &mut [i16], row: usize, end: usize, value: F32s) {
+    let steps = F32s::splat(SIGNED_STEPS);
+    let steps = (value * steps).fast_max(-steps).fast_min(steps).round_int();
+    let lanes = i16x8::from_i32x8_saturate(steps).to_array();
+    let live = LANES.min(end - row);
+    column[row..row + live].copy_from_slice(&lanes[..live]);
+}
+
+/// The mask of the first `live` lanes; of all if there are more than eight.
+#[inline(always)]
+pub fn first(live: usize) -> F32s {
+    let live = i32x8::splat(live.min(LANES) as i32);
+    bytemuck::cast(live.simd_gt(i32x8::from([0, 1, 2, 3, 4, 5, 6, 7])))
 }
 
 /// One value per lane. A plain loop: `array::from_fn` and `map` with closures of some size are not

@@ -37,14 +37,14 @@ pub struct Event {
 /// The place of the event at which paths end among the scene's events.
 pub const END: usize = 0;
 
-/// Events at surfaces, in the order of the rows that meet them; media follow.
+/// Events at surfaces, in the order of the rows that meet them, specular ones first; media follow.
 const SURFACES: [Event; 6] = [
     at_surface(MaterialKind::Absorber, Form::Depolarizer),
-    at_surface(MaterialKind::Diffuse, Form::Depolarizer),
     at_surface(MaterialKind::Conductor, Form::Block),
     at_surface(MaterialKind::Dielectric, Form::Block),
     at_surface(MaterialKind::Polarizer, Form::Block),
     at_surface(MaterialKind::Retarder, Form::Block),
+    at_surface(MaterialKind::Diffuse, Form::Depolarizer),
 ];
 
 const fn at_surface(kind: MaterialKind, form: Form) -> Event {

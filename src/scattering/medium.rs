@@ -164,9 +164,20 @@ impl<const N: usize> PhaseLookup<N> {
         (lanes::each(|lane| index[lane] as usize), place - node)
     }
 
+    /// [`PhaseFunction::values`] and [`Self::kernels`] by one look.
+    #[inline(always)]
+    pub fn values_and_kernels(&self, half_sine2: F32s) -> ([F32s; N], [SpheroidBlock<F32s>; N]) {
+        let place = self.locate(half_sine2);
+        (self.values_at(half_sine2, &place.0), self.kernels_at(&place))
+    }
+
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {
-        let (index, _) = self.locate(half_sine2);
+        self.values_at(half_sine2, &self.locate(half_sine2).0)
+    }
+
+    #[inline(always)]
+    fn values_at(&self, half_sine2: F32s, index: &[usize; LANES]) -> [F32s; N] {
         let field = |of: &dyn Fn(&Node<N>) -> f32, step: usize| {
             F32s::from(lanes::each(|lane| of(&self.nodes[index[lane] + step])))
         };
@@ -185,17 +196,22 @@ impl<const N: usize> PhaseLookup<N> {
     /// The phase matrix over its first element, at every wavelength.
     #[inline(always)]
     pub fn kernels(&self, half_sine2: F32s) -> [SpheroidBlock<F32s>; N] {
-        let (index, share) = self.locate(half_sine2);
+        self.kernels_at(&self.locate(half_sine2))
+    }
+
+    #[inline(always)]
+    fn kernels_at(&self, (index, share): &([usize; LANES], F32s)) -> [SpheroidBlock<F32s>; N] {
         let zero = F32s::splat(0.0);
         let mut kernels = [SpheroidBlock { a: zero, b: zero, c: zero, d: zero, s: zero }; N];
-        for (n, kernel) in kernels.iter_mut().enumerate() {
+        let distinct = if self.achromatic { 1 } else { N };
+        for (n, kernel) in kernels.iter_mut().enumerate().take(distinct) {
             let element = |element: usize| {
                 let at = |step: usize| {
                     let of = |lane: usize| self.elements[index[lane] + step][element][n];
                     F32s::from(lanes::each(of))
                 };
                 let start = at(0);
-                (at(1) - start).mul_add(share, start)
+                (at(1) - start).mul_add(*share, start)
             };
             *kernel = SpheroidBlock {
                 a: element(0),
@@ -204,6 +220,10 @@ impl<const N: usize> PhaseLookup<N> {
                 d: element(3),
                 s: element(4),
             };
+        }
+        if self.achromatic {
+            let first = kernels[0];
+            kernels.fill(first);
         }
         kernels
     }

@@ -170,8 +170,9 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
     }
 }
 
+/// A diffuse surface, in all lanes.
 #[inline(always)]
-fn on_surface<'a, const N: usize>(
+pub(super) fn on_surface<'a, const N: usize>(
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
     normal: Vec3,

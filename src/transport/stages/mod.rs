@@ -11,6 +11,7 @@ pub mod emit_light_paths;
 pub mod fly_through_media;
 pub mod gather_connections;
 pub mod generate_sensor_paths;
+pub mod merge_photons;
 pub mod partition_paths;
 pub mod play_roulette;
 pub mod scatter_diffuse;
@@ -18,6 +19,7 @@ pub mod scatter_light;
 pub mod scatter_medium;
 pub mod scatter_specular;
 pub mod store_light_vertices;
+pub mod store_photons;
 pub mod trace_connections;
 pub mod weigh_arrival;
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::{Rotation, Stokes};
 use crate::scattering::event::Form;
@@ -39,6 +39,10 @@ pub trait LightSide<const N: usize>: CarrierTable {
     /// Writes: states, place. Reads: carriers.
     fn keep_states(&self, states: &mut Vec<LightState<N>>, place: &mut [u32], rows: Range<usize>);
 
+    /// The states of eight rows from `row` on, `live` of them in use, in the canonical frame of
+    /// their `direction`: per wavelength, the factor of the intensity, and s1..s3 over it.
+    fn states_about(&self, row: usize, live: usize, direction: Vector<F32s>) -> [[F32s; 4]; N];
+
     /// Forgets what earlier paths left: all rows start unpolarized.
     fn emit_unpolarized(&mut self, rows: usize);
 }
@@ -59,6 +63,10 @@ impl<const N: usize> LightSide<N> for () {
         _rows: Range<usize>,
     ) {
         place.fill(NONE);
+    }
+    fn states_about(&self, _row: usize, _live: usize, _direction: Vector<F32s>) -> [[F32s; 4]; N] {
+        let zero = F32s::splat(0.0);
+        [[F32s::splat(1.0), zero, zero, zero]; N]
     }
     fn emit_unpolarized(&mut self, _rows: usize) {}
 }
@@ -113,6 +121,38 @@ impl<const N: usize> LightSide<N> for LightCarriers<N> {
             let [x, y, z] = &self.axis;
             states.push(LightState { stokes, axis: Vector::new(x[row], y[row], z[row]) });
         }
+    }
+
+    fn states_about(&self, row: usize, live: usize, direction: Vector<F32s>) -> [[F32s; 4]; N] {
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let mut states = [[one, zero, zero, zero]; N];
+        let class = &self.class[row..row + live];
+        if class.iter().all(|&class| class as usize == UNPOLARIZED) {
+            return states;
+        }
+        let polarized = lanes::each(|lane| {
+            let is = class.get(lane).is_some_and(|&class| class as usize == POLARIZED);
+            f32::from_bits(if is { u32::MAX } else { 0 })
+        });
+        let polarized = F32s::from(polarized);
+        let axis = Vector::load(&self.axis, row);
+        let turn = Rotation::between(axis, direction.any_perpendicular(), direction);
+        for (n, state) in states.iter_mut().enumerate() {
+            let mut stokes = [zero; 4];
+            for (stokes, column) in stokes.iter_mut().zip(&self.stokes) {
+                *stokes = lanes::load(&column[n], row);
+            }
+            let Stokes([s0, s1, s2, s3]) = turn.apply(Stokes(stokes));
+            // Where no light is left, no polarization is either.
+            let lit = polarized & s0.simd_gt(zero);
+            let inverse = lit & (one / s0);
+            let factor = Real::select(polarized, s0, one);
+            *state = [factor, s1, s2, s3];
+            for value in &mut state[1..] {
+                *value = lit & (*value * inverse);
+            }
+        }
+        states
     }
 
     fn emit_unpolarized(&mut self, rows: usize) {

@@ -10,6 +10,11 @@ pub mod measured;
 pub mod media;
 pub mod partition;
 pub mod paths;
+pub mod photon_grid;
+pub mod photon_maps;
+pub mod photon_queries;
+mod photon_sort;
+pub mod photons;
 pub mod states;
 pub mod vertices;
 

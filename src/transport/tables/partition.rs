@@ -67,6 +67,13 @@ impl Partition {
         first.rows.start..parts.next_back().unwrap_or(first).rows.end
     }
 
+    /// Forgets all parts but the specular ones, which come first, and returns how many rows they
+    /// have.
+    pub fn keep_specular(&mut self) -> usize {
+        self.parts.retain(|part| !part.event.connects());
+        self.parts.last().map_or(0, |part| part.rows.end)
+    }
+
     /// The kinds of events that can be connected to, and their rows.
     pub fn connectable(&self) -> impl Iterator<Item = (Event, Range<usize>)> + '_ {
         let mut next = 0;
@@ -109,15 +116,15 @@ mod tests {
         use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse, Retarder};
         let event = |met, form| Event { met, form, achromatic: true };
         let surface = |kind| event(Met::Surface(kind), Form::Block);
-        let kinds = [Absorber, Diffuse, Conductor, Dielectric, Retarder].map(surface);
+        let kinds = [Absorber, Conductor, Dielectric, Retarder, Diffuse].map(surface);
         let media = [0, 1].map(|row| event(Met::Medium(row), Form::Depolarizer));
         let events = [&kinds[..], &media[..]].concat();
-        let rows = [(3, 1), (1, 0), (0, 1), (6, 1), (4, 1), (0, 0), (1, 0), (3, 0), (3, 1), (5, 0)];
+        let rows = [(2, 1), (4, 0), (0, 1), (6, 1), (3, 1), (0, 0), (4, 0), (2, 0), (2, 1), (5, 0)];
         let mut partition = Partition::default();
         partition.group(rows.len(), &events, 2, |row| rows[row]);
-        assert_eq!(partition.order, [1, 6, 7, 0, 8, 4, 9, 3]);
-        assert_eq!(partition.rows_of(Met::Surface(Diffuse)), 0..2);
-        assert_eq!(partition.rows_of(Met::Surface(Dielectric)), 2..5);
+        assert_eq!(partition.order, [7, 0, 8, 4, 1, 6, 9, 3]);
+        assert_eq!(partition.rows_of(Met::Surface(Diffuse)), 4..6);
+        assert_eq!(partition.rows_of(Met::Surface(Dielectric)), 0..3);
         assert_eq!(partition.rows_of(Met::Surface(Conductor)), 0..0);
         assert_eq!(partition.parts.len(), 6);
         let found: Vec<_> =
@@ -125,5 +132,6 @@ mod tests {
         let expected =
             [(Met::Surface(Diffuse), 0..2), (Met::Medium(0), 6..7), (Met::Medium(1), 7..8)];
         assert_eq!(found, expected);
+        assert_eq!(partition.keep_specular(), 4);
     }
 }

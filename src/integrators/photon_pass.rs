@@ -1,0 +1,243 @@
+//! The photons of an iteration: shot, stored and sorted.
+
+use rayon::prelude::*;
+
+use crate::scattering::{Met, Scene};
+use crate::scene::baked::{MaterialKind, Phase};
+use crate::transport::chunk::{ROWS, tiles};
+use crate::transport::stages::collect_emission::Strategy;
+use crate::transport::stages::store_photons::store_photons;
+use crate::transport::tables::photon_grid::nearest_distances;
+use crate::transport::tables::photon_maps::PhotonMap;
+use crate::transport::tables::photons::{PhotonClass, PhotonTable};
+use crate::transport::{Chunk, LightModel};
+
+use super::light_walk::{arrive, depart, start};
+use super::ppm::walk;
+use super::profile::{Profile, Stage};
+use super::workspace::Workspace;
+use super::{Pool, Settings};
+
+/// Light paths that are shot and stored together.
+const BATCH: u32 = 16 * ROWS as u32;
+
+/// Photons within the first radius (the paper, section 5).
+const NEAREST: usize = 25;
+/// Points of a map that the first radius is found at.
+const PROBES: usize = 1024;
+/// Tiles of the film that they are taken from.
+const PROBED_TILES: usize = 64;
+/// First radius relative to that of the scene where there are too few photons to tell.
+const RADIUS_OF_SCENE: f32 = 0.01;
+
+/// The maps of all places, and the photons on their way there.
+pub struct PhotonMaps<const N: usize> {
+    /// Surfaces first, then the media in their order.
+    maps: Vec<PhotonMap<N>>,
+    /// First radii.
+    first_radii: Vec<f32>,
+    /// Photons of one batch each, by map.
+    batches: Vec<Vec<PhotonTable<N>>>,
+}
+
+/// Which iteration is being shot.
+#[derive(Clone, Copy)]
+pub struct Shot {
+    /// Index in the random sequences.
+    pub iteration: u32,
+    /// Seed of these.
+    pub seed: u32,
+    /// Iterations since the start of the render, this one excluded.
+    pub earlier: u32,
+}
+
+impl<const N: usize> PhotonMaps<N> {
+    /// Empty maps for a scene; in `polarized` renders, photons in polarizing media have states.
+    pub fn new(scene: &Scene<N>, photons: u32, polarized: bool) -> Self {
+        let tables = &scene.tables;
+        let is_chromatic = tables.materials.iter().any(|m| m.kind == MaterialKind::Conductor)
+            || tables.media.iter().any(|medium| match &medium.phase {
+                Phase::HenyeyGreenstein { .. } => false,
+                Phase::Table(table) => !table.achromatic,
+            });
+        let class_of = |phase: &Phase<N>| match phase {
+            Phase::Table(_) if polarized && is_chromatic => PhotonClass::SpectralStokes,
+            Phase::Table(_) if polarized => PhotonClass::Stokes,
+            _ => PhotonClass::Power,
+        };
+        let classes: Vec<PhotonClass> = std::iter::once(PhotonClass::Power)
+            .chain(tables.media.iter().map(|medium| class_of(&medium.phase)))
+            .collect();
+        let tables = || classes.iter().map(|&class| PhotonTable::new(class, 0)).collect();
+        let dimensions = std::iter::once(2).chain(std::iter::repeat(3));
+        Self {
+            maps: classes.iter().zip(dimensions).map(|(&c, d)| PhotonMap::new(c, d)).collect(),
+            first_radii: Vec::new(),
+            batches: (0..photons.div_ceil(BATCH)).map(|_| tables()).collect(),
+        }
+    }
+
+    /// The map of what a vertex has met.
+    pub fn of(&self, met: Met) -> &PhotonMap<N> {
+        match met {
+            Met::Surface(_) => &self.maps[0],
+            Met::Medium(row) => &self.maps[1 + row as usize],
+        }
+    }
+
+    /// Photons in all maps.
+    pub fn stored(&self) -> u64 {
+        self.maps.iter().map(|map| map.stored.len as u64).sum()
+    }
+
+    /// Shoots the photons of an iteration and sorts them.
+    pub fn shoot<M: LightModel<N>>(
+        &mut self,
+        pool: &Pool<N, M>,
+        scene: &Scene<N>,
+        settings: &Settings,
+        shot: Shot,
+        profile: &mut Profile,
+    ) {
+        let photons = settings.photons.per_iteration;
+        self.batches.par_iter_mut().zip(0_u32..).for_each(|(batch, index)| {
+            batch.iter_mut().for_each(PhotonTable::clear);
+            let end = photons.min((index + 1) * BATCH);
+            for first in (index * BATCH..end).step_by(ROWS) {
+                let chunk = chunk(settings, shot, first, end.min(first + ROWS as u32) - first);
+                pool.with(|workspace| shoot_chunk(batch, workspace, scene, &chunk));
+            }
+        });
+        profile.time_of_all_threads(Stage::Store, || {
+            for (index, map) in self.maps.iter_mut().enumerate() {
+                map.stored.clear();
+                for batch in &self.batches {
+                    map.stored.append_table(&batch[index]);
+                }
+                map.light_paths = photons as f32;
+            }
+        });
+        if self.first_radii.is_empty() {
+            self.first_radii = self.find_radii(pool, scene, settings, shot);
+        }
+        let shrinking = shrinking(settings.photons.alpha, shot.earlier);
+        profile.time_of_all_threads(Stage::Store, || {
+            for (map, first) in self.maps.iter_mut().zip(&self.first_radii) {
+                map.radius = first * shrinking.powf(1.0 / f64::from(map.dimensions)) as f32;
+                map.grid.rebuild(&map.stored, map.radius);
+            }
+        });
+        profile.photons += self.stored();
+    }
+
+    /// The radii to begin with: what is asked for, or the median distance from points that the
+    /// sensor sees to their 25th nearest photon.
+    fn find_radii<M: LightModel<N>>(
+        &self,
+        pool: &Pool<N, M>,
+        scene: &Scene<N>,
+        settings: &Settings,
+        shot: Shot,
+    ) -> Vec<f32> {
+        if let Some(radius) = settings.photons.radius {
+            return vec![radius; self.maps.len()];
+        }
+        let fallback = RADIUS_OF_SCENE * scene.tables.bounds.radius;
+        let points = self.probe(pool, scene, settings, shot);
+        self.maps
+            .iter()
+            .zip(points)
+            .map(|(map, points)| {
+                let step = points.len().div_ceil(PROBES).max(1);
+                let some: Vec<[f32; 3]> = points.into_iter().step_by(step).collect();
+                let mut distances = nearest_distances(&map.stored, &some, NEAREST);
+                distances.retain(|distance| distance.is_finite() && *distance > 0.0);
+                distances.sort_by(f32::total_cmp);
+                distances.get(distances.len() / 2).copied().unwrap_or(fallback)
+            })
+            .collect()
+    }
+
+    /// Vertices at which photons will be merged, by map, from tiles all over the film.
+    fn probe<M: LightModel<N>>(
+        &self,
+        pool: &Pool<N, M>,
+        scene: &Scene<N>,
+        settings: &Settings,
+        shot: Shot,
+    ) -> Vec<Vec<[f32; 3]>> {
+        let tiles = tiles(scene.sensor.width, scene.sensor.height);
+        let step = tiles.len().div_ceil(PROBED_TILES);
+        let mut points = vec![Vec::new(); self.maps.len()];
+        for &[x, y, width, height] in tiles.iter().step_by(step) {
+            let chunk = Chunk { x, y, width, height, ..chunk(settings, shot, 0, 0) };
+            pool.with(|workspace| {
+                walk(workspace, scene, &chunk, |w, _| {
+                    for (event, rows) in w.partition.connectable() {
+                        let map = match event.met {
+                            Met::Surface(_) => 0,
+                            Met::Medium(row) => 1 + row as usize,
+                        };
+                        let [x, y, z] = &w.surfaces.position;
+                        points[map].extend(rows.map(|row| [x[row], y[row], z[row]]));
+                    }
+                });
+            });
+        }
+        points
+    }
+}
+
+/// What is left of the area or volume of the kernel after some iterations: Knaus and Zwicker's
+/// equation 15, `(i + alpha) / (i + 1)` from each to the next.
+fn shrinking(alpha: f32, earlier: u32) -> f64 {
+    let step = |i: u32| (f64::from(i) + f64::from(alpha)) / (f64::from(i) + 1.0);
+    (1..=earlier).map(step).product()
+}
+
+/// A row of light paths in place of a tile of pixels. They share one random sequence, so that
+/// they are stratified among each other.
+fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk {
+    Chunk {
+        x: first_path,
+        y: 0,
+        width: paths,
+        height: 1,
+        first_iteration: shot.iteration,
+        iterations: 1,
+        seed: shot.seed,
+        path_length_max: settings.path_length_max,
+        roulette_after: settings.roulette_after,
+    }
+}
+
+/// Traces the light paths of a chunk and stores what they bring. Light that comes straight from
+/// an emitter is found by connections.
+fn shoot_chunk<const N: usize, M: LightModel<N>>(
+    batch: &mut [PhotonTable<N>],
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+) {
+    start(w, scene, chunk);
+    // One more segment leads to the sensor.
+    for path_length in 1..chunk.path_length_max {
+        arrive(w, scene, chunk, path_length, Strategy::Merging);
+        if path_length > 1 {
+            let (partition, paths, surfaces) = (&w.partition, &w.light[1], &w.surfaces);
+            w.profile.time(Stage::Store, || {
+                for (event, rows) in partition.connectable() {
+                    let map = match event.met {
+                        Met::Surface(_) => &mut batch[0],
+                        Met::Medium(row) => &mut batch[1 + row as usize],
+                    };
+                    store_photons(map, paths, surfaces, (event, rows));
+                }
+            });
+        }
+        if path_length + 1 == chunk.path_length_max || w.light[1].len == 0 {
+            break;
+        }
+        depart(w, scene, path_length);
+    }
+}

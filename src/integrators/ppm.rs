@@ -1,0 +1,71 @@
+//! Progressive photon mapping (paper, section 4.1; Knaus and Zwicker 2011, "Progressive photon
+//! mapping: a probabilistic approach").
+//!
+//! A path has one vertex, the first from the sensor that is not specular, at which its light is
+//! found: straight from an emitter, by a connection, or else by merging with the photons about
+//! it, which light paths of two segments and more have left. So each path is found in one way,
+//! and nothing needs to be weighed.
+
+use crate::scattering::Scene;
+use crate::transport::stages::collect_emission::Strategy;
+use crate::transport::stages::merge_photons::merge_photons;
+use crate::transport::{Chunk, LightModel};
+
+use super::photon_pass::PhotonMaps;
+use super::profile::Stage;
+use super::sensor_walk::{
+    arrive, connect_emitters, depart, for_each_connectable, start, trace,
+};
+use super::workspace::Workspace;
+
+const STRATEGY: Strategy = Strategy::Merging;
+
+/// Measures one chunk into `workspace.measured`.
+pub fn ppm<const N: usize, M: LightModel<N>>(
+    workspace: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+    maps: &PhotonMaps<N>,
+) {
+    walk(workspace, scene, chunk, |workspace, path_length| {
+        connect_emitters(workspace, scene, path_length, STRATEGY);
+        merge(workspace, scene, maps);
+    });
+}
+
+/// Traces the paths of a chunk through specular events up to their first other vertices, for
+/// which it calls `visit` with the segments so far.
+pub fn walk<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+    mut visit: impl FnMut(&mut Workspace<N, M>, u32),
+) {
+    start(w, scene, chunk, 0.0);
+    for path_length in 1..=chunk.path_length_max {
+        trace(w, scene, path_length, STRATEGY);
+        if path_length == chunk.path_length_max || w.sensor[0].len == 0 {
+            break;
+        }
+        arrive(w, scene, chunk, path_length, STRATEGY);
+        visit(w, path_length);
+        w.sensor[1].len = w.partition.keep_specular();
+        depart(w, scene, path_length);
+    }
+}
+
+/// Merges the vertices that can be with the photons about them.
+fn merge<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    maps: &PhotonMaps<N>,
+) {
+    for_each_connectable(w, |w, of_event| {
+        let map = maps.of(of_event.0.met);
+        let (measured, order, paths) = (&mut w.measured, &mut w.queries, &w.sensor[1]);
+        let surfaces = &w.surfaces;
+        w.profile.time(Stage::Merge, || {
+            merge_photons::<N, M>(measured, order, paths, surfaces, map, scene, of_event);
+        });
+    });
+}

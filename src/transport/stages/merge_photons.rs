@@ -1,0 +1,322 @@
+//! Photon density estimation: merges vertices of sensor paths with the photons about them (paper,
+//! equation 13). One scattering kernel acts at the merge, that of the sensor's vertex, on light
+//! that arrives along the photon's direction.
+
+use std::ops::Range;
+
+use crate::geometry::SurfaceColumns;
+use crate::math::{F32s, Vector, lanes};
+use crate::polarization::kernel::Kernel;
+use crate::polarization::{Rotation, Stokes, s_axis};
+use crate::scattering::event::Event;
+use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, half_sine2};
+use crate::scattering::vertex::VertexLanes;
+use crate::scattering::{Met, Scene};
+use crate::transport::LightModel;
+use crate::transport::tables::measured::Measured;
+use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
+use crate::transport::tables::photon_maps::PhotonMap;
+use crate::transport::tables::photon_queries::QueryOrder;
+use crate::transport::tables::photons::{PhotonClass, PhotonTable};
+use crate::transport::tables::states::LightState;
+
+use super::collect_sensor::SensorSide;
+use super::connect_to_vertices::on_surface;
+use super::{row_of, splat};
+
+/// Merges the rows `rows`, which have met `event`, with the photons of their map.
+///
+/// From: depolarize_sensor. To: the film.
+/// Writes: measured, order (scratch). Reads: paths, surfaces, map, scene.
+pub fn merge_photons<const N: usize, M: LightModel<N>>(
+    measured: &mut Measured<N>,
+    order: &mut QueryOrder,
+    paths: &PathTable<N, M::Sensor>,
+    surfaces: &SurfaceColumns,
+    map: &PhotonMap<N>,
+    scene: &Scene<N>,
+    (event, rows): (Event, Range<usize>),
+) {
+    if map.grid.photons().len == 0 {
+        return;
+    }
+    order.sort(&surfaces.position, rows, map.grid.cells());
+    let gather = Gather { measured, paths, surfaces, scene, per_volume: map.per_volume() };
+    let grid = &map.grid;
+    let points = &surfaces.position;
+    match event.met {
+        Met::Surface(_) => grid.gather(&mut OnSurface(gather), order, points),
+        Met::Medium(row) => {
+            let medium = scene.medium(row);
+            match &medium.phase {
+                PhaseFunction::Table(table) if M::POLARIZED => {
+                    merge_polarized(gather, grid, medium, table, (order, points));
+                }
+                _ => grid.gather(&mut InVolume { gather, medium }, order, points),
+            }
+        }
+    }
+}
+
+fn merge_polarized<const N: usize, C: SensorSide<N>>(
+    gather: Gather<N, C>,
+    grid: &PhotonGrid<N>,
+    medium: &Medium<N>,
+    table: &PhaseLookup<N>,
+    (order, points): (&QueryOrder, &[Vec<f32>; 3]),
+) {
+    // Without states in common there is one per wavelength.
+    if grid.photons().class == PhotonClass::Stokes {
+        let mut visitor = Polarizing::<N, true, C> { gather, medium, table };
+        grid.gather(&mut visitor, order, points);
+    } else {
+        let mut visitor = Polarizing::<N, false, C> { gather, medium, table };
+        grid.gather(&mut visitor, order, points);
+    }
+}
+
+/// What all merges read and write.
+struct Gather<'a, const N: usize, C> {
+    measured: &'a mut Measured<N>,
+    paths: &'a PathTable<N, C>,
+    surfaces: &'a SurfaceColumns,
+    scene: &'a Scene<N>,
+    /// The kernel of the density estimate: reciprocal of the disk or ball, over the light paths.
+    per_volume: f32,
+}
+
+impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
+    #[inline(always)]
+    fn direction(&self, row: usize) -> Vector<F32s> {
+        splat(row_of(&self.paths.rays.direction, row))
+    }
+
+    /// Adds intensity that scatters towards the sensor, per `factor` of every wavelength.
+    #[inline(always)]
+    fn add(&mut self, row: usize, sums: &[F32s; N], factor: impl Fn(usize) -> f32) {
+        let mut value = [0.0; N];
+        for (n, value) in value.iter_mut().enumerate() {
+            let beta = self.paths.beta[n][row] * self.per_volume;
+            *value = beta * factor(n) * sums[n].reduce_add();
+        }
+        let slot = self.paths.identity.slot[row] as usize;
+        self.paths.carriers.measure_unpolarized(self.measured, row, slot, value);
+    }
+}
+
+/// Adds the powers of the packet at `row` to `sums`, for photons in the mask.
+#[inline(always)]
+fn add_powers<const N: usize>(
+    sums: &mut [F32s; N],
+    photons: &PhotonTable<N>,
+    row: usize,
+    within: F32s,
+) {
+    for (sum, power) in sums.iter_mut().zip(&photons.power) {
+        *sum += within & lanes::load(power, row);
+    }
+}
+
+/// Diffuse surfaces: whatever comes from the right side counts alike.
+struct OnSurface<'a, const N: usize, C>(Gather<'a, N, C>);
+
+/// The vertex at which photons are gathered.
+struct SurfaceState<const N: usize> {
+    query: usize,
+    sums: [F32s; N],
+    /// Normals, turned to the side from which the sensor looks.
+    geometric: Vector<F32s>,
+    shading: Vector<F32s>,
+}
+
+impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> {
+    type State = SurfaceState<N>;
+
+    #[inline(always)]
+    fn begin(&mut self, query: usize) -> SurfaceState<N> {
+        let given = -self.0.direction(query);
+        let turned = |normal: Vector<F32s>| {
+            let away = given.dot(normal).simd_lt(F32s::splat(0.0));
+            Vector::select(away, -normal, normal)
+        };
+        SurfaceState {
+            query,
+            sums: [F32s::splat(0.0); N],
+            geometric: turned(splat(row_of(&self.0.surfaces.geometric_normal, query))),
+            shading: turned(splat(row_of(&self.0.surfaces.shading_normal, query))),
+        }
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        state: &mut SurfaceState<N>,
+        row: usize,
+        within: F32s,
+        photons: &PhotonTable<N>,
+    ) {
+        let direction = photons.directions_of_any_length(row);
+        let zero = F32s::splat(0.0);
+        let geometric = direction.dot(state.geometric);
+        let arrives = within & geometric.simd_lt(zero);
+        if self.0.scene.tables.shading_normals.is_empty() {
+            return add_powers(&mut state.sums, photons, row, arrives);
+        }
+        // Photons count by the geometric normal, and the integral asks for the shading normal.
+        let shading = direction.dot(state.shading);
+        let arrives = arrives & shading.simd_lt(zero);
+        let ratio = shading / geometric;
+        for (sum, power) in state.sums.iter_mut().zip(&photons.power) {
+            *sum += arrives & (lanes::load(power, row) * ratio);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, row: usize, state: SurfaceState<N>) {
+        let gather = &self.0;
+        let normal = row_of(&gather.surfaces.geometric_normal, state.query);
+        let vertex = on_surface(gather.surfaces, gather.scene, normal, row);
+        let VertexLanes::Surface { facing, brdf } = vertex else {
+            return;
+        };
+        let given = -gather.direction(row);
+        // The normals themselves stand for a direction that passes wherever any does.
+        let towards = Vector::select(
+            given.dot(facing.geometric).simd_lt(F32s::splat(0.0)),
+            -(facing.geometric + facing.shading),
+            facing.geometric + facing.shading,
+        );
+        let reflects = facing.reflects(given, towards);
+        let brdf = brdf.map(|brdf| (reflects & brdf).to_array()[0]);
+        self.0.add(row, &state.sums, |n| brdf[n]);
+    }
+}
+
+/// Media that depolarize, or scalar renders of others.
+struct InVolume<'a, const N: usize, C> {
+    gather: Gather<'a, N, C>,
+    medium: &'a Medium<N>,
+}
+
+/// A vertex in a medium.
+struct VolumeState<S> {
+    sums: S,
+    /// Where light leaves towards the sensor.
+    k_out: Vector<F32s>,
+    /// The x axis of the frame in which Stokes vectors are summed.
+    axis: Vector<F32s>,
+}
+
+/// What turns the power of photons, which counts scatterings, into fluence.
+#[inline(always)]
+fn per_scattering<const N: usize>(medium: &Medium<N>, n: usize) -> f32 {
+    let sigma_s = medium.sigma_s[n];
+    if sigma_s > 0.0 { 1.0 / sigma_s } else { 0.0 }
+}
+
+impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
+    type State = VolumeState<[F32s; N]>;
+
+    #[inline(always)]
+    fn begin(&mut self, query: usize) -> Self::State {
+        let k_out = -self.gather.direction(query);
+        VolumeState { sums: [F32s::splat(0.0); N], k_out, axis: k_out }
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        state: &mut Self::State,
+        row: usize,
+        within: F32s,
+        photons: &PhotonTable<N>,
+    ) {
+        let angle = half_sine2(photons.directions(row), state.k_out);
+        let phase = self.medium.phase.values(angle);
+        for n in 0..N {
+            let power = lanes::load(&photons.power[n], row);
+            state.sums[n] += within & (power * phase[n]);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, row: usize, state: Self::State) {
+        let medium = self.medium;
+        self.gather.add(row, &state.sums, |n| per_scattering(medium, n));
+    }
+}
+
+/// Polarizing media in polarized renders; with `COMMON`, photons have one state for all
+/// wavelengths.
+struct Polarizing<'a, const N: usize, const COMMON: bool, C> {
+    gather: Gather<'a, N, C>,
+    medium: &'a Medium<N>,
+    table: &'a PhaseLookup<N>,
+}
+
+impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
+    for Polarizing<'_, N, COMMON, C>
+{
+    type State = VolumeState<[[F32s; N]; 4]>;
+
+    #[inline(always)]
+    fn begin(&mut self, query: usize) -> Self::State {
+        let k_out = -self.gather.direction(query);
+        let axis = k_out.any_perpendicular();
+        VolumeState { sums: [[F32s::splat(0.0); N]; 4], k_out, axis }
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        state: &mut Self::State,
+        row: usize,
+        within: F32s,
+        photons: &PhotonTable<N>,
+    ) {
+        let k_in = photons.directions(row);
+        let angle = half_sine2(k_in, state.k_out);
+        let (phase, kernels) = self.table.values_and_kernels(angle);
+        let axis = s_axis(k_in, state.k_out);
+        let turn_in = Rotation::between(k_in.any_perpendicular(), axis, k_in);
+        let turn_out = Rotation::between(axis, state.axis, state.k_out);
+        let arrived = |n: usize| {
+            let [s1, s2, s3] = photons.states(row, n);
+            turn_in.apply(Stokes([F32s::splat(1.0), s1, s2, s3]))
+        };
+        let common = arrived(0);
+        for n in 0..N {
+            let light = if COMMON || n == 0 { common } else { arrived(n) };
+            let Stokes(scattered) = turn_out.apply(kernels[n].scatter(light));
+            let power = lanes::load(&photons.power[n], row) * phase[n];
+            for (sums, &component) in state.sums.iter_mut().zip(&scattered) {
+                sums[n] += within & (power * component);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, row: usize, state: Self::State) {
+        let gather = &mut self.gather;
+        let mut value = [0.0; N];
+        for (n, value) in value.iter_mut().enumerate() {
+            let beta = gather.paths.beta[n][row] * gather.per_volume;
+            *value = beta * per_scattering(self.medium, n);
+        }
+        let mut stokes = [[0.0; N]; 4];
+        for (stokes, sums) in stokes.iter_mut().zip(&state.sums) {
+            for (stokes, sum) in stokes.iter_mut().zip(sums) {
+                *stokes = sum.reduce_add();
+            }
+        }
+        let one = |vector: Vector<F32s>| {
+            let [x, y, z] = [vector.x, vector.y, vector.z].map(|lanes| lanes.to_array()[0]);
+            Vector::new(x, y, z)
+        };
+        let light = LightState { stokes, axis: one(state.axis) };
+        let place = (row, gather.paths.identity.slot[row] as usize);
+        let along = (one(state.k_out), gather.scene.sensor.up());
+        gather.paths.carriers.measure_polarized(gather.measured, place, value, &light, along);
+    }
+}

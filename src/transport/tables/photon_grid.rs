@@ -1,0 +1,457 @@
+//! Photons sorted into the cells of a hashed grid, so that those near a point are a few runs of
+//! rows.
+//!
+//! A cell is as wide as the ball that queries look at, so a ball meets at most two cells along
+//! each axis. The bucket of a cell is `hash(z) + y * stride + x`: cells that follow each other
+//! along x have buckets that do too, and the eight cells of a query are four runs of two buckets.
+//! Two of the runs may share a bucket; such queries list their buckets singly, or photons would
+//! count twice. The stride is the extent of the photons along x, so that rows of cells side by
+//! side are side by side in memory: with all rows scattered by a hash, most of a gather was
+//! waiting for memory.
+//!
+//! Rows of one bucket keep the order of the table they come from, and a query visits runs in a
+//! fixed order, so sums over photons depend on the order of the photons alone and not on threads.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::math::{F32s, LANES, Vector, hash, lanes};
+
+use super::photon_queries::QueryOrder;
+use super::photon_sort::PhotonSort;
+use super::photons::{PhotonClass, PhotonTable};
+use super::{Column, gather};
+
+/// Radii, in scene units, are taken to be within these bounds, so that their squares are numbers.
+const RADIUS_RANGE: [f32; 2] = [1e-18, 1e18];
+/// Cells are this much wider than the ball, more than the distances computed in `f32` are off.
+const SLACK: f64 = 1.0 + 1.0 / 65536.0;
+/// Coordinates of cells lie within this distance of zero; what is farther shares the last cells.
+const COORDINATE_MAX: f64 = (1 << 30) as f64;
+/// Stride of rows that are too long to lie side by side: they are strewn over all buckets.
+const SCATTER: u32 = 0x9e37_79b1;
+/// Fewest and most bits of the number of a bucket.
+const BUCKET_BITS: Range<u32> = 4..28;
+
+/// Rows of a column that a thread takes at a time.
+const ROWS: usize = 1 << 14;
+
+/// What becomes of the photons near each point of a batch.
+///
+/// For every query `begin`, then `visit` once for every packet of eight rows with any photon in
+/// reach, then `finish`. A closure `(query, first_row, within, photons)` is a visitor, too.
+pub trait PhotonVisitor<const N: usize> {
+    /// What is kept, in registers with luck, while the packets of one query are visited.
+    type State;
+
+    /// Starts the query at this row of the points.
+    fn begin(&mut self, query: usize) -> Self::State;
+
+    /// The eight rows from `first_row` on, of which those in the mask `within` are in reach. The
+    /// other rows hold any values, infinite ones included.
+    fn visit(
+        &mut self,
+        state: &mut Self::State,
+        first_row: usize,
+        within: F32s,
+        photons: &PhotonTable<N>,
+    );
+
+    /// Ends the query.
+    fn finish(&mut self, query: usize, state: Self::State);
+}
+
+impl<const N: usize, F: FnMut(usize, usize, F32s, &PhotonTable<N>)> PhotonVisitor<N> for F {
+    type State = usize;
+
+    #[inline(always)]
+    fn begin(&mut self, query: usize) -> usize {
+        query
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, query: &mut usize, row: usize, within: F32s, photons: &PhotonTable<N>) {
+        self(*query, row, within, photons);
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, _query: usize, _state: usize) {}
+}
+
+/// How space is cut into cells and cells are numbered.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells {
+    /// Cells per scene unit.
+    per_unit: f64,
+    /// Buckets from a cell to the next along y.
+    stride: u32,
+    /// Bits of the number of a bucket.
+    pub(super) bits: u32,
+}
+
+impl Cells {
+    /// Cells for balls of `radius` and about as many buckets as photons, whose finite positions
+    /// are within `extent` along x.
+    fn new(radius: f32, photons: usize, extent: [f32; 2]) -> Self {
+        let bits = (usize::BITS - photons.leading_zeros()).saturating_sub(1);
+        let bits = bits.clamp(BUCKET_BITS.start, BUCKET_BITS.end);
+        let mut cells =
+            Self { per_unit: 1.0 / (2.0 * f64::from(radius) * SLACK), stride: SCATTER, bits };
+        let along_x = |x: f32| i64::from(cells.coordinates([x, 0.0, 0.0], 0.0)[0]);
+        let stride = along_x(extent[1]) - along_x(extent[0]) + 3;
+        // Longer rows would come around to the beginning, perhaps to where they began.
+        if (4..1 << (bits - 2)).contains(&stride) {
+            cells.stride = stride as u32;
+        }
+        cells
+    }
+
+    /// The bucket of the cell that contains a point.
+    #[inline(always)]
+    pub(super) fn bucket_of_point(&self, point: [f32; 3]) -> u32 {
+        self.bucket(self.coordinates(point, 0.0))
+    }
+
+    /// The lowest of the eight cells that the ball about a point meets.
+    #[inline(always)]
+    pub(super) fn corner(&self, point: [f32; 3]) -> [i32; 3] {
+        self.coordinates(point, 0.5)
+    }
+
+    /// The bucket of a cell.
+    #[inline(always)]
+    pub(super) fn bucket(&self, cell: [i32; 3]) -> u32 {
+        let row =
+            hash::mix(cell[2] as u32).wrapping_add((cell[1] as u32).wrapping_mul(self.stride));
+        row.wrapping_add(cell[0] as u32) & (u32::MAX >> (32 - self.bits))
+    }
+
+    /// The cell of a point moved down by `offset` cells along each axis. In `f64`, coordinates are
+    /// good to a millionth of a cell wherever the point is.
+    #[inline(always)]
+    fn coordinates(&self, point: [f32; 3], offset: f64) -> [i32; 3] {
+        let along = |x: f32| {
+            let cell = (f64::from(x) * self.per_unit).clamp(-COORDINATE_MAX, COORDINATE_MAX);
+            (cell - offset).floor() as i32
+        };
+        [along(point[0]), along(point[1]), along(point[2])]
+    }
+}
+
+/// Photons in the order of their buckets; made anew for every iteration, in the same memory.
+pub struct PhotonGrid<const N: usize> {
+    photons: PhotonTable<N>,
+    /// First row of every bucket, and the number of rows in the end.
+    starts: Vec<u32>,
+    cells: Cells,
+    radius_squared: f32,
+    sort: PhotonSort,
+}
+
+impl<const N: usize> PhotonGrid<N> {
+    /// An empty grid for photons of `class`.
+    pub fn new(class: PhotonClass) -> Self {
+        let cells = Cells::new(1.0, 0, [0.0; 2]);
+        Self {
+            photons: PhotonTable::new(class, 0),
+            starts: vec![0; (1 << cells.bits) + 1],
+            cells,
+            radius_squared: 1.0,
+            sort: PhotonSort::default(),
+        }
+    }
+
+    /// The photons that can be found, in the order of their buckets.
+    pub fn photons(&self) -> &PhotonTable<N> {
+        &self.photons
+    }
+
+    /// Takes the photons of a table of the same class, those at finite positions, for gathers
+    /// within `radius` (positive, in scene units).
+    pub fn rebuild(&mut self, photons: &PhotonTable<N>, radius: f32) {
+        assert!(radius > 0.0 && radius.is_finite(), "photons are gathered within {radius}");
+        assert_eq!(self.photons.class, photons.class, "photons of another class");
+        let radius = radius.clamp(RADIUS_RANGE[0], RADIUS_RANGE[1]);
+        let extent = extent_of(&photons.position[0][..photons.len]);
+        self.cells = Cells::new(radius, photons.len, extent);
+        self.radius_squared = radius * radius;
+        let order = self.sort.sort(&mut self.starts, photons, self.cells);
+        self.photons.clear();
+        self.photons.reserve(order.len());
+        self.photons.len = order.len();
+        let to = &mut self.photons;
+        for (to, from) in to.position.iter_mut().zip(&photons.position) {
+            gather_rows(to, from, order);
+        }
+        gather_rows(&mut to.direction, &photons.direction, order);
+        for (to, from) in to.power.iter_mut().zip(&photons.power) {
+            gather_rows(to, from, order);
+        }
+        let states = photons.class.channels(N);
+        for (to, from) in to.stokes.iter_mut().zip(&photons.stokes) {
+            for (to, from) in to[..states].iter_mut().zip(from) {
+                gather_rows(to, from, order);
+            }
+        }
+    }
+
+    /// How space is cut, for [`QueryOrder::sort`].
+    pub fn cells(&self) -> Cells {
+        self.cells
+    }
+
+    /// Shows `visitor` the photons near the points of all queries in `order`; those at points
+    /// that are not finite have none.
+    pub fn gather<V: PhotonVisitor<N>>(
+        &self,
+        visitor: &mut V,
+        order: &QueryOrder,
+        points: &[Column; 3],
+    ) {
+        self.gather_some(visitor, order, points, 0..order.len());
+    }
+
+    /// [`PhotonGrid::gather`] for the queries at `places` of the order, so that several threads
+    /// can share a batch.
+    pub fn gather_some<V: PhotonVisitor<N>>(
+        &self,
+        visitor: &mut V,
+        order: &QueryOrder,
+        points: &[Column; 3],
+        places: Range<usize>,
+    ) {
+        // Points are fetched a block at a time: their rows are all over memory, and only loads
+        // that follow each other closely wait together.
+        const BLOCK: usize = 64;
+        let mut block = [[0.0; 3]; BLOCK];
+        let mut candidates = Candidates::new();
+        for start in places.clone().step_by(BLOCK) {
+            let queries = order.queries(start..places.end.min(start + BLOCK));
+            for (point, &query) in block.iter_mut().zip(queries) {
+                let row = order.row(query);
+                *point = [points[0][row], points[1][row], points[2][row]];
+            }
+            for (point, &query) in block.iter().zip(queries) {
+                let corner = self.cells.corner(*point);
+                if candidates.corner != Some(corner) {
+                    candidates.corner = Some(corner);
+                    self.find_runs(&mut candidates.runs, corner);
+                    candidates.rewind(&self.photons.position);
+                }
+                self.visit_candidates(visitor, &mut candidates, *point, order.row(query));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn visit_candidates<V: PhotonVisitor<N>>(
+        &self,
+        visitor: &mut V,
+        candidates: &mut Candidates,
+        point: [f32; 3],
+        query: usize,
+    ) {
+        let [x, y, z] = point;
+        let center = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
+        let mut state = visitor.begin(query);
+        loop {
+            let hits = candidates.test(center, F32s::splat(self.radius_squared));
+            for hit in &candidates.hits[..hits] {
+                visitor.visit(&mut state, hit.row as usize, hit.within, &self.photons);
+            }
+            if candidates.is_end() {
+                break;
+            }
+            candidates.fill(&self.photons.position);
+        }
+        if !candidates.is_whole {
+            candidates.rewind(&self.photons.position);
+        }
+        visitor.finish(query, state);
+    }
+
+    /// The rows of the eight cells from `corner` on.
+    #[inline(always)]
+    fn find_runs(&self, runs: &mut Runs, [x, y, z]: [i32; 3]) {
+        let last = u32::MAX >> (32 - self.cells.bits);
+        let mut buckets = [0; 4];
+        for (row, bucket) in buckets.iter_mut().enumerate() {
+            *bucket = self.cells.bucket([x, y + (row & 1) as i32, z + (row >> 1) as i32]);
+        }
+        runs.len = 0;
+        if overlap(&buckets, last) {
+            self.find_single_runs(runs, &buckets, last);
+            return;
+        }
+        for &bucket in buckets.iter() {
+            runs.push(self.starts[bucket as usize], self.starts[bucket as usize + 2]);
+        }
+    }
+
+    /// Like the end of `find_runs`, but every bucket on its own and once.
+    #[cold]
+    fn find_single_runs(&self, runs: &mut Runs, buckets: &[u32; 4], last: u32) {
+        let mut singles = [0; 8];
+        for (row, &bucket) in buckets.iter().enumerate() {
+            singles[2 * row] = bucket;
+            singles[2 * row + 1] = (bucket + 1) & last;
+        }
+        singles.sort_unstable();
+        for (place, &bucket) in singles.iter().enumerate() {
+            if place == 0 || singles[place - 1] != bucket {
+                runs.push(self.starts[bucket as usize], self.starts[bucket as usize + 1]);
+            }
+        }
+    }
+}
+
+/// Whether two of the runs of two buckets share one, or a run goes on at bucket 0.
+#[inline(always)]
+fn overlap(buckets: &[u32; 4], last: u32) -> bool {
+    let mut found = false;
+    for first in 0..4 {
+        found |= buckets[first] == last;
+        for second in 0..first {
+            let apart = buckets[first].wrapping_sub(buckets[second]).wrapping_add(1) & last;
+            found |= apart < 3;
+        }
+    }
+    found
+}
+
+/// Packets that [`Candidates`] hold at a time, a power of two: the surroundings of a query, if it
+/// finds some tens of photons.
+const PACKETS: usize = 128;
+
+/// The photons in the cells about a query, copied to one place for the queries after it that meet
+/// the same cells.
+struct Candidates {
+    /// The lowest of the cells.
+    corner: Option<[i32; 3]>,
+    runs: Runs,
+    /// The run from which to go on, and the row.
+    next: (usize, u32),
+    /// Whether all packets are held at once.
+    is_whole: bool,
+    len: usize,
+    /// Lanes beyond the end of a run are infinitely far away.
+    position: [Vector<F32s>; PACKETS],
+    rows: [u32; PACKETS],
+    hits: [Hit; PACKETS],
+}
+
+/// A packet with photons in reach.
+#[derive(Clone, Copy)]
+struct Hit {
+    within: F32s,
+    row: u32,
+}
+
+impl Candidates {
+    fn new() -> Self {
+        let zero = F32s::ZERO;
+        Self {
+            corner: None,
+            runs: Runs::default(),
+            next: (0, 0),
+            is_whole: true,
+            len: 0,
+            position: [Vector { x: zero, y: zero, z: zero }; PACKETS],
+            rows: [0; PACKETS],
+            hits: [Hit { within: zero, row: 0 }; PACKETS],
+        }
+    }
+
+    /// Holds the first packets of the runs.
+    fn rewind(&mut self, position: &[Column; 3]) {
+        self.next = (0, self.runs.list[0][0]);
+        self.fill(position);
+        self.is_whole = self.is_end();
+    }
+
+    /// Whether no packets come after those held.
+    #[inline(always)]
+    fn is_end(&self) -> bool {
+        self.next.0 >= self.runs.len
+    }
+
+    /// Holds the next packets.
+    fn fill(&mut self, position: &[Column; 3]) {
+        self.len = 0;
+        let (mut run, mut row) = self.next;
+        while run < self.runs.len && self.len < PACKETS {
+            let end = self.runs.list[run][1];
+            let live = lanes::first((end - row) as usize);
+            let far = Vector { x: F32s::splat(f32::INFINITY), y: F32s::ZERO, z: F32s::ZERO };
+            let near = Vector::load(position, row as usize);
+            self.position[self.len] = Vector::select(live, near, far);
+            self.rows[self.len] = row;
+            self.len += 1;
+            row += LANES as u32;
+            if row >= end {
+                run += 1;
+                row = self.runs.list[run % RUNS][0];
+            }
+        }
+        self.next = (run, row);
+    }
+
+    /// Lists the packets with photons in reach, and returns how many. Without a branch: whether a
+    /// packet has any cannot be predicted.
+    #[inline(always)]
+    fn test(&mut self, center: Vector<F32s>, reach: F32s) -> usize {
+        let mut hits = 0;
+        let packets = self.position[..self.len].iter().zip(&self.rows);
+        for (position, &row) in packets {
+            let within = (*position - center).length_squared().simd_le(reach);
+            self.hits[hits % PACKETS] = Hit { within, row };
+            hits += usize::from(within.any());
+        }
+        hits
+    }
+}
+
+/// Most runs of a query.
+const RUNS: usize = 8;
+
+/// Rows to look at: first and end of each run, none empty.
+#[derive(Default)]
+struct Runs {
+    list: [[u32; 2]; RUNS],
+    len: usize,
+}
+
+impl Runs {
+    #[inline(always)]
+    fn push(&mut self, start: u32, end: u32) {
+        if start < end {
+            self.list[self.len] = [start, end];
+            self.len += 1;
+        }
+    }
+}
+
+/// The lowest and the highest of the finite values.
+fn extent_of(column: &[f32]) -> [f32; 2] {
+    let wider = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let none = [f32::MAX, f32::MIN];
+    (column.par_chunks(ROWS))
+        .map(|chunk| {
+            chunk.iter().fold(
+                none,
+                |extent, &x| {
+                    if x.is_finite() { wider(extent, [x, x]) } else { extent }
+                },
+            )
+        })
+        .reduce(|| none, wider)
+}
+
+/// Takes the rows `order` of a column, on all threads.
+fn gather_rows<T: Copy + Send + Sync>(to: &mut [T], from: &[T], order: &[u32]) {
+    to[..order.len()]
+        .par_chunks_mut(ROWS)
+        .zip(order.par_chunks(ROWS))
+        .for_each(|(to, order)| gather(to, from, order, 0));
+}

@@ -1,0 +1,44 @@
+//! All photons of an iteration: one map for surfaces, one for every medium.
+
+use std::f32::consts::PI;
+
+use super::photon_grid::PhotonGrid;
+use super::photons::{PhotonClass, PhotonTable};
+
+/// Photons of one kind of place, and how they are gathered.
+pub struct PhotonMap<const N: usize> {
+    /// Photons in the order in which the light paths left them.
+    pub stored: PhotonTable<N>,
+    /// The same, sorted into cells.
+    pub grid: PhotonGrid<N>,
+    /// Radius of the kernel in this iteration, in scene units.
+    pub radius: f32,
+    /// Light paths of this iteration.
+    pub light_paths: f32,
+    /// 2 on surfaces, 3 in media.
+    pub dimensions: u32,
+}
+
+impl<const N: usize> PhotonMap<N> {
+    /// An empty map.
+    pub fn new(class: PhotonClass, dimensions: u32) -> Self {
+        Self {
+            stored: PhotonTable::new(class, 0),
+            grid: PhotonGrid::new(class),
+            radius: 1.0,
+            light_paths: 1.0,
+            dimensions,
+        }
+    }
+
+    /// The constant kernel: one over the area of the disk, or the volume of the ball, and over the
+    /// number of light paths.
+    pub fn per_volume(&self) -> f32 {
+        let square = self.radius * self.radius;
+        let size = match self.dimensions {
+            2 => PI * square,
+            _ => 4.0 / 3.0 * PI * square * self.radius,
+        };
+        1.0 / (size * self.light_paths)
+    }
+}
