@@ -63,6 +63,8 @@ pub enum IntegratorName {
     Light,
     /// From both, with all connections, each weighted by what it is good at
     Bdpt,
+    /// Progressive photon mapping: sees caustics in mirrors and through glass, blurred at first
+    Ppm,
 }
 
 /// Modes by name.
@@ -127,10 +129,13 @@ pub struct RenderArguments {
     #[arg(long, value_name = "SEGMENTS", default_value_t = 6, help_heading = LIGHT)]
     pub roulette_after: u32,
 
-    /// Samples per pixel; one iteration is one sample in every pixel
-    #[arg(long, visible_alias = "iterations", value_name = "N", default_value_t = 64)]
-    #[arg(help_heading = SAMPLES)]
-    pub spp: u32,
+    /// Samples per pixel [default: 64]
+    #[arg(long, value_name = "N", conflicts_with = "iterations", help_heading = SAMPLES)]
+    pub spp: Option<u32>,
+    /// Iterations: one sample in every pixel, or, with ppm, one pass of photons and the samples
+    /// of --samples-per-iteration
+    #[arg(long, value_name = "N", help_heading = SAMPLES)]
+    pub iterations: Option<u32>,
     /// Stop after this many seconds, with the iterations done by then
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
@@ -143,6 +148,10 @@ pub struct RenderArguments {
     /// Independent replicates that the iterations are split into [default: 16 with --variance]
     #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub replicates: Option<u32>,
+
+    /// Photons.
+    #[command(flatten)]
+    pub photons: PhotonArguments,
 
     /// Width in pixels [default: the scene's, or 512]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
@@ -165,6 +174,25 @@ pub struct RenderArguments {
     pub quiet: bool,
 }
 
+/// Options of photon mapping.
+#[derive(Debug, Args)]
+#[command(next_help_heading = PHOTONS)]
+pub struct PhotonArguments {
+    /// Light paths an iteration [default: 1000000]
+    #[arg(long, value_name = "N")]
+    pub photons: Option<u32>,
+    /// Samples per pixel an iteration [default: 1]
+    #[arg(long, value_name = "N")]
+    pub samples_per_iteration: Option<u32>,
+    /// Radius of the first iteration in scene units [default: what holds 25 photons]
+    #[arg(long, value_name = "LENGTH")]
+    pub radius: Option<f32>,
+    /// How the kernel shrinks, from 0 (fast, noisy) to 1 (not at all, biased) [default: 2/3]
+    #[arg(long, value_name = "ALPHA")]
+    pub alpha: Option<f32>,
+}
+
+const PHOTONS: &str = "Photons (ppm)";
 const LIGHT: &str = "Light transport";
 const SAMPLES: &str = "Samples";
 const FILM: &str = "Film";

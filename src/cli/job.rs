@@ -3,14 +3,20 @@
 use std::fmt::Display;
 use std::time::Duration;
 
-use crate::integrators::{Integrator, Mode, Settings};
+use crate::integrators::{Integrator, Mode, Photons, Settings};
 use crate::scene::baked::{Camera, Projection};
 use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{ColorName, IntegratorName, ModeName, RenderArguments};
+use super::args::{
+    ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments,
+};
 use super::files::extension;
 
+/// Samples per pixel where no number is given.
+const SPP: u32 = 64;
+/// Most light paths an iteration: their photons are counted in 32 bits.
+const PHOTONS_MAX: u32 = 1 << 28;
 /// Replicates where variances are asked for and no number is given.
 const REPLICATES: u32 = 16;
 /// Film width where neither the scene nor the command line names one, in pixels.
@@ -30,7 +36,8 @@ const WAVELENGTH_NM: f32 = 550.0;
 
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
-    within("--spp", arguments.spp, SPP_MAX, "")?;
+    let photons = photons(arguments)?;
+    let iterations = samples(arguments, photons.samples)?;
     within("--max-path-length", arguments.max_path_length, PATH_LENGTH_MAX, "")?;
     if let Some(threads) = arguments.threads {
         within("--threads", threads, THREADS_MAX, "; leave it out to use all processors")?;
@@ -51,17 +58,19 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
             IntegratorName::Path => Integrator::Path,
             IntegratorName::Light => Integrator::Light,
             IntegratorName::Bdpt => Integrator::Bdpt,
+            IntegratorName::Ppm => Integrator::Ppm,
         },
         mode: match arguments.mode {
             ModeName::Scalar => Mode::Scalar,
             ModeName::Polarized => Mode::Polarized,
         },
         color: color(arguments)?,
-        iterations: arguments.spp,
-        replicates: replicates(arguments)?,
+        iterations,
+        replicates: replicates(arguments, iterations / photons.samples)?,
         path_length_max: arguments.max_path_length,
         roulette_after: arguments.roulette_after,
         seed: arguments.seed,
+        photons,
         time_limit: time_limit(arguments)?,
     })
 }
@@ -98,21 +107,66 @@ fn color(arguments: &RenderArguments) -> Result<Color, CliError> {
     }
 }
 
-fn replicates(arguments: &RenderArguments) -> Result<u32, CliError> {
+fn replicates(arguments: &RenderArguments, iterations: u32) -> Result<u32, CliError> {
     let replicates = match (arguments.replicates, arguments.variance) {
         (Some(replicates), _) => replicates,
         (None, true) => REPLICATES,
         (None, false) => return Ok(1),
     };
     let least = if arguments.variance { 2 } else { 1 };
-    if (least..=arguments.spp).contains(&replicates) {
+    if (least..=iterations).contains(&replicates) {
         return Ok(replicates);
     }
     Err(CliError::Usage(format!(
-        "{replicates} replicates do not fit: --replicates must be from {least} to --spp, which is \
-         {}",
-        arguments.spp
+        "{replicates} replicates do not fit: --replicates must be from {least} to the number of \
+         iterations, which is {iterations}"
     )))
+}
+
+/// Samples per pixel in all; `samples` is their number in an iteration.
+fn samples(arguments: &RenderArguments, samples: u32) -> Result<u32, CliError> {
+    if let Some(iterations) = arguments.iterations {
+        within("--iterations", iterations, SPP_MAX / samples, "")?;
+        return Ok(iterations * samples);
+    }
+    let spp = arguments.spp.unwrap_or(SPP.next_multiple_of(samples));
+    within("--spp", spp, SPP_MAX, "")?;
+    if spp.is_multiple_of(samples) {
+        return Ok(spp);
+    }
+    Err(CliError::Usage(format!(
+        "--spp {spp} is not a multiple of --samples-per-iteration {samples}: use --iterations"
+    )))
+}
+
+/// How photons are shot; refused where nothing shoots any.
+fn photons(arguments: &RenderArguments) -> Result<Photons, CliError> {
+    let PhotonArguments { photons, samples_per_iteration, radius, alpha } = &arguments.photons;
+    let typed = [
+        ("--photons", photons.is_some()),
+        ("--samples-per-iteration", samples_per_iteration.is_some()),
+        ("--radius", radius.is_some()),
+        ("--alpha", alpha.is_some()),
+    ];
+    let typed = typed.into_iter().find(|(_, is)| *is);
+    if let (Some((name, _)), true) = (typed, arguments.integrator != IntegratorName::Ppm) {
+        return Err(CliError::Usage(format!("{name} goes with --integrator ppm")));
+    }
+    let default = Photons::default();
+    let per_iteration = photons.unwrap_or(default.per_iteration);
+    within("--photons", per_iteration, PHOTONS_MAX, "")?;
+    let samples = samples_per_iteration.unwrap_or(default.samples);
+    within("--samples-per-iteration", samples, SPP_MAX, "")?;
+    let alpha = alpha.unwrap_or(default.alpha);
+    if !(alpha > 0.0 && alpha <= 1.0) {
+        let problem = format!("--alpha must be greater than 0 and at most 1, not {alpha}");
+        return Err(CliError::Usage(problem));
+    }
+    if let Some(radius) = radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+        let problem = format!("--radius must be a length greater than 0, not {radius}");
+        return Err(CliError::Usage(problem));
+    }
+    Ok(Photons { per_iteration, samples, alpha, radius: *radius })
 }
 
 fn time_limit(arguments: &RenderArguments) -> Result<Option<Duration>, CliError> {

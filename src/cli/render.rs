@@ -96,6 +96,7 @@ fn name_of(integrator: Integrator) -> &'static str {
         Integrator::Path => "path",
         Integrator::Light => "light",
         Integrator::Bdpt => "bdpt",
+        Integrator::Ppm => "ppm",
     }
 }
 

@@ -22,7 +22,7 @@ use crate::film::Film;
 use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::spectrum::Color;
-use crate::transport::chunk::{ITERATIONS, tiles};
+use crate::transport::chunk::{ITERATIONS, Sequence, tiles};
 use crate::transport::tables::measured::Splats;
 use crate::transport::{Chunk, LightModel, Polarized, Scalar};
 
@@ -89,7 +89,7 @@ pub struct Settings {
     pub mode: Mode,
     /// What the channels stand for.
     pub color: Color,
-    /// Samples per pixel, at least one.
+    /// Samples per pixel, at least one; with photons, a multiple of the samples of an iteration.
     pub iterations: u32,
     /// Independent randomizations that the iterations are split into, from 1 to `iterations`;
     /// variances need two or more.
@@ -171,10 +171,11 @@ fn render_as<const N: usize, M: LightModel<N>>(
     Outcome { film, profile, iterations: done }
 }
 
-/// Iterations of the first `replicates` replicates.
+/// Iterations of the first `replicates` replicates: whole numbers of photon passes, if any.
 fn share(settings: &Settings, replicates: u32) -> u32 {
-    let iterations = u64::from(settings.iterations) * u64::from(replicates);
-    (iterations / u64::from(settings.replicates)) as u32
+    let unit = if settings.integrator == Integrator::Ppm { settings.photons.samples } else { 1 };
+    let units = u64::from(settings.iterations / unit) * u64::from(replicates);
+    (units / u64::from(settings.replicates)) as u32 * unit
 }
 
 /// Workspaces at rest.
@@ -237,6 +238,7 @@ fn wave<const N: usize, M: LightModel<N>>(
                     seed,
                     path_length_max: settings.path_length_max,
                     roulette_after: settings.roulette_after,
+                    sequence: Sequence::PerPath,
                 };
                 pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
             })

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::{MaterialKind, Phase};
-use crate::transport::chunk::{ROWS, tiles};
+use crate::transport::chunk::{ROWS, Sequence, tiles};
 use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::store_photons::store_photons;
-use crate::transport::tables::photon_grid::nearest_distances;
+use crate::transport::tables::nearest_photons::nearest_distances;
 use crate::transport::tables::photon_maps::PhotonMap;
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
@@ -100,7 +100,8 @@ impl<const N: usize> PhotonMaps<N> {
         profile: &mut Profile,
     ) {
         let photons = settings.photons.per_iteration;
-        self.batches.par_iter_mut().zip(0_u32..).for_each(|(batch, index)| {
+        self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
+            let index = index as u32;
             batch.iter_mut().for_each(PhotonTable::clear);
             let end = photons.min((index + 1) * BATCH);
             for first in (index * BATCH..end).step_by(ROWS) {
@@ -170,7 +171,8 @@ impl<const N: usize> PhotonMaps<N> {
         let step = tiles.len().div_ceil(PROBED_TILES);
         let mut points = vec![Vec::new(); self.maps.len()];
         for &[x, y, width, height] in tiles.iter().step_by(step) {
-            let chunk = Chunk { x, y, width, height, ..chunk(settings, shot, 0, 0) };
+            let of_pixels = Chunk { sequence: Sequence::PerPath, ..chunk(settings, shot, 0, 0) };
+            let chunk = Chunk { x, y, width, height, ..of_pixels };
             pool.with(|workspace| {
                 walk(workspace, scene, &chunk, |w, _| {
                     for (event, rows) in w.partition.connectable() {
@@ -208,6 +210,7 @@ fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         seed: shot.seed,
         path_length_max: settings.path_length_max,
         roulette_after: settings.roulette_after,
+        sequence: Sequence::Shared,
     }
 }
 

@@ -33,6 +33,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub kernels: KernelColumns<N>,
     /// Rays on their way through boundaries of media.
     pub flights: FlightTable<N>,
+    /// Vertices that look for photons.
+    pub queries: QueryOrder,
     /// Connections under test.
     pub connections: ConnectionTable<N>,
     /// Light vertices in the order of storing, and by slot.

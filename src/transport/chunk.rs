@@ -29,6 +29,17 @@ pub struct Chunk {
     pub path_length_max: u32,
     /// Path length after which roulette may end a path.
     pub roulette_after: u32,
+    /// How paths share random sequences.
+    pub sequence: Sequence,
+}
+
+/// How the paths of a chunk share random sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sequence {
+    /// Each path has its own, which its iterations stratify.
+    PerPath,
+    /// All paths of a row have the same, so that they are stratified among each other: photons.
+    Shared,
 }
 
 impl Chunk {
@@ -47,6 +58,16 @@ impl Chunk {
         let pixel = (slot % self.pixels()) as u32;
         let iteration = self.first_iteration + (slot / self.pixels()) as u32;
         (self.x + pixel % self.width, self.y + pixel / self.width, iteration)
+    }
+
+    /// What the random numbers of a slot are drawn by: the path, on a film of `film_width` pixels,
+    /// and the index in its sequence.
+    pub fn sequence_of(&self, slot: usize, film_width: u32) -> (u32, u32) {
+        let (column, line, iteration) = self.place(slot);
+        match self.sequence {
+            Sequence::PerPath => (line * film_width + column, iteration),
+            Sequence::Shared => (self.x, iteration.wrapping_mul(ROWS as u32) + slot as u32),
+        }
     }
 
     /// Whether roulette plays after `path_length` segments.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Settings, render};
+use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
 use sunstone::math::{F32s, LANES, Vector};
 use sunstone::scattering::Scene;
 use sunstone::scene::baked::{EmitterKind, MaterialKind, NONE};
@@ -49,6 +49,7 @@ pub fn settings(
         Integrator::Path => 0x1000_0000,
         Integrator::Light => 0x2000_0000,
         Integrator::Bdpt => 0x3000_0000,
+        Integrator::Ppm => 0x4000_0000,
     };
     Settings {
         integrator,
@@ -59,6 +60,7 @@ pub fn settings(
         path_length_max,
         roulette_after: path_length_max + 1,
         seed,
+        photons: Photons::default(),
         time_limit: None,
     }
 }

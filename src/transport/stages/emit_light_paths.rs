@@ -31,11 +31,10 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
     for row in (0..slots).step_by(LANES) {
         let end = slots.min(row + LANES);
         for slot in row..end {
-            let (column, line, iteration) = chunk.place(slot);
+            let (path, index) = chunk.sequence_of(slot, scene.sensor.width);
             paths.identity.slot[slot] = slot as u32;
-            paths.identity.iteration[slot] = iteration;
-            paths.identity.seed[slot] =
-                path_seed(chunk.seed, Stream::Light, line * scene.sensor.width + column);
+            paths.identity.iteration[slot] = index;
+            paths.identity.seed[slot] = path_seed(chunk.seed, Stream::Light, path);
         }
         let samples = sample_emissions(&paths.identity, scene, row);
         for (slot, sample) in (row..end).zip(&samples) {

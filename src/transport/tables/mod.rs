@@ -8,6 +8,7 @@ pub mod flights;
 pub mod kernels;
 pub mod measured;
 pub mod media;
+pub mod nearest_photons;
 pub mod partition;
 pub mod paths;
 pub mod photon_grid;

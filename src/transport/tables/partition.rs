@@ -130,7 +130,7 @@ mod tests {
         let found: Vec<_> =
             partition.connectable().map(|(event, rows)| (event.met, rows)).collect();
         let expected =
-            [(Met::Surface(Diffuse), 0..2), (Met::Medium(0), 6..7), (Met::Medium(1), 7..8)];
+            [(Met::Surface(Diffuse), 4..6), (Met::Medium(0), 6..7), (Met::Medium(1), 7..8)];
         assert_eq!(found, expected);
         assert_eq!(partition.keep_specular(), 4);
     }

@@ -40,7 +40,8 @@ const ROWS: usize = 1 << 14;
 /// What becomes of the photons near each point of a batch.
 ///
 /// For every query `begin`, then `visit` once for every packet of eight rows with any photon in
-/// reach, then `finish`. A closure `(query, first_row, within, photons)` is a visitor, too.
+/// reach, then `finish`; other queries may begin and end in between. A closure
+/// `(query, first_row, within, photons)` is a visitor, too.
 pub trait PhotonVisitor<const N: usize> {
     /// What is kept, in registers with luck, while the packets of one query are visited.
     type State;
@@ -221,44 +222,53 @@ impl<const N: usize> PhotonGrid<N> {
         points: &[Column; 3],
         places: Range<usize>,
     ) {
-        // Points are fetched a block at a time: their rows are all over memory, and only loads
-        // that follow each other closely wait together.
-        const BLOCK: usize = 64;
+        // Queries begin and end a block at a time: what they read and write is all over memory,
+        // and only loads that follow each other closely are waited for together.
+        const BLOCK: usize = 16;
         let mut block = [[0.0; 3]; BLOCK];
+        let mut states = [const { None }; BLOCK];
         let mut candidates = Candidates::new();
         for start in places.clone().step_by(BLOCK) {
             let queries = order.queries(start..places.end.min(start + BLOCK));
-            for (point, &query) in block.iter_mut().zip(queries) {
+            for (index, &query) in queries.iter().enumerate() {
                 let row = order.row(query);
-                *point = [points[0][row], points[1][row], points[2][row]];
+                block[index] = [points[0][row], points[1][row], points[2][row]];
+                states[index] = Some(visitor.begin(row));
             }
-            for (point, &query) in block.iter().zip(queries) {
-                let corner = self.cells.corner(*point);
-                if candidates.corner != Some(corner) {
-                    candidates.corner = Some(corner);
-                    self.find_runs(&mut candidates.runs, corner);
-                    candidates.rewind(&self.photons.position);
+            for (point, state) in block.iter().zip(&mut states[..queries.len()]) {
+                *state = state.take().map(|mut state| {
+                    self.visit_near(visitor, &mut state, &mut candidates, *point);
+                    state
+                });
+            }
+            for (state, &query) in states.iter_mut().zip(queries) {
+                if let Some(state) = state.take() {
+                    visitor.finish(order.row(query), state);
                 }
-                self.visit_candidates(visitor, &mut candidates, *point, order.row(query));
             }
         }
     }
 
     #[inline(always)]
-    fn visit_candidates<V: PhotonVisitor<N>>(
+    fn visit_near<V: PhotonVisitor<N>>(
         &self,
         visitor: &mut V,
+        state: &mut V::State,
         candidates: &mut Candidates,
         point: [f32; 3],
-        query: usize,
     ) {
+        let corner = self.cells.corner(point);
+        if candidates.corner != Some(corner) {
+            candidates.corner = Some(corner);
+            self.find_runs(&mut candidates.runs, corner);
+            candidates.rewind(&self.photons.position);
+        }
         let [x, y, z] = point;
         let center = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
-        let mut state = visitor.begin(query);
         loop {
             let hits = candidates.test(center, F32s::splat(self.radius_squared));
             for hit in &candidates.hits[..hits] {
-                visitor.visit(&mut state, hit.row as usize, hit.within, &self.photons);
+                visitor.visit(state, hit.row as usize, hit.within, &self.photons);
             }
             if candidates.is_end() {
                 break;
@@ -268,7 +278,6 @@ impl<const N: usize> PhotonGrid<N> {
         if !candidates.is_whole {
             candidates.rewind(&self.photons.position);
         }
-        visitor.finish(query, state);
     }
 
     /// The rows of the eight cells from `corner` on.
