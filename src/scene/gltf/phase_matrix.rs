@@ -103,10 +103,8 @@ fn parse_csv(text: &str, field: &str) -> Result<(Columns, Vec<String>), SceneErr
     for (name, column) in names.into_iter().zip(columns) {
         if !MATRIX.known.contains(&&*name) {
             ignored.push(name);
-        } else if known.contains_key(&name) {
+        } else if known.insert(name.clone(), column).is_some() {
             return Err(SceneError::new(field, format!("has two columns {name}"), REMEDY));
-        } else {
-            known.insert(name, column);
         }
     }
     Ok((known, ignored))
@@ -158,7 +156,8 @@ fn matrices(mut columns: Columns, field: &str) -> Result<Vec<TabulatedMatrix>, S
     }
     let nm = |matrix: &TabulatedMatrix| matrix.wavelength_nm.unwrap_or(1.0);
     let increasing = matrices.is_sorted_by(|a, b| nm(a) < nm(b));
-    if matrices.is_empty() || !increasing || matrices.iter().any(|m| !(nm(m) > 0.0)) {
+    let positive = matrices.iter().all(|matrix| nm(matrix).is_normal() && nm(matrix) > 0.0);
+    if matrices.is_empty() || !increasing || !positive {
         return refuse("needs rows, sorted by increasing wavelength in nanometers".to_owned());
     }
     Ok(matrices)
