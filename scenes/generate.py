@@ -662,14 +662,14 @@ def mirror():
     scene.shape("wall behind the mirror", "rectangle", white, scale(7, 4.5, 1),
                 translate(y=2.5, z=-5))
     scene.shape("red block", "cube", surface("red", 0.68, 0.08, 0.07), scale(0.8),
-                rotate("y", 30), translate(-2.5, -1.2, 7.5))
+                rotate("y", 30), translate(-2.0, -1.2, 6.4))
     scene.shape("green block", "cube", surface("green", 0.14, 0.48, 0.12), scale(0.6, 1.2, 0.6),
-                rotate("y", -20), translate(2.8, -0.8, 8.5))
+                rotate("y", -20), translate(0.5, -0.8, 7.6))
     scene.sphere("blue ball", surface("blue", 0.10, 0.20, 0.62), (-3.5, -1, 4.2), 1.0)
     scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
                 translate(4, -0.1, 4.5))
     scene.sphere("glass ball", scene.material("glass", glass(1.5)), (1.7, -1.1, 4.6), 0.8)
-    scene.point_light("light", (-0.8, 5.4, 5.6), [62.0, 58.0, 50.0])
+    scene.point_light("light", (-1.0, 3.8, 5.8), [46.0, 43.0, 37.0])
     scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [512, 512])
     return scene
 

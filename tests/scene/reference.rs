@@ -242,7 +242,7 @@ fn mirror_to_look_at() {
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
     assert_eq!((scene.spheres.len(), scene.emitters.len()), (3, 1));
     assert_eq!(scene.emitters[0].kind, EmitterKind::Point);
-    assert_eq!(scene.emitters[0].radiance, [62.0, 58.0, 50.0]);
+    assert_eq!(scene.emitters[0].radiance, [46.0, 43.0, 37.0]);
     assert_eq!((world.warnings(), scene.camera.resolution), (&[][..], Some([512, 512])));
 }
 
