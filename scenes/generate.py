@@ -193,7 +193,62 @@ def pane(cells=80):
     return positions, None, triangles
 
 
-SHAPES = {"rectangle": rectangle, "cube": cube, "prism": prism, "ball": ball, "pane": pane}
+def bunny():
+    """The Stanford bunny: see meshes/README.md. No normals: the facets are meant."""
+    positions, triangles = [], []
+    for line in (HERE / "meshes" / "bunny.obj").read_text().splitlines():
+        kind, *words = line.split() or [""]
+        if kind == "v":
+            positions.append(tuple(map(float, words)))
+        elif kind == "f":
+            triangles.append(tuple(int(word.split("/")[0]) - 1 for word in words))
+    return positions, None, triangles
+
+
+# An open tank in meters: half the outer width and depth, height, walls, and how far it is filled.
+TANK = {"x": 0.160, "z": 0.110, "height": 0.210, "wall": 0.008, "level": 0.175}
+
+
+def box_sides(x, z, low, high):
+    """The four sides of an upright box, seen from outside."""
+    corners = [(-x, z), (x, z), (x, -z), (-x, -z)]
+    return [[(ax, low, az), (bx, low, bz), (bx, high, bz), (ax, high, az)]
+            for (ax, az), (bx, bz) in zip(corners, corners[1:] + corners[:1])]
+
+
+def tank_glass():
+    """What the glass of the tank shares with air; the milk bounds the rest of it.
+
+    Outside, bottom, rim, and the inside above the milk, whose lower edge is that of the milk.
+    """
+    x, z, height, wall, level = TANK.values()
+    inner_x, inner_z = x - wall, z - wall
+    bottom = [(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]
+    inside = [face[::-1] for face in box_sides(inner_x, inner_z, level, height)]
+    outer, inner = ([(a, height, c), (b, height, c), (b, height, -c), (a, height, -c)]
+                    for a, b, c in ((-x, x, z), (-inner_x, inner_x, inner_z)))
+    rim = [[outer[i], outer[(i + 1) % 4], inner[(i + 1) % 4], inner[i]] for i in range(4)]
+    return flat_mesh(box_sides(x, z, 0, height) + [bottom] + rim + inside)
+
+
+def milk_sides():
+    """Sides and bottom of what fills the tank, where it meets the glass."""
+    x, z, _, wall, level = TANK.values()
+    x, z = x - wall, z - wall
+    bottom = [(-x, wall, -z), (x, wall, -z), (x, wall, z), (-x, wall, z)]
+    return flat_mesh(box_sides(x, z, wall, level) + [bottom])
+
+
+def milk_surface():
+    """The top of what fills the tank, where it meets the air."""
+    x, z, _, wall, level = TANK.values()
+    x, z = x - wall, z - wall
+    return flat_mesh([[(-x, level, z), (x, level, z), (x, level, -z), (-x, level, -z)]])
+
+
+SHAPES = {"rectangle": rectangle, "cube": cube, "prism": prism, "ball": ball, "pane": pane,
+          "bunny": bunny, "tank glass": tank_glass, "milk sides": milk_sides,
+          "milk surface": milk_surface}
 
 
 # -- materials ----------------------------------------------------------------------------------
@@ -211,9 +266,9 @@ def extended(body, color=(1.0, 1.0, 1.0), metallic=0.0, roughness=1.0, alpha=1.0
     return material
 
 
-def diffuse(reflectance):
+def diffuse(reflectance, **other):
     color = reflectance if isinstance(reflectance, list) else [reflectance] * 3
-    return extended({"bsdf": "diffuse", "reflectance": reflectance}, color)
+    return extended({"bsdf": "diffuse", "reflectance": reflectance}, color, **other)
 
 
 def light(radiance):
@@ -225,10 +280,15 @@ def light(radiance):
                     extensions={"KHR_materials_emissive_strength": {"emissiveStrength": strength}})
 
 
-def glass(ior):
-    return extended({"bsdf": "dielectric", "ior": ior}, roughness=0.0,
+def glass(ior, **body):
+    return extended({"bsdf": "dielectric", "ior": ior, **body}, roughness=0.0,
                     extensions={"KHR_materials_ior": {"ior": ior},
                                 "KHR_materials_transmission": {"transmissionFactor": 1.0}})
+
+
+def null():
+    """A boundary of media and nothing else."""
+    return extended({"bsdf": "null"}, alpha=0.1)
 
 
 def conductor(color, **body):
@@ -279,8 +339,36 @@ class Scene:
     def material(self, name, body):
         return self.add("materials", {"name": name, **body})
 
-    def shape(self, name, kind, material, *steps):
-        self.node(name, compose(*steps), mesh=self.mesh(kind, material))
+    def shape(self, name, kind, material, *steps, **sides):
+        """`interior` and `exterior` are media on the two sides of its surface."""
+        self.node(name, compose(*steps), mesh=self.mesh(kind, material), **self.extension(sides))
+
+    def parts(self, name, parts, *steps, **sides):
+        """Several kinds of shapes, each of its material, as one mesh."""
+        meshes = [self.gltf["meshes"][self.mesh(kind, material)] for kind, material in parts]
+        primitives = [mesh["primitives"][0] for mesh in meshes]
+        mesh = self.add("meshes", {"name": name, "primitives": primitives})
+        self.node(name, compose(*steps), mesh=mesh, **self.extension(sides))
+
+    def extension(self, body):
+        return {"extensions": {EXTENSION: body}} if body else {}
+
+    def medium(self, name, **body):
+        extension = self.gltf.setdefault("extensions", {}).setdefault(EXTENSION, {"media": []})
+        extension["media"].append({"name": name, **body})
+        return len(extension["media"]) - 1
+
+    def point_light(self, name, position, intensity):
+        """`intensity` is red, green and blue in W/sr."""
+        strength = max(intensity)
+        light = {"name": name, "type": "point", "intensity": strength,
+                 "color": [x / strength for x in intensity],
+                 "extensions": {EXTENSION: {"units": "radiometric"}}}
+        lights = self.gltf.setdefault("extensions", {}).setdefault(
+            "KHR_lights_punctual", {"lights": []})["lights"]
+        lights.append(light)
+        self.node(name, translate(*position),
+                  extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
 
     def sphere(self, name, material, center, radius):
         """An analytic sphere with a tessellated stand-in for viewers that know none."""
@@ -330,8 +418,9 @@ class Scene:
     def text(self):
         uri = "data:application/octet-stream;base64," + base64.b64encode(self.blob).decode()
         gltf = {**self.gltf, "buffers": [{"byteLength": len(self.blob), "uri": uri}]}
-        used = {name for name in ("KHR_implicit_shapes", "KHR_materials_emissive_strength",
-                                  "KHR_materials_ior", "KHR_materials_transmission", EXTENSION)
+        used = {name for name in ("KHR_implicit_shapes", "KHR_lights_punctual",
+                                  "KHR_materials_emissive_strength", "KHR_materials_ior",
+                                  "KHR_materials_transmission", EXTENSION)
                 if f'"{name}"' in json.dumps(gltf)}
         gltf["extensionsUsed"] = sorted(used)
         # One line per element: readable, and easy on diffs.
@@ -441,6 +530,33 @@ def reference_polarizers():
     return scene
 
 
+def reference_rayleigh():
+    scene = Scene("rayleigh reference")
+    cloud = scene.medium("cloud", phase="rayleigh", sigma_a=0.0, sigma_s=1.0)
+    scene.shape("cloud", "cube", scene.material("boundary", null()), scale(0.5), interior=cloud)
+    scene.shape("light", "rectangle", scene.material("light", light(10.0)),
+                scale(0.5), rotate("y", 90), translate(x=-3))
+    scene.camera(square_fov(22), camera_look_at((0.8, 0.9, 4), (0, 0, 0)), [64, 64])
+    return scene
+
+
+def reference_tank():
+    scene = Scene("tank reference")
+    milk = scene.medium("diluted milk", phase="hg", g=0.8, sigma_a=0.012, sigma_s=0.588)
+    plane = scene.material("plane", diffuse(0.7, doubleSided=True))
+    scene.shape("tank", "cube", scene.material("glass", glass(1.5)), scale(1.2, 0.9, 0.8),
+                interior=milk)
+    scene.shape("inner floor", "rectangle", plane, scale(1.1, 0.7, 1), rotate("x", -90),
+                translate(y=-0.8))
+    scene.shape("inner back", "rectangle", plane, scale(1.1, 0.75, 1), translate(z=-0.7))
+    scene.shape("bunny", "bunny", scene.material("bunny", diffuse(0.5)), scale(0.1),
+                translate(-0.1, -0.79, 0))
+    scene.shape("light", "rectangle", scene.material("light", light(6.0)),
+                scale(2), rotate("x", 90), translate(y=3))
+    scene.camera(square_fov(38), camera_look_at((1.6, 1.2, 4.6), (0, -0.05, 0)), [64, 64])
+    return scene
+
+
 # -- the scenes to look at ----------------------------------------------------------------------
 
 def cornell():
@@ -521,13 +637,87 @@ def caustic_glass():
     return scene
 
 
+def mirror():
+    """After figure 3 of the paper: a room in a large sphere of aluminum.
+
+    The camera looks at the sphere alone. In it are diffuse surfaces, a plane mirror and a glass
+    ball, lit by a point that does not polarize.
+    """
+    scene = Scene("mirror")
+    surface = lambda name, *rgb: scene.material(name, diffuse(list(rgb)))
+    white = surface("white", 0.75, 0.74, 0.72)
+    aluminum = scene.material("aluminum", ALUMINUM)
+    floor = surface("sand", 0.62, 0.54, 0.42)
+    scene.sphere("big mirror", aluminum, (0, 0, 0), 2.0)
+    scene.shape("floor", "rectangle", floor, scale(7, 8.5, 1), rotate("x", -90),
+                translate(y=-2, z=3.5))
+    scene.shape("ceiling", "rectangle", white, scale(7, 8.5, 1), rotate("x", 90),
+                translate(y=7, z=3.5))
+    scene.shape("left wall", "rectangle", surface("terracotta", 0.66, 0.22, 0.12),
+                scale(8.5, 4.5, 1), rotate("y", 90), translate(-7, 2.5, 3.5))
+    scene.shape("right wall", "rectangle", surface("teal", 0.08, 0.42, 0.45),
+                scale(8.5, 4.5, 1), rotate("y", -90), translate(7, 2.5, 3.5))
+    scene.shape("wall behind the camera", "rectangle", surface("ochre", 0.68, 0.50, 0.14),
+                scale(7, 4.5, 1), rotate("y", 180), translate(y=2.5, z=12))
+    scene.shape("wall behind the mirror", "rectangle", white, scale(7, 4.5, 1),
+                translate(y=2.5, z=-5))
+    scene.shape("red block", "cube", surface("red", 0.68, 0.08, 0.07), scale(0.8),
+                rotate("y", 30), translate(-2.0, -1.2, 6.4))
+    scene.shape("green block", "cube", surface("green", 0.14, 0.48, 0.12), scale(0.6, 1.2, 0.6),
+                rotate("y", -20), translate(0.5, -0.8, 7.6))
+    scene.sphere("blue ball", surface("blue", 0.10, 0.20, 0.62), (-3.5, -1, 4.2), 1.0)
+    scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
+                translate(4, -0.1, 4.5))
+    scene.sphere("glass ball", scene.material("glass", glass(1.5)), (1.7, -1.1, 4.6), 0.8)
+    scene.point_light("light", (-1.0, 3.8, 5.8), [46.0, 43.0, 37.0])
+    scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [512, 512])
+    return scene
+
+
+def tank():
+    """After figure 4 of the paper: a glass tank of milk in water with a bunny and two plates.
+
+    Lengths are real ones. Whole milk is diluted to 1 : 4000, which makes the depth of the tank
+    2.6 mean free paths at 550 nm. Glass, milk and air meet pairwise: the faces of the glass face
+    the air, and those of the milk the glass or the air, each with the index that lies before it.
+    """
+    scene = Scene("tank")
+    milk = scene.medium("milk in water", phase="mie", milk={
+        "fat_percent": 3.5, "protein_percent": 3.4, "dilution": 0.00025})
+    clear = scene.material("glass", glass(1.5))
+    wet_glass = scene.material("milk against glass", glass(1.33, exterior_ior=1.5))
+    surface = scene.material("milk against air", glass(1.33))
+    above_table = translate(y=0.002)
+    scene.shape("tank", "tank glass", clear, above_table, interior=None, exterior=None)
+    scene.parts("milk", [("milk sides", wet_glass), ("milk surface", surface)], above_table,
+                interior=milk, exterior=None)
+    plate = lambda name, *rgb: scene.material(name, diffuse(list(rgb), doubleSided=True))
+    scene.shape("lower plate", "rectangle", plate("sand", 0.70, 0.58, 0.40),
+                scale(0.135, 0.088, 1), rotate("x", -90), translate(y=0.016))
+    scene.shape("back plate", "rectangle", plate("blue", 0.20, 0.36, 0.62),
+                scale(0.130, 0.068, 1), rotate("x", -8), translate(y=0.090, z=-0.080))
+    scene.shape("bunny", "bunny", scene.material("bunny", diffuse([0.72, 0.38, 0.30])),
+                scale(0.0108), rotate("y", 12), translate(-0.015, 0.0165, 0.005))
+    scene.shape("table", "rectangle", scene.material("table", diffuse([0.44, 0.42, 0.40])),
+                scale(1.5), rotate("x", -90))
+    scene.shape("wall", "rectangle", scene.material("wall", diffuse([0.50, 0.52, 0.55])),
+                scale(1.5, 1, 1), translate(y=1, z=-0.7))
+    scene.point_light("light", (-0.32, 0.62, 0.30), [2.6, 2.5, 2.3])
+    scene.camera(square_fov(32), camera_look_at((0.25, 0.34, 0.66), (0, 0.085, 0)), [512, 512])
+    return scene
+
+
 SCENES = {
     "reference/cornell.gltf": reference_cornell,
     "reference/mirror.gltf": reference_mirror,
     "reference/brewster.gltf": reference_brewster,
     "reference/polarizers.gltf": reference_polarizers,
+    "reference/rayleigh.gltf": reference_rayleigh,
+    "reference/tank.gltf": reference_tank,
     "cornell.gltf": cornell,
     "caustic_glass.gltf": caustic_glass,
+    "mirror.gltf": mirror,
+    "tank.gltf": tank,
 }
 
 

@@ -152,6 +152,20 @@ impl MieSphere {
         (s1.conjugate(), s2.conjugate())
     }
 
+    /// `(2n + 1) / (n (n + 1))` times `a_n + b_n` and `a_n - b_n`, as `[re, im, re, im]` from
+    /// n = 1 on: what sums over many angles need.
+    pub(super) fn series(&self) -> Vec<[f64; 4]> {
+        let terms = self.coefficients.iter().zip(1u32..);
+        terms
+            .map(|(&(a, b), n)| {
+                let order = f64::from(n);
+                let weight = (2.0 * order + 1.0) / (order * (order + 1.0));
+                let (sum, difference) = ((a + b).scaled(weight), (a - b).scaled(weight));
+                [sum.re, sum.im, difference.re, difference.im]
+            })
+            .collect()
+    }
+
     /// The phase matrix (equation 4.77 over `pi x^2 q_sca`); the x axis of both frames is the
     /// normal of the scattering plane.
     pub fn phase(&self, cos_theta: f64) -> PhaseElements {

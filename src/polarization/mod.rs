@@ -27,6 +27,8 @@ pub mod frame;
 pub mod fresnel;
 pub mod kernel;
 pub mod mie;
+pub mod milk;
+pub mod particles;
 pub mod rayleigh;
 pub mod stokes;
 

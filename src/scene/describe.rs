@@ -7,9 +7,10 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::world::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Film, Lens, MadeOf, Medium,
-    Mesh, Name, Phase, Punctual, Sides, Transform, World,
+    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Film, Lens,
+    MadeOf, Medium, Mesh, Name, Phase, Punctual, Sides, Transform, World,
 };
+use crate::polarization::milk::Milk;
 use crate::spectrum::Spectrum;
 
 impl World {
@@ -125,6 +126,18 @@ fn phase(phase: &Phase) -> String {
     match phase {
         Phase::HenyeyGreenstein { g } => format!("Henyey-Greenstein, g {}", spectrum(g)),
         Phase::Rayleigh { depolarization } => format!("Rayleigh, depolarization {depolarization}"),
+        Phase::Spheres(spheres) => {
+            let component = |component: &Component| {
+                let (mean, share) = (component.sizes.mean_radius_um(), component.volume_fraction);
+                format!("{share} by volume of mean radius {mean:.4} um")
+            };
+            let parts: Vec<String> = spheres.components.iter().map(component).collect();
+            format!("spheres, {}", parts.join(" and "))
+        }
+        Phase::Milk(Milk { fat_percent, protein_percent, dilution }) => {
+            format!("milk of {fat_percent} % fat, {protein_percent} % protein, diluted {dilution}")
+        }
+        Phase::Table(matrices) => format!("phase matrix at {} wavelengths", matrices.len()),
     }
 }
 

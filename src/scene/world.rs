@@ -21,6 +21,8 @@ use std::sync::Arc;
 use glam::{DAffine3, Vec3};
 use hecs::Entity;
 
+use crate::polarization::milk::Milk;
+use crate::polarization::particles::Sizes;
 use crate::spectrum::Spectrum;
 
 /// A loaded scene.
@@ -207,6 +209,48 @@ pub enum Phase {
         /// Ratio of the two intensities scattered at 90 degrees from unpolarized light, 0 to 1/2.
         depolarization: f64,
     },
+    /// Spheres in a host, by the theory of Lorenz and Mie.
+    Spheres(Spheres),
+    /// Fat and casein in water, likewise.
+    Milk(Milk),
+    /// Phase matrices at increasing wavelengths; one alone holds for all wavelengths.
+    Table(Vec<TabulatedMatrix>),
+}
+
+/// Spheres in a host that absorbs but does not scatter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spheres {
+    /// What is suspended; not empty, and together no more than the whole volume.
+    pub components: Vec<Component>,
+    /// Real part of the host's index of refraction n - i k.
+    pub host_eta: Spectrum,
+    /// Extinction coefficient of the host.
+    pub host_k: Spectrum,
+}
+
+/// Spheres of one substance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Their sizes.
+    pub sizes: Sizes,
+    /// Real part of their index of refraction n - i k.
+    pub eta: Spectrum,
+    /// Extinction coefficient k.
+    pub k: Spectrum,
+    /// Share of the volume that they fill, within (0, 1].
+    pub volume_fraction: f64,
+}
+
+/// A phase matrix of one wavelength at some angles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TabulatedMatrix {
+    /// Wavelength in vacuum in nanometers; none if it holds for all.
+    pub wavelength_nm: Option<f64>,
+    /// Scattering angles in degrees, increasing from 0 to 180.
+    pub theta_deg: Vec<f64>,
+    /// M00, M01, M11, M22, M23, M33 in 1/sr at each angle: finite, M00 not negative and not less
+    /// than any other, its integral over the sphere of directions about one.
+    pub elements: Vec<[f64; 6]>,
 }
 
 /// Which sides of a material's surfaces reflect and emit.

@@ -1,10 +1,14 @@
 //! Participating media: what files say about them, what lies on the two sides of a surface, and
 //! what is refused.
 
-use crate::common::{good, load_json};
+use std::f64::consts::PI;
+use std::time::Instant;
+
+use crate::common::{data_uri, good, load_json};
 use serde_json::{Value, json};
+use sunstone::polarization::mie::MieSphere;
 use sunstone::scene::bake;
-use sunstone::scene::baked::{BakedScene, KEEP, MaterialKind, NONE, Phase};
+use sunstone::scene::baked::{BakedScene, KEEP, MaterialKind, NONE, Phase, PhaseTable};
 use sunstone::spectrum::Color;
 
 /// The good document with two media; the sphere of glass is number 2 of its nodes.
@@ -154,6 +158,270 @@ pub fn refused(cases: &[Case]) {
             assert!(error.contains(part), "case {number}: no `{part}` in: {error}");
         }
     }
+}
+
+/// Replaces the second medium.
+fn second(document: &mut Value, body: Value) {
+    *medium(document, 1) = body;
+}
+
+/// A suspension of monodisperse spheres in water.
+fn suspension() -> Value {
+    json!({"phase": "mie", "host": {"eta": 1.33, "k": 1e-9}, "particles": [{
+        "distribution": {"kind": "monodisperse", "radius_um": 0.5}, "eta": 1.59,
+        "volume_fraction": 1e-5}]})
+}
+
+fn table(scene: &BakedScene<3>) -> &PhaseTable<3> {
+    let Phase::Table(table) = &scene.media[1].phase else { panic!("not a table") };
+    table
+}
+
+#[test]
+fn spheres_bring_their_coefficients() {
+    let mut document = with_media();
+    second(&mut document, suspension());
+    let scene = baked(&document);
+    let medium = &scene.media[1];
+    // Q_sca 3 f / (4 r), with the efficiency of the single sphere.
+    let sphere = MieSphere::new(1.59 / 1.33, 0.0, 2.0 * PI * 1.33 * 0.5 / 0.55);
+    let expected = 1e-5 * 0.75 / 0.5e-6 * sphere.q_sca;
+    assert!((f64::from(medium.sigma_s[1]) / expected - 1.0).abs() < 1e-6);
+    let host = 4.0 * PI * 1e-9 / 550e-9 * (1.0 - 1e-5);
+    assert!((f64::from(medium.sigma_a[1]) / host - 1.0).abs() < 1e-4);
+    let phase = table(&scene);
+    assert!(phase.spheres && !phase.achromatic && phase.m00.len() == 513);
+    let at_right_angle = sphere.phase(0.0);
+    assert!((f64::from(phase.m00[256][1]) / at_right_angle.m00 - 1.0).abs() < 1e-3);
+    let a = at_right_angle.m01 / at_right_angle.m00;
+    assert!((f64::from(phase.elements[256][0][1]) - a).abs() < 1e-6);
+    assert!(load_json(&document).unwrap().describe().contains("mean radius 0.5000 um"));
+
+    let mut given = suspension();
+    given["sigma_s"] = json!(7);
+    second(&mut document, given);
+    assert_eq!(baked(&document).media[1].sigma_s, [7.0; 3]);
+}
+
+#[test]
+fn milk_is_a_recipe() {
+    let mut document = with_media();
+    let milk = json!({"fat_percent": 3.5, "protein_percent": 3.4, "dilution": 0.00025});
+    second(&mut document, json!({"phase": "mie", "milk": milk}));
+    let start = Instant::now();
+    let scene = baked(&document);
+    println!("milk in RGB: {:?}", start.elapsed());
+    let medium = &scene.media[1];
+    for (found, expected) in medium.sigma_s.into_iter().zip([37_483.67, 51_900.22, 74_917.96]) {
+        assert!((found / (0.00025 * expected) - 1.0).abs() < 1e-5, "{found}");
+    }
+    let absorption = 0.00025 * (4.810_21 + 1.318_741_6) + 0.056_502_97;
+    assert!((medium.sigma_a[1] / absorption - 1.0).abs() < 1e-5);
+    let phase = table(&scene);
+    assert!(phase.spheres && !phase.achromatic);
+    assert!(phase.m00.iter().flatten().all(|m00| *m00 > 0.0));
+    let world = load_json(&document).unwrap();
+    assert!(bake::<1>(&world, Color::Mono { wavelength_nm: 780.0 }).is_err());
+    assert!(bake::<1>(&world, Color::Mono { wavelength_nm: 380.0 }).is_ok());
+}
+
+/// A CSV of Rayleigh's matrix at some angles, as a data URI.
+fn rayleigh_csv(head: &str, prefix: &str, scale: f64) -> String {
+    let mut text = format!("# dipoles\n{head}\n");
+    for step in 0..=360 {
+        let theta = 0.5 * f64::from(step);
+        let cos = theta.to_radians().cos();
+        let unit = scale * 3.0 / (16.0 * PI);
+        let (sum, difference, twice) =
+            (unit * (1.0 + cos * cos), unit * (1.0 - cos * cos), unit * 2.0 * cos);
+        text += &format!("{prefix}{theta},{sum},{difference},{sum},{twice},0,{twice}\n");
+    }
+    data_uri(text.as_bytes())
+}
+
+fn tabulated(table: impl Into<Value>) -> Value {
+    let table: Value = table.into();
+    json!({"phase": "mueller_table", "sigma_a": 0, "sigma_s": 1, "table": table})
+}
+
+const HEAD: &str = "theta_deg,M00,M01,M11,M22,M23,M33";
+
+#[test]
+fn tables_are_the_functions_they_tabulate() {
+    let mut document = with_media();
+    let analytic = table(&baked(&document)).clone();
+    second(&mut document, tabulated(rayleigh_csv(HEAD, "", 1.0)));
+    assert_eq!(load_json(&document).unwrap().warnings(), [] as [String; 0]);
+    let scene = baked(&document);
+    let found = table(&scene);
+    assert_eq!(found.m00.len(), 721, "a multiple of the file's own angles");
+    assert!(found.spheres && found.achromatic);
+    for degrees in (0..=180).step_by(45) {
+        let (index, other) = (degrees * 4, degrees * 1024 / 180);
+        assert!((found.m00[index][0] / analytic.m00[other][0] - 1.0).abs() < 1e-4);
+        for (a, b) in found.elements[index].iter().zip(&analytic.elements[other]) {
+            assert!((a[2] - b[2]).abs() < 1e-5, "{degrees}: {a:?} {b:?}");
+        }
+    }
+    // The same in the scene, and not normalized.
+    second(&mut document, tabulated(rayleigh_csv(HEAD, "", 1.5)));
+    let warning = load_json(&document).unwrap().warnings().join("");
+    assert!(warning.contains("media[1].table: M00 integrates to 1.5"), "{warning}");
+    assert!((table(&baked(&document)).m00[360][0] / found.m00[360][0] - 1.0).abs() < 1e-6);
+    let inline = json!({"theta_deg": [0, 90, 180], "m00": [0.08, 0.08, 0.08], "m01": [0, 0.02, 0],
+        "m11": [0.04, 0.04, 0.04], "m22": [0.04, 0, -0.04], "m23": [0, 0.01, 0],
+        "m33": [0.02, 0, -0.02]});
+    second(&mut document, tabulated(inline));
+    let scene = baked(&document);
+    let found = table(&scene);
+    assert!(!found.spheres && found.achromatic && found.m00.len() == 513);
+    assert_eq!(found.elements[256].map(|row| row[0]), [0.25, 0.5, 0.0, 0.0, 0.125]);
+}
+
+#[test]
+fn tables_of_several_wavelengths() {
+    let head = "Lambda_nm,theta_deg,M00,M01,M22,M23,note";
+    let mut text = format!("{head}\n");
+    for (nm, m01) in [(450, 0.0), (650, 0.04)] {
+        for theta in [0, 90, 180] {
+            text += &format!("{nm},{theta},0.08,{m01},0.01,0,x\n");
+        }
+    }
+    let mut document = with_media();
+    second(&mut document, tabulated(data_uri(text.as_bytes())));
+    let world = load_json(&document).unwrap();
+    assert!(world.warnings().join("").contains("the column note is ignored"));
+    let scene = baked(&document);
+    let found = table(&scene);
+    assert!(found.spheres && !found.achromatic);
+    for (value, expected) in found.elements[100][0].into_iter().zip([0.5, 0.25, 0.0]) {
+        assert!((value - expected).abs() < 1e-6);
+    }
+    let error = bake::<1>(&world, Color::Mono { wavelength_nm: 700.0 }).unwrap_err().to_string();
+    assert!(error.contains("media[1]") && error.contains("450 to 650"), "{error}");
+}
+
+#[test]
+fn bad_tables_are_refused() {
+    fn csv(document: &mut Value, text: &str) {
+        second(document, tabulated(data_uri(text.as_bytes())));
+    }
+    refused(&[
+        (|d| second(d, tabulated(3)), &["media[1].table", "not a string"]),
+        (|d| second(d, tabulated("none.csv")), &["media[1].table", "none.csv", "beside"]),
+        (|d| second(d, tabulated("/etc/passwd")), &["table", "not a path relative"]),
+        (|d| csv(d, ""), &["media[1].table", "no column theta_deg"]),
+        (|d| csv(d, "theta_deg,M00,M01,M22\n0,1,0,1\n"), &["no column M23", "columns are"]),
+        (|d| csv(d, "theta_deg,M00,M01,M22,M23\n"), &["needs rows"]),
+        (|d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1\n"), &["line 2", "2 columns, not 5"]),
+        (|d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,x,0\n"), &["line 2", "`x`"]),
+        (|d| csv(d, "theta_deg,M00,M00\n0,1,0\n"), &["two columns m00"]),
+        (|d| csv(d, "theta_deg,M00,M01,M11,M22,M23\n0,1,0,1,1,0\n"), &["M11 and M33"]),
+        (
+            |d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,1,0\n90,1,0,0,0\n"),
+            &["covers 0 to 90 degrees"],
+        ),
+        (
+            |d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,1,0\n180,-1,0,0,0\n"),
+            &["M00 is negative at 180"],
+        ),
+        (|d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,1,0\n180,NaN,0,0,0\n"), &["not finite"]),
+        (
+            |d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,1,0\n180,1,0,-2,0\n"),
+            &["exceeds M00 at 180"],
+        ),
+        (
+            |d| csv(d, "theta_deg,M00,M01,M22,M23\n0,1,0,1,0\n0,1,0,1,0\n180,1,0,0,0\n"),
+            &["increasing angles"],
+        ),
+        (
+            |d| csv(d, "theta_deg,M00,M01,M22,M23\n0,0,0,0,0\n180,0,0,0,0\n"),
+            &["M00 integrates to 0"],
+        ),
+        (
+            |d| csv(d, "nm,theta_deg,M00,M01,M22,M23\n9,0,1,0,0,0\n9,180,1,0,0,0\n8,0,1,0,0,0"),
+            &["increasing wavelength"],
+        ),
+        (
+            |d| second(d, tabulated(json!({"theta_deg": [0, 180], "m00": [1]}))),
+            &["media[1].table", "no column M01"],
+        ),
+        (
+            |d| second(d, tabulated(json!({"theta": []}))),
+            &["table.theta", "not a key", "lambda_nm"],
+        ),
+    ]);
+}
+
+#[test]
+fn bad_particles_are_refused() {
+    fn spoilt(document: &mut Value, spoil: impl Fn(&mut Value)) {
+        let mut body = suspension();
+        spoil(&mut body);
+        second(document, body);
+    }
+    fn sizes(document: &mut Value, distribution: Value) {
+        spoilt(document, |body| body["particles"][0]["distribution"] = distribution.clone());
+    }
+    refused(&[
+        (|d| second(d, json!({"phase": "mie"})), &["media[1]", "either `milk` or both"]),
+        (|d| spoilt(d, |b| b["milk"] = json!({})), &["media[1]", "either `milk`"]),
+        (|d| spoilt(d, |b| b["particles"] = json!([])), &["media[1].particles", "0 kinds"]),
+        (|d| spoilt(d, |b| b["host"] = json!({})), &["media[1].host.eta", "missing"]),
+        (|d| spoilt(d, |b| b["host"]["eta"] = json!(0)), &["host.eta", "within [0.05, 20]"]),
+        (
+            |d| spoilt(d, |b| b["particles"][0]["eta"] = json!(1.33)),
+            &["media[1]", "host's own index"],
+        ),
+        (
+            |d| spoilt(d, |b| b["particles"][0]["volume_fraction"] = json!(0)),
+            &["particles[0].volume_fraction", "greater than 0"],
+        ),
+        (|d| sizes(d, json!({})), &["particles[0].distribution.kind", "missing", "log_normal"]),
+        (|d| sizes(d, json!({"kind": "fractal"})), &["`fractal`", "monodisperse"]),
+        (|d| sizes(d, json!({"kind": "monodisperse"})), &["radius_um", "missing"]),
+        (|d| sizes(d, json!({"kind": "monodisperse", "radius_um": 0})), &["radius_um", "within"]),
+        (
+            |d| sizes(d, json!({"kind": "monodisperse", "radius_um": 1, "of": "number"})),
+            &["distribution.of", "means nothing"],
+        ),
+        (
+            |d| sizes(d, json!({"kind": "gamma", "mean_um": 1, "sd_um": 0.2})),
+            &["distribution.of", "missing", "\"volume\""],
+        ),
+        (
+            |d| {
+                sizes(
+                    d,
+                    json!({"kind": "log_normal", "mean_um": 1, "sd_um": 0.2, "of": "number",
+                    "range_um": [2, 1]}),
+                )
+            },
+            &["range_um", "the lesser first"],
+        ),
+        (
+            |d| sizes(d, json!({"kind": "table", "radii_um": [1], "density": [1], "of": "number"})),
+            &["particles[0].distribution", "at least two"],
+        ),
+        (
+            |d| sizes(d, json!({"kind": "monodisperse", "radius_um": 900})),
+            &["media[1]", "size parameter", "mueller_table"],
+        ),
+        (
+            |d| second(d, json!({"phase": "mie", "milk": {"fat_percent": 3.5}})),
+            &["media[1].milk.protein_percent", "missing"],
+        ),
+        (
+            |d| {
+                second(
+                    d,
+                    json!({"phase": "mie",
+                    "milk": {"fat_percent": 0, "protein_percent": 0}}),
+                )
+            },
+            &["media[1].milk", "would fill 0 of the volume"],
+        ),
+    ]);
 }
 
 #[test]

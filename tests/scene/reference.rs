@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use sunstone::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE, Projection};
+use sunstone::scene::baked::{
+    BakedScene, EmitterKind, KEEP, MaterialKind, NONE, Phase, Projection, Surface,
+};
 use sunstone::scene::{bake, load};
 use sunstone::spectrum::Color;
 
@@ -163,6 +165,116 @@ fn polarizers() {
     assert!((quarter.axis[0] - quarter.axis[1]).abs() < 1e-7);
     // A stack is ordered towards the camera.
     assert!((scene.triangles[16].corners[0].z - 0.6).abs() < 1e-6);
+}
+
+/// The surface of a triangle.
+fn surface<const N: usize>(scene: &BakedScene<N>, triangle: usize) -> Surface {
+    scene.surfaces[scene.surface_of_primitive[triangle] as usize]
+}
+
+#[test]
+fn rayleigh() {
+    let scene = baked("reference/rayleigh.gltf");
+    assert_eq!((scene.triangles.len(), scene.spheres.len()), (14, 0));
+    for triangle in 0..12 {
+        let surface = surface(&scene, triangle);
+        assert_eq!((surface.interior, surface.exterior), (0, NONE));
+        assert_eq!(scene.materials[surface.material as usize].kind, MaterialKind::Null);
+        for corner in scene.triangles[triangle].corners {
+            assert_near(corner.abs(), Vec3::splat(0.5));
+            assert!(normal(&scene, triangle).dot(corner) > 0.49);
+        }
+    }
+    let medium = &scene.media[0];
+    assert_eq!((medium.sigma_a, medium.sigma_s, scene.scene_medium), ([0.0], [1.0], NONE));
+    assert!(matches!(&medium.phase, Phase::Table(table) if table.spheres && table.achromatic));
+    assert_near(normal(&scene, 12), Vec3::X);
+    assert!(emitting_corners(&scene).iter().all(|corner| (corner.x + 3.0).abs() < 1e-6));
+    assert_eq!(scene.emitters[0].radiance, [10.0]);
+    let eye = Vec3::new(0.8, 0.9, 4.0);
+    assert_near(scene.camera.position, eye);
+    assert_near(scene.camera.forward, -eye.normalize());
+}
+
+#[test]
+fn tank_of_the_reference() {
+    let scene = baked("reference/tank.gltf");
+    assert_eq!(scene.triangles.len(), 12 + 2 + 2 + 3674 + 2);
+    assert!(scene.shading_normals.is_empty(), "the bunny has facets");
+    let glass = surface(&scene, 0);
+    assert_eq!((glass.interior, glass.exterior), (0, NONE));
+    assert_eq!(scene.materials[glass.material as usize].ior, 1.5);
+    for corner in scene.triangles[..12].iter().flat_map(|triangle| triangle.corners) {
+        assert_near(corner.abs(), Vec3::new(1.2, 0.9, 0.8));
+    }
+    let medium = &scene.media[0];
+    assert_eq!((medium.sigma_a, medium.sigma_s), ([0.012], [0.588]));
+    assert_eq!(medium.phase, Phase::HenyeyGreenstein { g: [0.8] });
+    for (triangle, reflectance, two_sided) in [(12, 0.7, true), (14, 0.7, true), (16, 0.5, false)] {
+        let surface = surface(&scene, triangle);
+        let row = scene.materials[surface.material as usize];
+        assert_eq!((row.reflectance, row.two_sided), ([reflectance], two_sided));
+        assert_eq!((surface.interior, surface.exterior), (KEEP, KEEP));
+    }
+    let bunny = scene.triangles[16..16 + 3674].iter().flat_map(|triangle| triangle.corners);
+    let (low, high) = bunny.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| {
+        (low.min(corner), high.max(corner))
+    });
+    assert!(near(low, Vec3::new(-0.595_847_5, -0.790_314_9, -0.372_983_3)), "{low}");
+    assert!(near(high, Vec3::new(0.394_885, 0.175_474_8, 0.381_063_9)), "{high}");
+}
+
+/// Signed volume that the triangles of some surfaces enclose with the origin; the right one if
+/// they are closed.
+fn volume(scene: &BakedScene<3>, wanted: impl Fn(&Surface) -> bool) -> f64 {
+    let triangles = (0..scene.triangles.len()).filter(|&row| wanted(&surface(scene, row)));
+    triangles
+        .map(|row| {
+            let [a, b, c] = scene.triangles[row].corners.map(|corner| corner.as_dvec3());
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum()
+}
+
+#[test]
+fn mirror_to_look_at() {
+    let world = load(&scene("mirror.gltf")).unwrap_or_else(|error| panic!("{error}"));
+    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    assert_eq!((scene.spheres.len(), scene.emitters.len()), (3, 1));
+    assert_eq!(scene.emitters[0].kind, EmitterKind::Point);
+    assert_eq!(scene.emitters[0].radiance, [46.0, 43.0, 37.0]);
+    assert_eq!((world.warnings(), scene.camera.resolution), (&[][..], Some([512, 512])));
+}
+
+#[test]
+fn tank_to_look_at() {
+    let world = load(&scene("tank.gltf")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(world.warnings(), [] as [String; 0]);
+    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let ior = |surface: &Surface| scene.materials[surface.material as usize].ior;
+    let kind = |surface: &Surface| scene.materials[surface.material as usize].kind;
+    let milk = |surface: &Surface| surface.interior == 0;
+    // Milk and glass are closed, the glass where the milk bounds it too.
+    let (x, z, wall) = (0.320, 0.220, 0.016);
+    let of_milk = (x - wall) * (z - wall) * (0.175 - 0.008);
+    assert!((volume(&scene, milk) / of_milk - 1.0).abs() < 1e-5);
+    let glass = |surface: &Surface| kind(surface) == MaterialKind::Dielectric && !milk(surface);
+    let of_glass = x * z * 0.210 - (x - wall) * (z - wall) * (0.210 - 0.008);
+    let wet = |surface: &Surface| milk(surface) && ior(surface) < 1.0;
+    let found = volume(&scene, glass) - volume(&scene, wet);
+    assert!((found / of_glass - 1.0).abs() < 1e-4, "{found} {of_glass}");
+    let iors: Vec<f32> = scene.surfaces.iter().filter(|s| milk(s)).map(&ior).collect();
+    assert_eq!(iors, [1.33 / 1.5, 1.33]);
+    assert!(scene.surfaces.iter().all(|s| !milk(s) || s.exterior == NONE));
+    let depth = (scene.media[0].sigma_a[1] + scene.media[0].sigma_s[1]) * 0.204;
+    assert!((2.0..3.0).contains(&depth), "{depth} mean free paths");
+    let inside = scene.triangles.iter().enumerate().filter(|(row, _)| {
+        kind(&surface(&scene, *row)) == MaterialKind::Diffuse && *row < scene.triangles.len() - 4
+    });
+    for corner in inside.flat_map(|(_, triangle)| triangle.corners) {
+        assert!(corner.x.abs() < 0.15 && corner.z.abs() < 0.10, "{corner}");
+        assert!((0.011..0.176).contains(&corner.y), "{corner}");
+    }
 }
 
 #[test]

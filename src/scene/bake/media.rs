@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use hecs::Entity;
 
 use super::emitters::Emitters;
-use super::{outside_table, phase};
-use crate::scene::baked::{EmitterKind, KEEP, MaterialKind, Medium, NONE, Phase};
+use super::optics;
+use crate::scene::baked::{EmitterKind, KEEP, MaterialKind, Medium, NONE};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Boundary, Filling, FillsScene, Name, World};
-use crate::spectrum::{Color, OutsideTable, Spectrum};
+use crate::spectrum::Color;
 
 /// The table of media: see `BakedScene`.
 pub struct Media<const N: usize> {
@@ -25,7 +25,7 @@ pub fn media<const N: usize>(world: &World, color: Color) -> Result<Media<N>, Sc
     let mut table =
         Media { rows: Vec::new(), scene_medium: NONE, names: Vec::new(), row_of: HashMap::new() };
     let rows = world.in_order::<Components, _>(|(entity, name, medium, fills)| {
-        let row = medium_row(medium, color).map_err(|error| outside_table(&name.0, error));
+        let row = optics::medium_row(medium, color, &name.0);
         (entity, name.0.clone(), row, fills.is_some())
     });
     for (entity, name, row, fills) in rows {
@@ -38,21 +38,6 @@ pub fn media<const N: usize>(world: &World, color: Color) -> Result<Media<N>, Sc
         }
     }
     Ok(table)
-}
-
-fn medium_row<const N: usize>(
-    medium: &world::Medium,
-    color: Color,
-) -> Result<Medium<N>, OutsideTable> {
-    let given = |coefficient: &Option<Spectrum>| match coefficient {
-        Some(spectrum) => spectrum.sample(color),
-        None => Ok([0.0; N]),
-    };
-    let phase = match &medium.phase {
-        world::Phase::HenyeyGreenstein { g } => Phase::HenyeyGreenstein { g: g.sample(color)? },
-        world::Phase::Rayleigh { depolarization } => Phase::Table(phase::rayleigh(*depolarization)),
-    };
-    Ok(Medium { sigma_a: given(&medium.sigma_a)?, sigma_s: given(&medium.sigma_s)?, phase })
 }
 
 impl<const N: usize> Media<N> {

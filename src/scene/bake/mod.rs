@@ -7,6 +7,7 @@
 
 mod emitters;
 mod media;
+mod optics;
 mod phase;
 mod primitives;
 

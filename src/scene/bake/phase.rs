@@ -5,9 +5,16 @@ use std::f64::consts::PI;
 
 use crate::polarization::rayleigh::rayleigh_depolarized;
 use crate::scene::baked::PhaseTable;
+use crate::scene::world::TabulatedMatrix;
+use crate::spectrum::OutsideTable;
 
 /// Number of intervals from 0 to pi that resolve the dipole's phase function.
 const RAYLEIGH_INTERVALS: usize = 1024;
+/// Fewest and most intervals of other tables.
+const INTERVALS_MIN: usize = 512;
+const INTERVALS_MAX: usize = 8192;
+/// Intervals per size parameter: the lobes of a sphere are about pi over it wide.
+const INTERVALS_PER_SIZE: f64 = 8.0;
 
 /// A phase matrix at one angle, in any unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +44,72 @@ pub fn rayleigh<const N: usize>(depolarization: f64) -> PhaseTable<N> {
     };
     let matrix: Vec<Elements> = (0..=RAYLEIGH_INTERVALS).map(at).collect();
     table(&[(); N].map(|()| matrix.clone()))
+}
+
+/// Number of intervals from 0 to pi, even, that resolve spheres of a size parameter.
+pub fn intervals(size_parameter: f64) -> usize {
+    let wanted = (INTERVALS_PER_SIZE * size_parameter).ceil() as usize;
+    wanted.clamp(INTERVALS_MIN, INTERVALS_MAX).next_multiple_of(2)
+}
+
+/// Tabulated matrices at some wavelengths, linear between the table's wavelengths and angles.
+/// Angles that are equally spaced in the table are nodes again.
+///
+/// # Errors
+/// When the table has several wavelengths and does not cover those of the render.
+pub fn tabulated<const N: usize>(
+    matrices: &[TabulatedMatrix],
+    wavelengths_nm: [f64; N],
+) -> Result<PhaseTable<N>, OutsideTable> {
+    let steps = matrices.iter().flat_map(|matrix| matrix.theta_deg.windows(2));
+    let finest = steps.map(|pair| pair[1] - pair[0]).fold(180.0, f64::min);
+    let own = ((180.0 / finest).round() as usize).clamp(1, INTERVALS_MAX);
+    let intervals = own * INTERVALS_MIN.div_ceil(own);
+    let mut found = [const { Vec::new() }; N];
+    for (found, wavelength_nm) in found.iter_mut().zip(wavelengths_nm) {
+        let (low, high, share) = neighbors(matrices, wavelength_nm)?;
+        let at = |index: usize| {
+            let theta_deg = 180.0 * index as f64 / intervals as f64;
+            let (low, high) = (elements_at(low, theta_deg), elements_at(high, theta_deg));
+            let mixed: [f64; 6] = std::array::from_fn(|e| low[e] * (1.0 - share) + high[e] * share);
+            let [m00, m01, m11, m22, m23, m33] = mixed;
+            Elements { m00, m01, m11, m22, m23, m33 }
+        };
+        *found = (0..=intervals).map(at).collect();
+    }
+    Ok(table(&found))
+}
+
+/// The matrices on both sides of a wavelength, and the share of the second.
+fn neighbors(
+    matrices: &[TabulatedMatrix],
+    wavelength_nm: f64,
+) -> Result<(&TabulatedMatrix, &TabulatedMatrix, f64), OutsideTable> {
+    let (first, last) = (&matrices[0], &matrices[matrices.len() - 1]);
+    let (Some(first_nm), Some(last_nm)) = (first.wavelength_nm, last.wavelength_nm) else {
+        return Ok((first, first, 0.0));
+    };
+    if !(first_nm..=last_nm).contains(&wavelength_nm) {
+        let [wavelength_nm, first_nm, last_nm] =
+            [wavelength_nm, first_nm, last_nm].map(|nm| nm as f32);
+        return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
+    }
+    let nm = |matrix: &TabulatedMatrix| matrix.wavelength_nm.unwrap_or(first_nm);
+    let upper = matrices.partition_point(|matrix| nm(matrix) < wavelength_nm);
+    let (low, high) = (&matrices[upper.saturating_sub(1)], &matrices[upper]);
+    let width = nm(high) - nm(low);
+    let share = if width > 0.0 { (wavelength_nm - nm(low)) / width } else { 1.0 };
+    Ok((low, high, share))
+}
+
+/// A tabulated matrix at an angle, linear between the angles of the table.
+fn elements_at(matrix: &TabulatedMatrix, theta_deg: f64) -> [f64; 6] {
+    let angles = &matrix.theta_deg;
+    let upper = angles.partition_point(|&at| at < theta_deg).clamp(1, angles.len() - 1);
+    let (low, high) = (matrix.elements[upper - 1], matrix.elements[upper]);
+    let share = (theta_deg - angles[upper - 1]) / (angles[upper] - angles[upper - 1]);
+    let share = share.clamp(0.0, 1.0);
+    std::array::from_fn(|element| low[element] * (1.0 - share) + high[element] * share)
 }
 
 /// The table of one matrix per wavelength, all at the same equally spaced angles, two at least,

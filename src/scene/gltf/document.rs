@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use gltf::json;
@@ -20,6 +20,8 @@ pub struct Document {
     pub root: json::Root,
     /// The buffers, each at least as long as its `byteLength`.
     pub buffers: Vec<Vec<u8>>,
+    /// Where it is: what relative paths start from.
+    folder: PathBuf,
 }
 
 impl Document {
@@ -41,7 +43,22 @@ impl Document {
             let label = validate::label(&value, "buffers", index);
             buffers.push(read_buffer(buffer, index, &label, folder, binary)?);
         }
-        Ok(Self { value, root, buffers })
+        Ok(Self { value, root, buffers, folder: folder.to_owned() })
+    }
+
+    /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.
+    pub fn read_text(&self, uri: &str, field: &str) -> Result<String, SceneError> {
+        const BYTES_MAX: u64 = 1 << 26;
+        let bytes = match uri.strip_prefix("data:") {
+            Some(data) => decode_data_uri(data, field.to_owned())?,
+            None => read_external(uri, field.to_owned(), &self.folder, BYTES_MAX)?,
+        };
+        if bytes.len() as u64 == BYTES_MAX {
+            let problem = format!("`{uri}` is larger than {BYTES_MAX} bytes");
+            return Err(SceneError::new(field, problem, "make it smaller"));
+        }
+        String::from_utf8(bytes)
+            .map_err(|_| SceneError::new(field, format!("`{uri}` is not text"), "is it a CSV?"))
     }
 
     /// How errors call an element of one of the file's arrays: kind, index and name.
@@ -118,8 +135,8 @@ fn read_buffer(
             return Err(SceneError::new(label, problem, "export the scene again"));
         }
         (Some(uri), _) => match uri.strip_prefix("data:") {
-            Some(data) => decode_data_uri(data, label)?,
-            None => read_external(uri, label, folder, claimed)?,
+            Some(data) => decode_data_uri(data, format!("{label}, uri"))?,
+            None => read_external(uri, format!("{label}, uri"), folder, claimed)?,
         },
     };
     if (bytes.len() as u64) < claimed {
@@ -129,8 +146,7 @@ fn read_buffer(
     Ok(bytes)
 }
 
-fn decode_data_uri(data: &str, label: &str) -> Result<Vec<u8>, SceneError> {
-    let place = format!("{label}, uri");
+fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
     let Some((_, text)) = data.split_once(";base64,") else {
         return Err(SceneError::new(place, "is a data URI without base64", "encode it as base64"));
     };
@@ -147,18 +163,17 @@ fn decode_data_uri(data: &str, label: &str) -> Result<Vec<u8>, SceneError> {
 
 fn read_external(
     uri: &str,
-    label: &str,
+    place: String,
     folder: &Path,
     claimed: u64,
 ) -> Result<Vec<u8>, SceneError> {
-    let place = format!("{label}, uri");
     let name = percent_decoded(uri);
     if name.contains("://") || Path::new(&name).is_absolute() || name.starts_with('/') {
         let problem = format!("`{uri}` is not a path relative to the scene");
-        return Err(SceneError::new(place, problem, "put the buffer beside the scene"));
+        return Err(SceneError::new(place, problem, "put the file beside the scene"));
     }
     read_file(&folder.join(&name), claimed)
-        .map_err(|problem| SceneError::new(place, problem, "put the buffer beside the scene"))
+        .map_err(|problem| SceneError::new(place, problem, "put the file beside the scene"))
 }
 
 /// A URI's path with its %xx resolved; what is no valid escape stays as it is.

@@ -64,7 +64,44 @@ pub const SCENE: Keys =
 /// Keys of a medium.
 pub const MEDIUM: Keys = Keys {
     definition: "medium",
-    known: &["depolarization", "g", "name", "phase", "sigma_a", "sigma_s"],
+    known: &[
+        "depolarization",
+        "g",
+        "host",
+        "milk",
+        "name",
+        "particles",
+        "phase",
+        "sigma_a",
+        "sigma_s",
+        "table",
+    ],
+    planned: &[],
+};
+/// Keys of the spheres of one substance in a medium.
+pub const PARTICLES: Keys = Keys {
+    definition: "particles",
+    known: &["distribution", "eta", "k", "name", "volume_fraction"],
+    planned: &[],
+};
+/// Keys of a distribution of radii.
+pub const DISTRIBUTION: Keys = Keys {
+    definition: "distribution",
+    known: &["density", "kind", "mean_um", "of", "radii_um", "radius_um", "range_um", "sd_um"],
+    planned: &[],
+};
+/// Keys of what particles are suspended in.
+pub const HOST: Keys = Keys { definition: "host", known: &["eta", "k"], planned: &[] };
+/// Keys of milk.
+pub const MILK: Keys = Keys {
+    definition: "milk",
+    known: &["dilution", "fat_percent", "protein_percent"],
+    planned: &[],
+};
+/// Keys of a tabulated phase matrix.
+pub const MATRIX: Keys = Keys {
+    definition: "phase_matrix",
+    known: &["lambda_nm", "m00", "m01", "m11", "m22", "m23", "m33", "theta_deg"],
     planned: &[],
 };
 /// Keys of the environment.
@@ -78,8 +115,22 @@ pub const SPECTRUM: Keys =
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 9] =
-    [&MATERIAL, &NODE, &CAMERA, &FILM, &LIGHT, &SCENE, &ENVIRONMENT, &MEDIUM, &SPECTRUM];
+pub const ALL: [&Keys; 14] = [
+    &MATERIAL,
+    &NODE,
+    &CAMERA,
+    &FILM,
+    &LIGHT,
+    &SCENE,
+    &ENVIRONMENT,
+    &MEDIUM,
+    &PARTICLES,
+    &DISTRIBUTION,
+    &HOST,
+    &MILK,
+    &MATRIX,
+    &SPECTRUM,
+];
 
 /// A set of numbers, and its name in errors.
 #[derive(Clone, Copy)]
@@ -103,6 +154,21 @@ impl Range {
         Self { text: "within (-1, 1)", contains: |x| (x as f32).abs() < 1.0 };
     /// From zero to a half.
     pub const HALF: Self = Self { text: "within [0, 0.5]", contains: |x| (0.0..=0.5).contains(&x) };
+    /// Greater than zero, one at most.
+    pub const FRACTION: Self =
+        Self { text: "greater than 0 and at most 1", contains: |x| 1e-30 < x && x <= 1.0 };
+    /// Shares in percent.
+    pub const PERCENT: Self =
+        Self { text: "within [0, 100]", contains: |x| (0.0..=100.0).contains(&x) };
+    /// Indices of refraction of particles and their host.
+    pub const INDEX: Self =
+        Self { text: "within [0.05, 20]", contains: |x| (0.05..=20.0).contains(&x) };
+    /// Extinction coefficients of particles and their host.
+    pub const EXTINCTION: Self =
+        Self { text: "within [0, 20]", contains: |x| (0.0..=20.0).contains(&x) };
+    /// Radii of particles in micrometers.
+    pub const RADIUS_UM: Self =
+        Self { text: "within [0.0001, 1000] micrometers", contains: |x| (1e-4..=1e3).contains(&x) };
     /// One or more.
     pub const AT_LEAST_ONE: Self = Self { text: "at least 1", contains: |x| x >= 1.0 };
 
@@ -266,6 +332,25 @@ impl<'a> Body<'a> {
             Body::nested(value, label, keys)
         };
         array.iter().enumerate().map(object).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Numbers within a range.
+    pub fn numbers(&self, key: &str, range: Range) -> Result<Option<Vec<f64>>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        let wrong = || SceneError::new(field, "is not an array of numbers", String::new());
+        let number = |value: &Value| range.check(value.as_f64().ok_or_else(wrong)?, field);
+        let array = value.as_array().ok_or_else(wrong)?;
+        array.iter().map(number).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Whether a key is there and holds an object.
+    pub fn is_object(&self, key: &str) -> bool {
+        self.values.get(key).is_some_and(|(value, _)| value.is_object())
+    }
+
+    /// The error of a key that has to be there.
+    pub fn missing(&self, key: &str, remedy: &str) -> SceneError {
+        SceneError::new(self.field(key), "is missing", remedy)
     }
 
     /// A word.

@@ -2,8 +2,8 @@
 
 use hecs::Entity;
 
-use super::Import;
 use super::extension::{Body, MEDIUM, Range, SCENE};
+use super::{Import, particles};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Boundary, Bsdf, Filling, FillsScene, Medium, Phase};
 use crate::spectrum::Spectrum;
@@ -12,8 +12,13 @@ use crate::spectrum::Spectrum;
 const MEDIA_MAX: usize = 4096;
 
 /// Values of `phase`, with the keys that they take beside `COMMON_KEYS`.
-const PHASES: [(&str, &[&str]); 3] =
-    [("hg", &["g"]), ("isotropic", &[]), ("rayleigh", &["depolarization"])];
+const PHASES: [(&str, &[&str]); 5] = [
+    ("hg", &["g"]),
+    ("isotropic", &[]),
+    ("mie", &["host", "milk", "particles"]),
+    ("mueller_table", &["table"]),
+    ("rayleigh", &["depolarization"]),
+];
 /// Keys of every medium.
 const COMMON_KEYS: [&str; 4] = ["name", "phase", "sigma_a", "sigma_s"];
 
@@ -54,8 +59,7 @@ impl Import<'_> {
     fn medium(&mut self, body: &Body) -> Result<Medium, SceneError> {
         let names = || PHASES.map(|(name, _)| name).join(", ");
         let Some(model) = body.word("phase")? else {
-            let remedy = format!("use one of {}", names());
-            return Err(SceneError::new(body.field("phase"), "is missing", remedy));
+            return Err(body.missing("phase", &format!("use one of {}", names())));
         };
         let Some((_, keys)) = PHASES.iter().find(|(name, _)| *name == model) else {
             let problem = format!("`{model}` is not a phase function");
@@ -75,9 +79,8 @@ impl Import<'_> {
         let phase = self.phase(model, body)?;
         let coefficient = |key: &str| {
             let spectrum = body.spectrum(key, Range::NOT_NEGATIVE)?;
-            if spectrum.is_none() {
-                let remedy = "give sigma_a and sigma_s, in 1/m";
-                return Err(SceneError::new(body.field(key), "is missing", remedy));
+            if spectrum.is_none() && model != "mie" {
+                return Err(body.missing(key, "give sigma_a and sigma_s, in 1/m"));
             }
             Ok(spectrum)
         };
@@ -90,9 +93,11 @@ impl Import<'_> {
                 Some(g) => Ok(Phase::HenyeyGreenstein { g }),
                 None => {
                     let remedy = "give the mean cosine of the scattering angle, within (-1, 1)";
-                    Err(SceneError::new(body.field("g"), "is missing", remedy))
+                    Err(body.missing("g", remedy))
                 }
             },
+            "mie" => particles::phase(body),
+            "mueller_table" => Ok(Phase::Table(self.phase_matrices(body)?)),
             "rayleigh" => {
                 let depolarization = body.number("depolarization", Range::HALF)?.unwrap_or(0.0);
                 Ok(Phase::Rayleigh { depolarization })

@@ -12,6 +12,8 @@ mod lights;
 mod materials;
 mod media;
 mod meshes;
+mod particles;
+mod phase_matrix;
 mod validate;
 
 use std::collections::BTreeMap;

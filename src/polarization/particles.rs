@@ -1,0 +1,334 @@
+//! Suspensions: spheres of many sizes and substances in a host, which scatter independently.
+//!
+//! Size distributions become sums over nodes (radius and share of the volume); the phase matrix
+//! is the sum of the spheres' differential cross-sections over that of their cross-sections
+//! (Hansen and Travis 1974, section 2.5). Radii are in micrometers, wavelengths in nanometers of
+//! vacuum, coefficients in 1/m.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use super::mie::{MieSphere, PhaseElements};
+
+/// Nodes of a distribution, equally spaced in the logarithm of the radius.
+const NODES: usize = 768;
+/// Smallest size parameter that the series is good for.
+const SIZE_PARAMETER_MIN: f64 = 1e-6;
+/// Angles that are summed side by side.
+const LANES: usize = 4;
+
+/// What a density of sizes counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Amount {
+    /// Particles per interval of radius.
+    Number,
+    /// Volume of particles per interval of radius.
+    Volume,
+}
+
+/// How the volume of particles is shared among their radii.
+#[derive(Clone, PartialEq)]
+pub struct Sizes {
+    /// Radius in micrometers and share of the volume; the shares add up to one.
+    nodes: Vec<(f64, f64)>,
+}
+
+impl fmt::Debug for Sizes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (count, mean) = (self.nodes.len(), self.mean_radius_um());
+        write!(f, "Sizes of {count} nodes, mean radius {mean} um")
+    }
+}
+
+impl Sizes {
+    /// Spheres of one radius, greater than zero.
+    pub fn monodisperse(radius_um: f64) -> Self {
+        Self { nodes: vec![(radius_um, 1.0)] }
+    }
+
+    /// A log-normal density of the radius with this mean and standard deviation, both greater
+    /// than zero. Without a range it extends as far as it matters.
+    ///
+    /// # Errors
+    /// When the density is zero throughout the range.
+    pub fn log_normal(
+        mean_um: f64,
+        sd_um: f64,
+        of: Amount,
+        range_um: Option<[f64; 2]>,
+    ) -> Result<Self, &'static str> {
+        // Light that is scattered forwards goes as the square of the volume.
+        const REACH: f64 = 5.0;
+        let [alpha, beta] = log_normal_parameters(mean_um, sd_um);
+        let shift = if of == Amount::Number { 6.0 } else { 3.0 };
+        let range = range_um.unwrap_or_else(|| {
+            let high = alpha + shift * beta * beta + REACH * beta;
+            [(alpha - REACH * beta).exp(), high.exp()]
+        });
+        Self::from_density(range, of, |radius| log_normal(radius, [alpha, beta]))
+    }
+
+    /// A gamma density of the radius, `r^(p-1) exp(-r/q)`, with this mean `p q` and standard
+    /// deviation `q sqrt(p)`, both greater than zero. Without a range it extends as far as it
+    /// matters.
+    ///
+    /// # Errors
+    /// When the density is zero throughout the range.
+    pub fn gamma(
+        mean_um: f64,
+        sd_um: f64,
+        of: Amount,
+        range_um: Option<[f64; 2]>,
+    ) -> Result<Self, &'static str> {
+        const REACH: f64 = 7.0;
+        let (power, scale) = ((mean_um / sd_um).powi(2), sd_um * sd_um / mean_um);
+        let shift = if of == Amount::Number { 6.0 } else { 3.0 };
+        let range = range_um.unwrap_or_else(|| {
+            let low = power - REACH * power.sqrt();
+            let far = power + shift;
+            [(low * scale).max(1e-3 * mean_um), (far + REACH * far.sqrt() + 15.0) * scale]
+        });
+        // Relative to the mean, where the exponent is about zero.
+        Self::from_density(range, of, |radius| {
+            ((power - 1.0) * (radius / mean_um).ln() - (radius - mean_um) / scale).exp()
+        })
+    }
+
+    /// A density that is linear between radii, at least two, increasing and not negative.
+    ///
+    /// # Errors
+    /// When there are not as many radii as values, they are not as described, or all is zero.
+    pub fn table(radii_um: &[f64], density: &[f64], of: Amount) -> Result<Self, &'static str> {
+        if radii_um.len() < 2 || radii_um.len() != density.len() {
+            return Err("needs as many radii as values, and at least two");
+        }
+        if !radii_um.is_sorted_by(|a, b| a < b) || radii_um[0] < 0.0 {
+            return Err("needs radii in increasing order, each once and none negative");
+        }
+        if !density.iter().all(|value| *value >= 0.0 && value.is_finite()) {
+            return Err("needs finite values that are not negative");
+        }
+        let last = radii_um[radii_um.len() - 1];
+        Self::from_density([radii_um[0].max(1e-4 * last), last], of, |radius| {
+            let upper = radii_um.partition_point(|&at| at < radius).clamp(1, radii_um.len() - 1);
+            let width = radii_um[upper] - radii_um[upper - 1];
+            let share = ((radius - radii_um[upper - 1]) / width).clamp(0.0, 1.0);
+            density[upper - 1] * (1.0 - share) + density[upper] * share
+        })
+    }
+
+    /// Any density over a range of radii greater than zero.
+    pub(super) fn from_density(
+        range_um: [f64; 2],
+        of: Amount,
+        density: impl Fn(f64) -> f64,
+    ) -> Result<Self, &'static str> {
+        let [low, high] = range_um.map(f64::ln);
+        let step = (high - low) / NODES as f64;
+        let node = |index: usize| {
+            let radius = (low + step * (index as f64 + 0.5)).exp();
+            let volume = if of == Amount::Number { radius.powi(3) } else { 1.0 };
+            // The radius is the width of the node, up to a constant.
+            (radius, density(radius) * volume * radius)
+        };
+        let mut nodes: Vec<(f64, f64)> = (0..NODES).map(node).collect();
+        let total: f64 = nodes.iter().map(|(_, share)| share).sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return Err("has no particles in its range");
+        }
+        nodes.iter_mut().for_each(|(_, share)| *share /= total);
+        nodes.retain(|(_, share)| *share > 0.0);
+        Ok(Self { nodes })
+    }
+
+    /// Mean radius by volume, in micrometers.
+    pub fn mean_radius_um(&self) -> f64 {
+        self.nodes.iter().map(|(radius, share)| radius * share).sum()
+    }
+
+    /// The greatest radius, in micrometers.
+    pub fn radius_max_um(&self) -> f64 {
+        self.nodes.iter().fold(0.0, |greatest, (radius, _)| radius.max(greatest))
+    }
+}
+
+/// Mean and standard deviation of the logarithm from those of the quantity.
+pub(super) fn log_normal_parameters(mean: f64, sd: f64) -> [f64; 2] {
+    let variance = ((sd / mean).powi(2)).ln_1p();
+    [mean.ln() - 0.5 * variance, variance.sqrt()]
+}
+
+/// Log-normal density, not normalized.
+pub(super) fn log_normal(value: f64, [alpha, beta]: [f64; 2]) -> f64 {
+    (-0.5 * ((value.ln() - alpha) / beta).powi(2)).exp() / value
+}
+
+/// Spheres of one substance.
+#[derive(Clone, Copy, Debug)]
+pub struct Particles<'a> {
+    /// Their sizes.
+    pub sizes: &'a Sizes,
+    /// Real part of their index of refraction n - i k, greater than zero; not that of the host
+    /// if `k` is zero.
+    pub n: f64,
+    /// Extinction coefficient, not negative.
+    pub k: f64,
+    /// Share of the volume that they fill, greater than zero.
+    pub volume_fraction: f64,
+}
+
+/// Particles in a host, seen at one wavelength.
+#[derive(Clone, Debug)]
+pub struct Suspension<'a> {
+    /// What is suspended; not empty.
+    pub particles: Vec<Particles<'a>>,
+    /// Index of refraction of the host, greater than zero. Its absorption is left to the caller.
+    pub host_n: f64,
+    /// Wavelength in vacuum, in nanometers.
+    pub wavelength_nm: f64,
+}
+
+/// What a suspension does to light of one wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scattering {
+    /// Scattering coefficient in 1/m.
+    pub sigma_s: f64,
+    /// Absorption coefficient of the particles in 1/m.
+    pub sigma_a: f64,
+    /// Mean cosine of the scattering angle.
+    pub g: f64,
+    /// The phase matrix at equally spaced angles from 0 to pi.
+    pub matrix: Vec<PhaseElements>,
+}
+
+/// A sphere of the sum.
+struct Term {
+    /// What its squared amplitudes count.
+    weight: f64,
+    series: Vec<[f64; 4]>,
+}
+
+impl Suspension<'_> {
+    /// Wave number in the host, per micrometer.
+    fn wave_number(&self) -> f64 {
+        2.0 * PI * self.host_n / (1e-3 * self.wavelength_nm)
+    }
+
+    /// Size parameter of the greatest particle.
+    pub fn size_parameter_max(&self) -> f64 {
+        let radii = self.particles.iter().map(|particles| particles.sizes.radius_max_um());
+        self.wave_number() * radii.fold(0.0, f64::max)
+    }
+
+    /// Coefficients, and the phase matrix at `intervals + 1` angles. `intervals` is even.
+    pub fn scattering(&self, intervals: usize) -> Scattering {
+        let wave_number = self.wave_number();
+        let mut found = Scattering { sigma_s: 0.0, sigma_a: 0.0, g: 0.0, matrix: Vec::new() };
+        let mut terms = Vec::new();
+        for particles in &self.particles {
+            let (n, k) = (particles.n / self.host_n, particles.k / self.host_n);
+            for &(radius, share) in &particles.sizes.nodes {
+                let size_parameter = (wave_number * radius).max(SIZE_PARAMETER_MIN);
+                let sphere = MieSphere::new(n, k, size_parameter);
+                let number = particles.volume_fraction * share / (4.0 / 3.0 * PI * radius.powi(3));
+                // From 1/um to 1/m.
+                let area = 1e6 * number * PI * radius * radius;
+                found.sigma_s += area * sphere.q_sca;
+                found.sigma_a += area * (sphere.q_ext - sphere.q_sca).max(0.0);
+                found.g += area * sphere.q_sca * sphere.g;
+                let weight = 1e6 * number / (wave_number * wave_number);
+                terms.push(Term { weight, series: sphere.series() });
+            }
+        }
+        found.g /= found.sigma_s;
+        found.matrix = matrix(&terms, intervals);
+        for elements in &mut found.matrix {
+            for element in
+                [&mut elements.m00, &mut elements.m01, &mut elements.m22, &mut elements.m23]
+            {
+                *element /= found.sigma_s;
+            }
+        }
+        found
+    }
+}
+
+/// Sums of the differential cross-sections (Bohren and Huffman 1983, equation 4.77) at
+/// `intervals + 1` equally spaced angles, those beyond a right angle from the symmetry of the
+/// angular functions.
+fn matrix(terms: &[Term], intervals: usize) -> Vec<PhaseElements> {
+    let zero = PhaseElements { m00: 0.0, m01: 0.0, m22: 0.0, m23: 0.0 };
+    let mut matrix = vec![zero; intervals + 1];
+    let orders = terms.iter().map(|term| term.series.len()).max().unwrap_or(0);
+    let half = intervals / 2;
+    let mut functions = vec![[[0.0; LANES]; 2]; orders];
+    for first in (0..=half).step_by(LANES) {
+        let cosines: [f64; LANES] = std::array::from_fn(|lane| {
+            (PI * (first + lane).min(half) as f64 / intervals as f64).cos()
+        });
+        angular_functions(&mut functions, &cosines);
+        let mut sums = [[[0.0; LANES]; 4]; 2];
+        for term in terms {
+            add_term(&mut sums, term, &functions);
+        }
+        for lane in 0..LANES.min(half + 1 - first) {
+            let index = first + lane;
+            for (sums, index) in sums.iter().zip([index, intervals - index]) {
+                let [m00, m01, m22, m23] = sums.map(|row| row[lane]);
+                matrix[index] = PhaseElements { m00, m01, m22, m23 };
+            }
+        }
+    }
+    matrix
+}
+
+/// `pi_n + tau_n` and `pi_n - tau_n` at some angles, from n = 1 on (equation 4.47).
+fn angular_functions(functions: &mut [[[f64; LANES]; 2]], cosines: &[f64; LANES]) {
+    let (mut pi_previous, mut pi) = ([0.0; LANES], [1.0; LANES]);
+    for (row, n) in functions.iter_mut().zip(1u32..) {
+        let order = f64::from(n);
+        for lane in 0..LANES {
+            let along = cosines[lane] * pi[lane];
+            let tau = order * along - (order + 1.0) * pi_previous[lane];
+            row[0][lane] = pi[lane] + tau;
+            row[1][lane] = pi[lane] - tau;
+            let climb = (2.0 * order + 1.0) * along - (order + 1.0) * pi_previous[lane];
+            (pi_previous[lane], pi[lane]) = (pi[lane], climb / order);
+        }
+    }
+}
+
+/// Adds a sphere's m00, m01, m22, m23 at some angles, and at pi minus them.
+///
+/// With `P = S1 + S2 = sum (a + b)(pi + tau)` and `Q = S1 - S2 = sum (a - b)(pi - tau)`, weights
+/// included, `|S1|^2 + |S2|^2 = (|P|^2 + |Q|^2) / 2` and so on. At the supplement of an angle,
+/// `pi + tau` and `pi - tau` of even n change their places, and of odd n their signs too.
+fn add_term(sums: &mut [[[f64; LANES]; 4]; 2], term: &Term, functions: &[[[f64; LANES]; 2]]) {
+    // Real and imaginary parts of P and Q, here and at the supplement.
+    let mut here = [[0.0; LANES]; 4];
+    let mut there = [[0.0; LANES]; 4];
+    let mut sign = 1.0;
+    for ([p_re, p_im, q_re, q_im], [plus, minus]) in term.series.iter().zip(functions) {
+        for lane in 0..LANES {
+            here[0][lane] += p_re * plus[lane];
+            here[1][lane] += p_im * plus[lane];
+            here[2][lane] += q_re * minus[lane];
+            here[3][lane] += q_im * minus[lane];
+            there[0][lane] += sign * p_re * minus[lane];
+            there[1][lane] += sign * p_im * minus[lane];
+            there[2][lane] += sign * q_re * plus[lane];
+            there[3][lane] += sign * q_im * plus[lane];
+        }
+        sign = -sign;
+    }
+    for (sums, amplitudes) in sums.iter_mut().zip([here, there]) {
+        for lane in 0..LANES {
+            let [p_re, p_im, q_re, q_im] = amplitudes.map(|row| row[lane]);
+            let (p, q) = (p_re * p_re + p_im * p_im, q_re * q_re + q_im * q_im);
+            sums[0][lane] += 0.25 * term.weight * (p + q);
+            sums[1][lane] += 0.5 * term.weight * (p_re * q_re + p_im * q_im);
+            sums[2][lane] += 0.25 * term.weight * (p - q);
+            sums[3][lane] += 0.5 * term.weight * (p_im * q_re - p_re * q_im);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Suspensions of spheres: sums over sizes against single spheres and against moments that are
+//! known in closed form.
+
+use std::f64::consts::PI;
+
+use sunstone::polarization::mie::MieSphere;
+use sunstone::polarization::particles::{Amount, Particles, Sizes, Suspension};
+
+fn suspension(sizes: &Sizes, n: f64, k: f64) -> Suspension<'_> {
+    let particles = vec![Particles { sizes, n, k, volume_fraction: 1e-3 }];
+    Suspension { particles, host_n: 1.33, wavelength_nm: 550.0 }
+}
+
+/// The sums over symmetric angles are the series at each angle.
+#[test]
+fn one_size_is_one_sphere() {
+    for (radius_um, n, k) in [(0.005, 1.5, 0.0), (0.3, 1.5, 0.01), (2.0, 1.2, 0.0), (5.0, 1.0, 0.1)]
+    {
+        let sizes = Sizes::monodisperse(radius_um);
+        let suspension = suspension(&sizes, n, k);
+        let found = suspension.scattering(514);
+        let x = 2.0 * PI * 1.33 / 0.55 * radius_um;
+        assert!((suspension.size_parameter_max() / x - 1.0).abs() < 1e-12);
+        let sphere = MieSphere::new(n / 1.33, k / 1.33, x);
+        // Cross-section over volume, per meter.
+        let scale = 1e-3 * 0.75 / radius_um * 1e6;
+        assert!((found.sigma_s / (scale * sphere.q_sca) - 1.0).abs() < 1e-12);
+        assert!((found.sigma_a - scale * (sphere.q_ext - sphere.q_sca)).abs() < 1e-9);
+        assert!((found.g - sphere.g).abs() < 1e-12);
+        assert_eq!(found.matrix.len(), 515);
+        for (index, elements) in found.matrix.iter().enumerate() {
+            let expected = sphere.phase((PI * index as f64 / 514.0).cos());
+            for (a, b) in [
+                (elements.m00, expected.m00),
+                (elements.m01, expected.m01),
+                (elements.m22, expected.m22),
+                (elements.m23, expected.m23),
+            ] {
+                assert!((a - b).abs() <= 1e-9 * expected.m00, "{index}: {a} {b}");
+            }
+        }
+    }
+}
+
+/// Where spheres are small, scattering goes as the third moment of the volume and absorption as
+/// the volume itself.
+#[test]
+fn moments_of_distributions() {
+    let (mean, sd): (f64, f64) = (0.002, 0.0006);
+    let alone = |radius: f64| suspension(&Sizes::monodisperse(radius), 1.5, 0.0).scattering(4);
+    let unit = alone(mean).sigma_s / mean.powi(3);
+    let v = (sd / mean).powi(2);
+    // E[r^j] over mean^j: log-normal (1 + v)^(j (j - 1) / 2), gamma the product of 1 + i v.
+    let log_normal = |j: i32| (1.0 + v).powi(j * (j - 1) / 2);
+    let gamma = |j: i32| (0..j).map(|i| 1.0 + f64::from(i) * v).product::<f64>();
+    let cases = [
+        (Sizes::log_normal(mean, sd, Amount::Volume, None), log_normal(3)),
+        (Sizes::log_normal(mean, sd, Amount::Number, None), log_normal(6) / log_normal(3)),
+        (Sizes::gamma(mean, sd, Amount::Volume, None), gamma(3)),
+        (Sizes::gamma(mean, sd, Amount::Number, None), gamma(6) / gamma(3)),
+    ];
+    for (sizes, moment) in cases {
+        let found = suspension(&sizes.unwrap(), 1.5, 0.0).scattering(4).sigma_s;
+        let expected = unit * moment * mean.powi(3);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+    }
+    // A triangle from 0 to 2 mean: E[r^3] by volume is 1.8 mean^3... of the tabulated density.
+    let radii = [0.0, mean, 2.0 * mean];
+    let table = Sizes::table(&radii, &[0.0, 1.0, 0.0], Amount::Volume).unwrap();
+    let third = 1.5;
+    let found = suspension(&table, 1.5, 0.0).scattering(4).sigma_s;
+    assert!((found / (unit * third * mean.powi(3)) - 1.0).abs() < 2e-3, "{found}");
+}
+
+#[test]
+fn two_kinds_of_particles_add_up() {
+    let (small, large) = (Sizes::monodisperse(0.1), Sizes::monodisperse(1.0));
+    let [a, b] = [(&small, 1.6, 0.0), (&large, 1.4, 0.01)]
+        .map(|(sizes, n, k)| suspension(sizes, n, k).scattering(64));
+    let mut both = suspension(&small, 1.6, 0.0);
+    both.particles.extend(suspension(&large, 1.4, 0.01).particles);
+    let both = both.scattering(64);
+    assert!((both.sigma_s / (a.sigma_s + b.sigma_s) - 1.0).abs() < 1e-12);
+    assert!((both.sigma_a / (a.sigma_a + b.sigma_a) - 1.0).abs() < 1e-12);
+    for (index, elements) in both.matrix.iter().enumerate() {
+        let sum = a.sigma_s * a.matrix[index].m01 + b.sigma_s * b.matrix[index].m01;
+        assert!((elements.m01 * both.sigma_s - sum).abs() < 1e-9 * both.sigma_s);
+    }
+}
+
+#[test]
+fn what_is_no_distribution_is_refused() {
+    for (radii, density) in [
+        (&[1.0][..], &[1.0][..]),
+        (&[1.0, 2.0], &[1.0]),
+        (&[2.0, 1.0], &[1.0, 1.0]),
+        (&[1.0, 2.0], &[0.0, 0.0]),
+        (&[1.0, 2.0], &[1.0, -1.0]),
+        (&[1.0, 2.0], &[1.0, f64::NAN]),
+        (&[-1.0, 2.0], &[1.0, 1.0]),
+    ] {
+        assert!(Sizes::table(radii, density, Amount::Number).is_err(), "{radii:?} {density:?}");
+    }
+    assert!(Sizes::log_normal(1.0, 0.01, Amount::Number, Some([500.0, 501.0])).is_err());
+}
