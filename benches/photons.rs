@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sunstone::math::{F32s, LANES, Vector, hash, lanes};
+use sunstone::transport::tables::nearest_photons::nearest_distances;
 use sunstone::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use sunstone::transport::tables::photon_queries::QueryOrder;
 use sunstone::transport::tables::photons::{PhotonClass, PhotonTable};
@@ -41,7 +42,7 @@ fn on_walls(salt: u32) -> Points {
     let mut points = Points { position: vectors(COUNT), normal: vectors(COUNT) };
     for row in 0..COUNT {
         let wall = (uniform(salt, row, 3) * 6.0) as usize;
-        let side = if wall % 2 == 0 { -1.0 } else { 1.0 };
+        let side = if wall.is_multiple_of(2) { -1.0 } else { 1.0 };
         for axis in 0..3 {
             let inside = uniform(salt, row, axis as u32) * 2.0 - 1.0;
             points.position[axis][row] = if axis == wall / 2 { side } else { inside };
@@ -57,9 +58,9 @@ fn in_volume(salt: u32) -> Points {
     for row in 0..COUNT {
         let normal = [3, 4, 5].map(|d| uniform(salt, row, d) - 0.5);
         let scale = 1.0 / normal.iter().map(|x| x * x).sum::<f32>().sqrt();
-        for axis in 0..3 {
+        for (axis, component) in normal.iter().enumerate() {
             points.position[axis][row] = uniform(salt, row, axis as u32) * 2.0 - 1.0;
-            points.normal[axis][row] = normal[axis] * scale;
+            points.normal[axis][row] = component * scale;
         }
     }
     points
@@ -258,13 +259,13 @@ fn gather_hashed(sum: &mut Channels<N>, grid: &HashGrid, particles: &[Particle],
         grid.process(particles, point, |particle| {
             let d = &particle.direction;
             if d[0] * x + d[1] * y + d[2] * z < 0.0 {
-                for n in 0..N {
-                    total[n] += particle.power[n];
+                for (total, power) in total.iter_mut().zip(&particle.power) {
+                    *total += power;
                 }
             }
         });
-        for n in 0..N {
-            sum[n][query] = total[n];
+        for (column, total) in sum.iter_mut().zip(&total) {
+            column[query] = *total;
         }
     }
 }
@@ -326,6 +327,13 @@ fn compare(criterion: &mut Criterion, name: &str, place: fn(u32) -> Points, radi
     });
     group.bench_function("rebuild", |bench| {
         bench.iter(|| pool.install(|| grid.rebuild(black_box(&photons), radius)));
+    });
+    group.finish();
+    let mut group = criterion.benchmark_group(format!("photons/{name}/nearest"));
+    group.sample_size(10);
+    let points: Vec<_> = (0..1000).map(|row| row_of(&queries.position, row)).collect();
+    group.bench_function("1000 points", |bench| {
+        bench.iter(|| pool.install(|| nearest_distances(&photons, &points, FOUND as usize)));
     });
     group.finish();
 }

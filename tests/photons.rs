@@ -1,6 +1,7 @@
 //! Gathering photons from the grid against looking at every photon.
 
 use sunstone::math::{F32s, LANES, Vector, hash, lanes};
+use sunstone::transport::tables::nearest_photons::nearest_distances;
 use sunstone::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use sunstone::transport::tables::photon_queries::QueryOrder;
 use sunstone::transport::tables::photons::{PhotonClass, PhotonTable};
@@ -15,9 +16,8 @@ fn uniform(salt: u32, row: usize, dimension: u32) -> f32 {
 fn points(count: usize, point: impl Fn(usize) -> [f32; 3]) -> [Column; 3] {
     let mut columns = vectors(count);
     for row in 0..count {
-        let point = point(row);
-        for axis in 0..3 {
-            columns[axis][row] = point[axis];
+        for (column, coordinate) in columns.iter_mut().zip(&point(row)) {
+            column[row] = *coordinate;
         }
     }
     columns
@@ -316,4 +316,32 @@ fn closures_are_visitors() {
     grid.gather(&mut count, &order, &queries);
     let expected: Vec<u32> = gathered(&grid, &queries).iter().map(|found| found.0).collect();
     assert_eq!(found[..], expected);
+}
+
+#[test]
+fn nearest_distances_equal_sorted_ones() {
+    let mut position = cube(10_001, 1, 1.0, [5.0; 3]);
+    for row in (0..10_001).step_by(100) {
+        position[row % 3][row] = [f32::NAN, f32::INFINITY][row / 100 % 2];
+    }
+    let table = photons(PhotonClass::Power, &position);
+    let points: Vec<[f32; 3]> =
+        (0..50).map(|row| [0, 1, 2].map(|d| uniform(2, row, d) + 4.5)).collect();
+    for count in [1, 25, 300] {
+        let found = nearest_distances(&table, &points, count);
+        for (point, found) in points.iter().zip(&found) {
+            let squares = (0..table.len).map(|row| {
+                let offset = [0, 1, 2].map(|axis| position[axis][row] - point[axis]);
+                offset.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>()
+            });
+            let mut squares: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
+            squares.sort_by(f64::total_cmp);
+            let expected = squares[count - 1].sqrt();
+            assert!((f64::from(*found) / expected - 1.0).abs() < 1e-5, "{found}, {expected}");
+        }
+    }
+    let few = photons(PhotonClass::Power, &cube(5, 1, 1.0, [0.0; 3]));
+    assert!(nearest_distances(&few, &points, 5).iter().all(|distance| distance.is_finite()));
+    assert_eq!(nearest_distances(&few, &points, 6), vec![f32::INFINITY; 50]);
+    assert!(nearest_distances(&few, &[], 6).is_empty());
 }

@@ -6,6 +6,7 @@ pub mod carriers;
 pub mod connections;
 pub mod kernels;
 pub mod measured;
+pub mod nearest_photons;
 pub mod partition;
 pub mod paths;
 pub mod photon_grid;

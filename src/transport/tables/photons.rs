@@ -369,10 +369,10 @@ mod tests {
         table.store_stokes(0, 5, 0, states);
         for wavelength in 0..3 {
             let found = table.states(0, wavelength);
-            for component in 0..3 {
-                for lane in 0..5 {
-                    let value = given[component][lane].min(1.0);
-                    let off = (found[component].to_array()[lane] - value).abs();
+            for (found, given) in found.iter().zip(&given) {
+                for (found, value) in found.to_array().iter().zip(given) {
+                    let value = value.min(1.0);
+                    let off = (found - value).abs();
                     assert!(off <= 0.5 / 32767.0, "{value}: {off}");
                     assert!(off == 0.0 || value.fract() != 0.0, "{value} is exact");
                 }
