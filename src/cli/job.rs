@@ -8,9 +8,7 @@ use crate::scene::baked::{Camera, Projection};
 use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{
-    ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments,
-};
+use super::args::{ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments};
 use super::files::extension;
 
 /// Samples per pixel where no number is given.

@@ -13,9 +13,7 @@ use crate::transport::{Chunk, LightModel};
 
 use super::photon_pass::PhotonMaps;
 use super::profile::Stage;
-use super::sensor_walk::{
-    arrive, connect_emitters, depart, for_each_connectable, start, trace,
-};
+use super::sensor_walk::{arrive, connect_emitters, depart, for_each_connectable, start, trace};
 use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Merging;

@@ -234,9 +234,8 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
     ) {
         let angle = half_sine2(photons.directions(row), state.k_out);
         let phase = self.medium.phase.values(angle);
-        for n in 0..N {
-            let power = lanes::load(&photons.power[n], row);
-            state.sums[n] += within & (power * phase[n]);
+        for ((sum, power), &phase) in state.sums.iter_mut().zip(&photons.power).zip(&phase) {
+            *sum += within & (lanes::load(power, row) * phase);
         }
     }
 
