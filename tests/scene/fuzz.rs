@@ -1,6 +1,7 @@
 //! Damaged files are refused or loaded, and never panic.
 
 use crate::common::{glb, good, load_bytes, square_bytes};
+use serde_json::json;
 use sunstone::scene::bake;
 use sunstone::spectrum::Color;
 
@@ -61,5 +62,40 @@ fn digits_that_change_never_panic() {
             bytes[at] = b'0' + (next(&mut state) % 10) as u8;
         }
         survives(&bytes);
+    }
+}
+
+#[test]
+fn media_that_change_never_panic() {
+    let mut document = good();
+    document["nodes"][2]["extensions"]["SUNSTONE_polarization"]["interior"] = json!(0);
+    document["extras"] = json!({"sunstone": {"medium": 1, "media": [
+        {"phase": "mie", "host": {"eta": 1.33, "k": 1e-9}, "particles": [
+            {"distribution": {"kind": "monodisperse", "radius_um": 0.25}, "eta": 1.5,
+             "volume_fraction": 0.001}]},
+        {"phase": "hg", "g": 0.5, "sigma_a": 0.1, "sigma_s": [1, 2, 3]},
+        {"phase": "rayleigh", "depolarization": 0.1, "sigma_a": 0, "sigma_s": 1},
+        {"phase": "mueller_table", "sigma_a": 0, "sigma_s": 1, "table": {
+            "lambda_nm": [450, 450, 450, 650, 650, 650], "theta_deg": [0, 90, 180, 0, 90, 180],
+            "m00": [1, 1, 1, 2, 1, 1], "m01": [0, 0.5, 0, 0, 0.5, 0],
+            "m22": [0.5, 0, 0, 0, 0, 0], "m23": [0, 0.1, 0, 0, 0, 0]}},
+    ]}});
+    let good = glb(document, &square_bytes());
+    assert!(survives(&good));
+    let key = b"\"media\"";
+    let start = good.windows(key.len()).position(|part| part == key).unwrap();
+    let bytes: Vec<usize> = (start..start + 900).collect();
+    for seed in 0..2_000 {
+        let mut state = seed + 2_000_000;
+        let mut changed = good.clone();
+        for _ in 0..1 + seed % 3 {
+            let at = bytes[next(&mut state) as usize % bytes.len()];
+            let digits = b"0123456789.-e";
+            let random = digits[next(&mut state) as usize % digits.len()];
+            if good[at].is_ascii_digit() || seed % 8 == 0 {
+                changed[at] = random;
+            }
+        }
+        survives(&changed);
     }
 }
