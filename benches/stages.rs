@@ -7,19 +7,20 @@ use std::path::Path;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sunstone::geometry::{HitColumns, SurfaceColumns, resolve_surfaces, trace_closest};
 use sunstone::scattering::Scene;
-use sunstone::scene::{bake, baked::MaterialKind, load};
+use sunstone::scene::{bake, load};
 use sunstone::spectrum::Color;
-use sunstone::transport::chunk::ROWS;
+use sunstone::transport::chunk::{ROWS, Sequence};
 use sunstone::transport::stages::advance_paths::advance_paths;
 use sunstone::transport::stages::collect_emission::Strategy;
 use sunstone::transport::stages::collect_sensor::SensorSide;
 use sunstone::transport::stages::connect_to_emitters::connect_to_emitters;
-use sunstone::transport::stages::gather_connections::trace_connections;
 use sunstone::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use sunstone::transport::stages::partition_paths::partition_paths;
 use sunstone::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
 use sunstone::transport::stages::scatter_specular::{Event, scatter_specular};
+use sunstone::transport::stages::trace_connections::trace_connections;
 use sunstone::transport::tables::connections::ConnectionTable;
+use sunstone::transport::tables::flights::FlightTable;
 use sunstone::transport::tables::kernels::KernelColumns;
 use sunstone::transport::tables::partition::Partition;
 use sunstone::transport::tables::paths::PathTable;
@@ -39,6 +40,7 @@ const CHUNK: Chunk = Chunk {
     seed: 0,
     path_length_max: 12,
     roulette_after: 100,
+    sequence: Sequence::PerPath,
 };
 
 fn cornell() -> Scene<N> {
@@ -65,8 +67,9 @@ fn specular<M: LightModel<N>>(
 
 fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let scene = cornell();
-    let mut paths = PathTable::<N, M::Sensor>::new(ROWS);
-    let mut sorted = PathTable::<N, M::Sensor>::new(ROWS);
+    let mut paths = PathTable::<N, M::Sensor>::new(ROWS, false);
+    let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
+    let mut flights = FlightTable::new(ROWS);
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
@@ -77,7 +80,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     group.throughput(Throughput::Elements(rows as u64));
 
     group.bench_function("generate_sensor_paths", |bench| {
-        bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene.sensor, 0.0));
+        bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene, 0.0));
     });
     group.bench_function("trace_closest", |bench| {
         bench.iter(|| trace_closest(&mut hits, &paths.rays, 0..rows, &scene.accelerator));
@@ -94,15 +97,15 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
             resolve_surfaces(&mut surfaces, &sorted_hits, rays, 0..live, &scene.tables);
         });
     });
-    let diffuse = partition.rows_of(MaterialKind::Diffuse);
+    let (event, diffuse) = partition.connectable().next().expect("walls are diffuse");
     group.bench_function("connect_to_emitters", |bench| {
         bench.iter(|| {
-            let (rows, strategy) = (diffuse.clone(), Strategy::Unidirectional);
+            let (rows, strategy) = ((event, diffuse.clone()), Strategy::Unidirectional);
             connect_to_emitters(&mut connections, &sorted, &surfaces, &scene, rows, 1, strategy);
         });
     });
     group.bench_function("trace_connections", |bench| {
-        bench.iter(|| trace_connections(&mut connections, &scene));
+        bench.iter(|| trace_connections(&mut connections, &mut flights, &scene));
     });
     group.bench_function("scatter_diffuse", |bench| {
         bench.iter(|| {
