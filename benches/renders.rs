@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::integrators::{Integrator, Mode, Settings, render};
+use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
 use sunstone::scattering::Scene;
 use sunstone::scene::{bake, load};
 use sunstone::spectrum::Color;
@@ -32,6 +32,7 @@ fn renders(criterion: &mut Criterion) {
                     path_length_max: 12,
                     roulette_after: 100,
                     seed: 0,
+                    photons: Photons::default(),
                     time_limit: None,
                 };
                 let id = BenchmarkId::new(format!("{integrator:?}"), format!("{mode:?}"));
