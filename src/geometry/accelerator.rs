@@ -189,7 +189,7 @@ impl Accelerator {
     }
 
     /// [`Accelerator::closest`] with a stack to reuse.
-    #[inline]
+    #[inline(always)]
     pub(super) fn closest_with(
         &self,
         stack: &mut Stack,
@@ -238,7 +238,7 @@ impl Accelerator {
     }
 
     /// [`Accelerator::occluded`] with a stack to reuse.
-    #[inline]
+    #[inline(always)]
     pub(super) fn occluded_with(
         &self,
         stack: &mut Stack,

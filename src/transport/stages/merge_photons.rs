@@ -5,9 +5,9 @@
 use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
-use crate::math::{F32s, Vector, lanes};
+use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::kernel::Kernel;
-use crate::polarization::{Rotation, Stokes, s_axis};
+use crate::polarization::{Rotation, Stokes};
 use crate::scattering::event::Event;
 use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, half_sine2};
 use crate::scattering::vertex::VertexLanes;
@@ -53,7 +53,10 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
                 PhaseFunction::Table(table) if M::POLARIZED => {
                     merge_polarized(gather, grid, medium, table, (order, points));
                 }
-                _ => grid.gather(&mut InVolume { gather, medium }, order, points),
+                _ => {
+                    let photons = grid.photons();
+                    grid.gather(&mut InVolume { gather, medium, photons }, order, points);
+                }
             }
         }
     }
@@ -66,12 +69,13 @@ fn merge_polarized<const N: usize, C: SensorSide<N>>(
     table: &PhaseLookup<N>,
     (order, points): (&QueryOrder, &[Vec<f32>; 3]),
 ) {
+    let photons = grid.photons();
     // Without states in common there is one per wavelength.
     if grid.photons().class == PhotonClass::Stokes {
-        let mut visitor = Polarizing::<N, true, C> { gather, medium, table };
+        let mut visitor = Polarizing::<N, true, C> { gather, medium, table, photons };
         grid.gather(&mut visitor, order, points);
     } else {
-        let mut visitor = Polarizing::<N, false, C> { gather, medium, table };
+        let mut visitor = Polarizing::<N, false, C> { gather, medium, table, photons };
         grid.gather(&mut visitor, order, points);
     }
 }
@@ -197,15 +201,52 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
 struct InVolume<'a, const N: usize, C> {
     gather: Gather<'a, N, C>,
     medium: &'a Medium<N>,
+    photons: &'a PhotonTable<N>,
 }
 
 /// A vertex in a medium.
 struct VolumeState<S> {
     sums: S,
+    pending: Pending,
     /// Where light leaves towards the sensor.
     k_out: Vector<F32s>,
     /// The x axis of the frame in which Stokes vectors are summed.
     axis: Vector<F32s>,
+}
+
+/// Rows of photons in reach that wait until there are eight. A ball holds a fifteenth of what the
+/// cells about it do, so that packets as they are found hardly have more than one.
+#[derive(Default)]
+struct Pending {
+    rows: [u32; LANES],
+    len: usize,
+}
+
+impl Pending {
+    /// Adds the rows in the mask, and calls `work` whenever there are eight.
+    #[inline(always)]
+    fn add(&mut self, first_row: usize, within: F32s, mut work: impl FnMut(&[u32; LANES], F32s)) {
+        let mut bits = within.to_bitmask();
+        while bits != 0 {
+            self.rows[self.len] = first_row as u32 + bits.trailing_zeros();
+            self.len += 1;
+            bits &= bits - 1;
+            if self.len == LANES {
+                self.len = 0;
+                work(&self.rows, lanes::first(LANES));
+            }
+        }
+    }
+
+    /// Calls `work` for what is left.
+    #[inline(always)]
+    fn finish(mut self, mut work: impl FnMut(&[u32; LANES], F32s)) {
+        if self.len > 0 {
+            let any = self.rows[0];
+            self.rows[self.len..].fill(any);
+            work(&self.rows, lanes::first(self.len));
+        }
+    }
 }
 
 /// What turns the power of photons, which counts scatterings, into fluence.
@@ -215,13 +256,30 @@ fn per_scattering<const N: usize>(medium: &Medium<N>, n: usize) -> f32 {
     if sigma_s > 0.0 { 1.0 / sigma_s } else { 0.0 }
 }
 
+/// Adds what the photons `rows` in the mask scatter along `k_out`.
+#[inline(always)]
+fn add_scattered<const N: usize>(
+    sums: &mut [F32s; N],
+    medium: &Medium<N>,
+    photons: &PhotonTable<N>,
+    k_out: Vector<F32s>,
+    (rows, within): (&[u32; LANES], F32s),
+) {
+    let angle = half_sine2(photons.directions_of(rows), k_out);
+    let phase = medium.phase.values(angle);
+    for (n, (sum, &phase)) in sums.iter_mut().zip(&phase).enumerate() {
+        *sum += within & (photons.power_of(rows, n) * phase);
+    }
+}
+
 impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
     type State = VolumeState<[F32s; N]>;
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
-        VolumeState { sums: [F32s::splat(0.0); N], k_out, axis: k_out }
+        let sums = [F32s::splat(0.0); N];
+        VolumeState { sums, pending: Pending::default(), k_out, axis: k_out }
     }
 
     #[inline(always)]
@@ -232,17 +290,20 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let angle = half_sine2(photons.directions(row), state.k_out);
-        let phase = self.medium.phase.values(angle);
-        for ((sum, power), &phase) in state.sums.iter_mut().zip(&photons.power).zip(&phase) {
-            *sum += within & (lanes::load(power, row) * phase);
-        }
+        let VolumeState { sums, pending, k_out, .. } = state;
+        pending.add(row, within, |rows, within| {
+            add_scattered(sums, self.medium, photons, *k_out, (rows, within));
+        });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let medium = self.medium;
-        self.gather.add(row, &state.sums, |n| per_scattering(medium, n));
+        let VolumeState { mut sums, pending, k_out, .. } = state;
+        let (medium, photons) = (self.medium, self.photons);
+        pending.finish(|rows, within| {
+            add_scattered(&mut sums, medium, photons, k_out, (rows, within));
+        });
+        self.gather.add(row, &sums, |n| per_scattering(medium, n));
     }
 }
 
@@ -252,6 +313,38 @@ struct Polarizing<'a, const N: usize, const COMMON: bool, C> {
     gather: Gather<'a, N, C>,
     medium: &'a Medium<N>,
     table: &'a PhaseLookup<N>,
+    photons: &'a PhotonTable<N>,
+}
+
+/// Adds the Stokes vectors that the photons `rows` in the mask scatter along `k_out`, in the frame
+/// of `axis_out`.
+#[inline(always)]
+fn add_polarized<const N: usize, const COMMON: bool>(
+    sums: &mut [[F32s; N]; 4],
+    table: &PhaseLookup<N>,
+    photons: &PhotonTable<N>,
+    (k_out, axis_out): (Vector<F32s>, Vector<F32s>),
+    (rows, within): (&[u32; LANES], F32s),
+) {
+    let k_in = photons.directions_of(rows);
+    let (phase, kernels) = table.values_and_kernels(half_sine2(k_in, k_out));
+    // Its length does not matter, and where it vanishes, forwards, no turn is needed.
+    let axis = k_in.cross(k_out);
+    let turn_in = Rotation::between(k_in.any_perpendicular(), axis, k_in);
+    let turn_out = Rotation::between(axis, axis_out, k_out);
+    let arrived = |n: usize| {
+        let [s1, s2, s3] = photons.states_of(rows, n);
+        turn_in.apply(Stokes([F32s::splat(1.0), s1, s2, s3]))
+    };
+    let common = arrived(0);
+    for n in 0..N {
+        let light = if COMMON || n == 0 { common } else { arrived(n) };
+        let Stokes(scattered) = turn_out.apply(kernels[n].scatter(light));
+        let power = within & (photons.power_of(rows, n) * phase[n]);
+        for (sums, &component) in sums.iter_mut().zip(&scattered) {
+            sums[n] = power.mul_add(component, sums[n]);
+        }
+    }
 }
 
 impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
@@ -262,8 +355,9 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
+        let sums = [[F32s::splat(0.0); N]; 4];
         let axis = k_out.any_perpendicular();
-        VolumeState { sums: [[F32s::splat(0.0); N]; 4], k_out, axis }
+        VolumeState { sums, pending: Pending::default(), k_out, axis }
     }
 
     #[inline(always)]
@@ -274,29 +368,20 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let k_in = photons.directions(row);
-        let angle = half_sine2(k_in, state.k_out);
-        let (phase, kernels) = self.table.values_and_kernels(angle);
-        let axis = s_axis(k_in, state.k_out);
-        let turn_in = Rotation::between(k_in.any_perpendicular(), axis, k_in);
-        let turn_out = Rotation::between(axis, state.axis, state.k_out);
-        let arrived = |n: usize| {
-            let [s1, s2, s3] = photons.states(row, n);
-            turn_in.apply(Stokes([F32s::splat(1.0), s1, s2, s3]))
-        };
-        let common = arrived(0);
-        for n in 0..N {
-            let light = if COMMON || n == 0 { common } else { arrived(n) };
-            let Stokes(scattered) = turn_out.apply(kernels[n].scatter(light));
-            let power = lanes::load(&photons.power[n], row) * phase[n];
-            for (sums, &component) in state.sums.iter_mut().zip(&scattered) {
-                sums[n] += within & (power * component);
-            }
-        }
+        let VolumeState { sums, pending, k_out, axis } = state;
+        pending.add(row, within, |rows, within| {
+            let out = (*k_out, *axis);
+            add_polarized::<N, COMMON>(sums, self.table, photons, out, (rows, within));
+        });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
+        let VolumeState { mut sums, pending, k_out, axis } = state;
+        pending.finish(|rows, within| {
+            let out = (k_out, axis);
+            add_polarized::<N, COMMON>(&mut sums, self.table, self.photons, out, (rows, within));
+        });
         let gather = &mut self.gather;
         let mut value = [0.0; N];
         for (n, value) in value.iter_mut().enumerate() {
@@ -304,7 +389,7 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
             *value = beta * per_scattering(self.medium, n);
         }
         let mut stokes = [[0.0; N]; 4];
-        for (stokes, sums) in stokes.iter_mut().zip(&state.sums) {
+        for (stokes, sums) in stokes.iter_mut().zip(&sums) {
             for (stokes, sum) in stokes.iter_mut().zip(sums) {
                 *stokes = sum.reduce_add();
             }
@@ -313,9 +398,9 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
             let [x, y, z] = [vector.x, vector.y, vector.z].map(|lanes| lanes.to_array()[0]);
             Vector::new(x, y, z)
         };
-        let light = LightState { stokes, axis: one(state.axis) };
+        let light = LightState { stokes, axis: one(axis) };
         let place = (row, gather.paths.identity.slot[row] as usize);
-        let along = (one(state.k_out), gather.scene.sensor.up());
+        let along = (one(k_out), gather.scene.sensor.up());
         gather.paths.carriers.measure_polarized(gather.measured, place, value, &light, along);
     }
 }

@@ -180,6 +180,31 @@ impl<const N: usize> PhotonTable<N> {
         unpack_directions(lanes::load_u32(&self.direction, row))
     }
 
+    /// [`PhotonTable::directions`] of any eight rows.
+    #[inline(always)]
+    pub fn directions_of(&self, rows: &[u32; LANES]) -> Vector<F32s> {
+        unpack_directions(U32s::from(lanes::each(|lane| self.direction[rows[lane] as usize])))
+    }
+
+    /// The power at a wavelength of any eight rows.
+    #[inline(always)]
+    pub fn power_of(&self, rows: &[u32; LANES], wavelength: usize) -> F32s {
+        let power = &self.power[wavelength];
+        F32s::from(lanes::each(|lane| power[rows[lane] as usize]))
+    }
+
+    /// [`PhotonTable::states`] of any eight rows.
+    #[inline(always)]
+    pub fn states_of(&self, rows: &[u32; LANES], wavelength: usize) -> [F32s; 3] {
+        let channel = if self.class == PhotonClass::Stokes { 0 } else { wavelength };
+        let mut states = [F32s::ZERO; 3];
+        for (state, group) in states.iter_mut().zip(&self.stokes) {
+            let column = &group[channel];
+            *state = lanes::load_signed(&lanes::each(|lane| column[rows[lane] as usize]), 0);
+        }
+        states
+    }
+
     /// [`PhotonTable::directions`] times some positive length: enough to tell sides, and cheaper.
     #[inline(always)]
     pub fn directions_of_any_length(&self, row: usize) -> Vector<F32s> {
