@@ -4,7 +4,10 @@
 //! Each render is repeated 32 times; means over cells of pixels and over the image are compared.
 //! `light` is compared where its connections to the sensor can reach. `path` is left out where
 //! specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
-//! there, and does not know it.
+//! there, and does not know it. So is `bdpt`, for such light that is seen by way of specular
+//! surfaces, and there `ppm` is not compared with it. The kernel of `ppm` is so small that its
+//! bias drowns in the noise; in the shipped scenes with media too few photons would meet it (the
+//! full-length reference images test those).
 //!
 //! About 2,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
 //! chance of 4e-8, so that noise fails the suite in 1 of 10,000 cases; seeds are fixed, so that
@@ -17,7 +20,7 @@ mod support;
 use std::fs;
 
 use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Settings};
+use sunstone::integrators::{Integrator, Mode, Photons, Settings};
 use sunstone::scattering::Scene;
 use sunstone::scene::World;
 use sunstone::spectrum::Color;
@@ -46,11 +49,19 @@ struct Rendered {
 }
 
 /// All integrators that apply.
-fn render_all<const N: usize>(scene: &Scene<N>, mode: Mode, color: Color) -> Vec<Rendered> {
+fn render_all<const N: usize>(
+    scene: &Scene<N>,
+    mode: Mode,
+    color: Color,
+    photons_reach_media: bool,
+) -> Vec<Rendered> {
     let everywhere = vec![true; (SIZE[0] * SIZE[1]) as usize];
     let mut all = vec![(Integrator::Bdpt, everywhere.clone())];
     if path_finds_everything(scene) {
-        all.push((Integrator::Path, everywhere));
+        all.push((Integrator::Path, everywhere.clone()));
+    }
+    if !scene.has_media() || photons_reach_media {
+        all.push((Integrator::Ppm, everywhere.clone()));
     }
     let mask = light_mask(scene);
     if mask.iter().any(|&seen| seen) {
@@ -62,7 +73,11 @@ fn render_all<const N: usize>(scene: &Scene<N>, mode: Mode, color: Color) -> Vec
         let roulette_after = if integrator == Integrator::Path { 3 } else { u32::MAX };
         // With other seeds than in scalar mode, where the same paths would prove nothing new.
         let seed = settings.seed + if mode == Mode::Polarized { 0x0100_0000 } else { 0 };
-        let settings = Settings { roulette_after, seed, ..settings };
+        // A kernel so small that its bias drowns in the noise.
+        let share = if scene.has_media() { 0.02 } else { 0.003 };
+        let radius = Some(share * scene.tables.bounds.radius);
+        let photons = Photons { per_iteration: 4_000, samples: 2, alpha: 1.0, radius };
+        let settings = Settings { roulette_after, seed, photons, ..settings };
         Rendered { integrator, images: replicates(scene, &settings, REPLICATES), mask }
     };
     all.into_iter().map(render).collect()
@@ -76,10 +91,16 @@ fn disagreements<const N: usize>(
     color: Color,
 ) -> Vec<String> {
     let scene = scene::<N>(world, color, SIZE);
-    let all = render_all(&scene, mode, color);
+    let is_small = !name.contains(".gltf");
+    let all = render_all(&scene, mode, color, is_small);
+    let bdpt_finds_everything = path_finds_everything(&scene);
     let mut complaints = Vec::new();
     for (index, second) in all.iter().enumerate() {
         for first in &all[..index] {
+            let of_both = [first.integrator, second.integrator];
+            if of_both == [Integrator::Bdpt, Integrator::Ppm] && !bdpt_finds_everything {
+                continue;
+            }
             let found = compare(first, second);
             let pair =
                 format!("{name}, {mode:?}: {:?} and {:?}", first.integrator, second.integrator);

@@ -17,7 +17,7 @@ mod support;
 use std::ops::Range;
 
 use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode};
+use sunstone::integrators::{Integrator, Mode, Photons, Settings};
 use sunstone::output::npy::{read_npy, read_npy_with_stderr};
 
 use support::evidence;
@@ -65,13 +65,30 @@ const POLARIZERS: Case = Case {
     ill_posed: &[[78, 12, 84, 23], [92, 44, 103, 51]],
 };
 
+/// Circular polarization comes from total reflection alone, seldom and much at a time.
+const TANK: Case = Case { name: "tank", path_length_max: 40, exact: (0..4, 100), ill_posed: &[] };
+const RAYLEIGH: Case =
+    Case { name: "rayleigh", path_length_max: 20, exact: (0..4, 5_000), ill_posed: &[] };
+
 /// Renders and compares with cells of `edge` pixels.
 fn check(case: &Case, integrator: Integrator, iterations: u32, edge: usize) {
+    check_photons(case, integrator, iterations, edge, Photons::default());
+}
+
+/// [`check`] with photons.
+fn check_photons(
+    case: &Case,
+    integrator: Integrator,
+    iterations: u32,
+    edge: usize,
+    photons: Photons,
+) {
     let reference = reference(case.name);
     let world = world(&in_package(&format!("scenes/reference/{}.gltf", case.name)));
     let size = [reference.width as u32, reference.height as u32];
     let scene = scene::<1>(&world, MONO, size);
     let settings = settings(integrator, Mode::Polarized, MONO, iterations, case.path_length_max);
+    let settings = Settings { photons, ..settings };
     let images = replicates(&scene, &settings, REPLICATES);
     let mut mask = match integrator {
         Integrator::Light => light_mask(&scene),
@@ -219,11 +236,62 @@ fn light_renders_cornell() {
 }
 
 #[test]
+fn path_renders_tank() {
+    check(&TANK, Integrator::Path, 128, 8);
+}
+
+#[test]
+fn path_renders_rayleigh() {
+    check(&RAYLEIGH, Integrator::Path, 128, 4);
+}
+
+#[test]
+fn bdpt_renders_tank() {
+    check(&TANK, Integrator::Bdpt, 96, 8);
+}
+
+#[test]
+fn bdpt_renders_rayleigh() {
+    check(&RAYLEIGH, Integrator::Bdpt, 96, 4);
+}
+
+/// One path in thirty meets the cloud.
+#[test]
+fn light_renders_rayleigh() {
+    check(&RAYLEIGH, Integrator::Light, 1024, 8);
+}
+
+/// Photons whose kernel does not shrink, but is small enough for its bias to drown in the noise.
+fn photons(per_iteration: u32, radius: f32) -> Photons {
+    Photons { per_iteration, samples: 4, alpha: 1.0, radius: Some(radius) }
+}
+
+#[test]
+fn ppm_renders_cornell() {
+    check_photons(&CORNELL, Integrator::Ppm, 32, 8, photons(50_000, 0.01));
+}
+
+#[test]
+fn ppm_renders_tank() {
+    check_photons(&TANK, Integrator::Ppm, 64, 16, photons(100_000, 0.02));
+}
+
+#[test]
+fn ppm_renders_rayleigh() {
+    check_photons(&RAYLEIGH, Integrator::Ppm, 64, 8, photons(100_000, 0.01));
+}
+
+#[test]
 #[ignore = "minutes: 16,384 samples a pixel, to be run before a release"]
 fn path_renders_all_at_full_length() {
-    for (case, iterations, edge) in
-        [(&CORNELL, 1024, 2), (&MIRROR, 1024, 4), (&BREWSTER, 1024, 2), (&POLARIZERS, 128, 2)]
-    {
+    for (case, iterations, edge) in [
+        (&CORNELL, 1024, 2),
+        (&MIRROR, 1024, 4),
+        (&BREWSTER, 1024, 2),
+        (&POLARIZERS, 128, 2),
+        (&TANK, 1024, 4),
+        (&RAYLEIGH, 1024, 2),
+    ] {
         println!("{}", case.name);
         check(case, Integrator::Path, iterations, edge);
     }
@@ -232,9 +300,14 @@ fn path_renders_all_at_full_length() {
 #[test]
 #[ignore = "minutes: 8,192 samples a pixel, to be run before a release"]
 fn bdpt_renders_all_at_full_length() {
-    for (case, iterations, edge) in
-        [(&CORNELL, 512, 2), (&MIRROR, 512, 4), (&BREWSTER, 512, 2), (&POLARIZERS, 128, 2)]
-    {
+    for (case, iterations, edge) in [
+        (&CORNELL, 512, 2),
+        (&MIRROR, 512, 4),
+        (&BREWSTER, 512, 2),
+        (&POLARIZERS, 128, 2),
+        (&TANK, 512, 4),
+        (&RAYLEIGH, 512, 2),
+    ] {
         println!("{}", case.name);
         check(case, Integrator::Bdpt, iterations, edge);
     }

@@ -234,7 +234,7 @@ fn shoot_chunk<const N: usize, M: LightModel<N>>(
                         Met::Surface(_) => &mut batch[0],
                         Met::Medium(row) => &mut batch[1 + row as usize],
                     };
-                    store_photons(map, paths, surfaces, (event, rows));
+                    store_photons(map, paths, surfaces, rows, path_length);
                 }
             });
         }

@@ -27,7 +27,7 @@ pub fn ppm<const N: usize, M: LightModel<N>>(
 ) {
     walk(workspace, scene, chunk, |workspace, path_length| {
         connect_emitters(workspace, scene, path_length, STRATEGY);
-        merge(workspace, scene, maps);
+        merge(workspace, scene, maps, chunk.path_length_max - path_length);
     });
 }
 
@@ -52,14 +52,16 @@ pub fn walk<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Merges the vertices that can be with the photons about them.
+/// Merges the vertices that can be with the photons about them that have `length_max` segments at
+/// most.
 fn merge<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     maps: &PhotonMaps<N>,
+    length_max: u32,
 ) {
     for_each_connectable(w, |w, of_event| {
-        let map = maps.of(of_event.0.met);
+        let map = (maps.of(of_event.0.met), length_max);
         let (measured, order, paths) = (&mut w.measured, &mut w.queries, &w.sensor[1]);
         let surfaces = &w.surfaces;
         w.profile.time(Stage::Merge, || {

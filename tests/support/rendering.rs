@@ -114,7 +114,22 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
 fn is_specular<const N: usize>(scene: &Scene<N>, primitive: usize) -> bool {
     let material = scene.material_of_primitive[primitive] as usize;
     let kind = scene.tables.materials[material].kind;
-    !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse)
+    !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
+}
+
+/// What a ray meets behind boundaries that do not bend it.
+fn behind_null<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
+    loop {
+        let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
+        if hit.primitive == NONE {
+            return NONE;
+        }
+        let material = scene.material_of_primitive[hit.primitive as usize] as usize;
+        if scene.tables.materials[material].kind != MaterialKind::Null {
+            return hit.primitive;
+        }
+        origin += direction * (hit.t + 1e-5 * scene.reach);
+    }
 }
 
 /// The pixels that connections of light paths to the sensor can fill: those, with their
@@ -151,12 +166,12 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
         };
         (0..LANES).all(|lane| {
             let (origin, direction) = (row(&origin, lane), row(&direction, lane));
-            let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-            if hit.primitive == NONE {
+            let primitive = behind_null(scene, origin, direction);
+            if primitive == NONE {
                 // Parallel rays have no direction to share with an environment.
                 return scene.tables.environment == NONE || scene.sensor.is_finite();
             }
-            !is_specular(scene, hit.primitive as usize)
+            !is_specular(scene, primitive as usize)
         })
     })
 }

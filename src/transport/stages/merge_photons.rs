@@ -18,14 +18,15 @@ use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use crate::transport::tables::photon_maps::PhotonMap;
 use crate::transport::tables::photon_queries::QueryOrder;
-use crate::transport::tables::photons::{PhotonClass, PhotonTable};
+use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTable};
 use crate::transport::tables::states::LightState;
 
 use super::collect_sensor::SensorSide;
 use super::connect_to_vertices::on_surface;
 use super::{row_of, splat};
 
-/// Merges the rows `rows`, which have met `event`, with the photons of their map.
+/// Merges the rows `rows`, which have met `event`, with the photons of their map whose paths have
+/// `length_max` segments at most.
 ///
 /// From: depolarize_sensor. To: the film.
 /// Writes: measured, order (scratch). Reads: paths, surfaces, map, scene.
@@ -34,7 +35,7 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     order: &mut QueryOrder,
     paths: &PathTable<N, M::Sensor>,
     surfaces: &SurfaceColumns,
-    map: &PhotonMap<N>,
+    (map, length_max): (&PhotonMap<N>, u32),
     scene: &Scene<N>,
     (event, rows): (Event, Range<usize>),
 ) {
@@ -42,7 +43,8 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
         return;
     }
     order.sort(&surfaces.position, rows, map.grid.cells());
-    let gather = Gather { measured, paths, surfaces, scene, per_volume: map.per_volume() };
+    let per_volume = map.per_volume();
+    let gather = Gather { measured, paths, surfaces, scene, per_volume, length_max };
     let grid = &map.grid;
     let points = &surfaces.position;
     match event.met {
@@ -88,9 +90,20 @@ struct Gather<'a, const N: usize, C> {
     scene: &'a Scene<N>,
     /// The kernel of the density estimate: reciprocal of the disk or ball, over the light paths.
     per_volume: f32,
+    /// Most segments of a photon's path.
+    length_max: u32,
 }
 
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
+    /// The photons of the packet at `row` that count.
+    #[inline(always)]
+    fn counting(&self, photons: &PhotonTable<N>, row: usize, within: F32s) -> F32s {
+        if self.length_max >= PATH_LENGTH_MAX {
+            return within;
+        }
+        within & photons.no_longer_than(row, self.length_max)
+    }
+
     #[inline(always)]
     fn direction(&self, row: usize) -> Vector<F32s> {
         splat(row_of(&self.paths.rays.direction, row))
@@ -160,6 +173,7 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
+        let within = self.0.counting(photons, row, within);
         let direction = photons.directions_of_any_length(row);
         let zero = F32s::splat(0.0);
         let geometric = direction.dot(state.geometric);
@@ -291,6 +305,7 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
         photons: &PhotonTable<N>,
     ) {
         let VolumeState { sums, pending, k_out, .. } = state;
+        let within = self.gather.counting(photons, row, within);
         pending.add(row, within, |rows, within| {
             add_scattered(sums, self.medium, photons, *k_out, (rows, within));
         });
@@ -369,6 +384,7 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
         photons: &PhotonTable<N>,
     ) {
         let VolumeState { sums, pending, k_out, axis } = state;
+        let within = self.gather.counting(photons, row, within);
         pending.add(row, within, |rows, within| {
             let out = (*k_out, *axis);
             add_polarized::<N, COMMON>(sums, self.table, photons, out, (rows, within));

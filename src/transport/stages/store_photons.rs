@@ -4,14 +4,13 @@ use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scattering::event::Event;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directions};
 
 use super::scatter_light::LightSide;
 
-/// Appends the rows `rows` that carry anything; they have met `event`. At depolarizers the power
-/// is all there is; in polarizing media the state of polarization is kept relative to it.
+/// Appends the rows `rows`, after `path_length` segments. At depolarizers the power is all there
+/// is; in polarizing media the state of polarization is kept relative to it.
 ///
 /// From: depolarize_light. To: merge_photons, by way of the grid.
 /// Writes: photons. Reads: paths, surfaces.
@@ -19,8 +18,10 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
     photons: &mut PhotonTable<N>,
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
-    (_event, rows): (Event, Range<usize>),
+    rows: Range<usize>,
+    path_length: u32,
 ) {
+    let first = photons.len;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let direction = Vector::load(&paths.rays.direction, row);
@@ -45,4 +46,5 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
             photons.store_stokes(start, photons.len, channel, polarization);
         }
     }
+    photons.note_path_length(first, path_length);
 }

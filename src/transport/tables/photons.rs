@@ -11,6 +11,9 @@
 //! | [`PhotonClass::Stokes`] | s1 s2 s3 | 34 |
 //! | [`PhotonClass::SpectralStokes`] | s1 s2 s3 per wavelength | 46 |
 //!
+//! The lowest six bits of the first wavelength's power hold the segments of the photon's path, so
+//! that paths can be kept within a length; that rounds the power by 8e-6 at most.
+//!
 //! The frame of the Stokes state is the canonical one of the direction *as stored*,
 //! [`Vector::any_perpendicular`] of [`PhotonTable::directions`], so no axis is stored: rotate into
 //! the frame of the rounded direction ([`round_directions`]) before storing.
@@ -180,6 +183,23 @@ impl<const N: usize> PhotonTable<N> {
         unpack_directions(lanes::load_u32(&self.direction, row))
     }
 
+    /// Notes the segments of their paths in the powers of the rows from `start` on.
+    pub fn note_path_length(&mut self, start: usize, path_length: u32) {
+        let length = path_length.min(PATH_LENGTH_MAX);
+        for power in &mut self.power[0][start..self.len] {
+            *power = f32::from_bits((power.to_bits() & !PATH_LENGTH_MAX) | length);
+        }
+    }
+
+    /// The mask of those of the eight rows from `row` on whose paths have `length_max` segments
+    /// at most; all that have [`PATH_LENGTH_MAX`] or more count as having that many.
+    #[inline(always)]
+    pub fn no_longer_than(&self, row: usize, length_max: u32) -> F32s {
+        let bits: U32s = bytemuck::cast(lanes::load(&self.power[0], row));
+        let length = bits & U32s::splat(PATH_LENGTH_MAX);
+        bytemuck::cast(length.simd_le(U32s::splat(length_max)))
+    }
+
     /// [`PhotonTable::directions`] of any eight rows.
     #[inline(always)]
     pub fn directions_of(&self, rows: &[u32; LANES]) -> Vector<F32s> {
@@ -223,6 +243,9 @@ impl<const N: usize> PhotonTable<N> {
         states
     }
 }
+
+/// Longest path that photons can tell from longer ones, in segments: all ones.
+pub const PATH_LENGTH_MAX: u32 = 63;
 
 /// Steps from the middle to a corner of the octahedral map, along either axis.
 const STEPS: f32 = 32767.0;
