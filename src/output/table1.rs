@@ -414,8 +414,8 @@ impl Table1 {
         write!(
             f,
             "\n{paths}\nThe paper: averages over {iterations} iterations, each of {photons_shot} \
-             light paths and\n{samples_per_iteration} samples a pixel, RGB; its machine is {machine}, \
-             and so is the size of its images.",
+             light paths and\n{samples_per_iteration} samples a pixel, RGB; its machine is \
+             {machine}, and so is the size of its images.",
         )
     }
 }
