@@ -12,6 +12,9 @@ use super::statistics::{Interval, median, median_interval};
 /// Least coverage of the intervals, where there are enough rounds.
 const COVERAGE: f64 = 0.95;
 
+/// CPU time relative to the time of all stages, below which the text says that threads waited.
+const BUSY: f64 = 0.9;
+
 /// The stages in groups, every stage in one.
 pub const GROUPS: [(&str, &[Stage]); 7] = [
     ("sample", &[Stage::Start, Stage::Scatter, Stage::Emission, Stage::Flight]),
@@ -437,13 +440,23 @@ impl SceneReport {
                 write!(f, " {:>10.1} %", 100.0 * share)?;
             }
         }
-        write_cost(f, "all stages", self.all_stages)?;
+        let stages = self.all_stages;
+        write_cost(f, "all stages", stages)?;
+        write_ratio(f, stages)?;
         let Some(cpu) = self.cpu else { return Ok(()) };
         write_cost(f, "CPU time, measured", cpu)?;
-        let stages = self.all_stages;
+        write_ratio(f, cpu)?;
         let rest = Cost::new(cpu.scalar - stages.scalar, cpu.polarized - stages.polarized);
-        write_cost(f, "CPU time less all stages", rest)
+        write_cost(f, "CPU time less all stages", rest)?;
+        if cpu.scalar + cpu.polarized < BUSY * (stages.scalar + stages.polarized) {
+            write!(f, "\nThreads waited while stages were timed: was the machine busy?")?;
+        }
+        Ok(())
     }
+}
+
+fn write_ratio(f: &mut fmt::Formatter<'_>, cost: Cost) -> fmt::Result {
+    write!(f, " {:>12}", format!("x {:.3}", cost.polarized / cost.scalar))
 }
 
 fn write_cost(f: &mut fmt::Formatter<'_>, name: &str, cost: Cost) -> fmt::Result {
