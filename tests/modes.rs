@@ -5,7 +5,8 @@ mod support;
 
 use rayon::ThreadPoolBuilder;
 use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Settings};
+use sunstone::integrators::session::Session;
+use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
 use sunstone::scattering::Scene;
 use sunstone::scene::World;
 use sunstone::spectrum::Color;
@@ -139,6 +140,43 @@ fn threads_change_no_bit() {
                     };
                     assert_same_bits(&variance(&alone), &variance(&together), &what);
                 }
+            }
+        }
+    }
+}
+
+/// A render that is stepped while another runs between its steps is the render in one go; and
+/// photons are merged within the same radii in both modes.
+#[test]
+fn stepping_changes_no_bit() {
+    let scene = scene::<3>(&world(&in_package("scenes/tank.gltf")), Color::Rgb, [24, 16]);
+    let photons = Photons { per_iteration: 2000, samples: 4, ..Photons::default() };
+    for integrator in [Integrator::Ppm, Integrator::Bdpt] {
+        // Three iterations of photons, or three waves without.
+        let iterations = if integrator == Integrator::Ppm { 12 } else { 48 };
+        let of =
+            |mode| Settings { photons, ..settings(integrator, mode, Color::Rgb, iterations, 8) };
+        let both = [of(Mode::Scalar), of(Mode::Polarized)];
+        let mut sessions = both.each_ref().map(|settings| Session::new(&scene, settings));
+        let mut radii: Vec<Vec<f32>> = Vec::new();
+        for _ in 0..3 {
+            sessions.iter_mut().for_each(Session::step);
+            let [scalar, polarized] = sessions.each_ref().map(Session::radii);
+            assert_eq!(scalar, polarized, "{integrator:?}");
+            radii.push(scalar);
+        }
+        let shrink = radii.windows(2).all(|pair| pair[0].iter().zip(&pair[1]).all(|(a, b)| a > b));
+        assert!(shrink, "{radii:?}");
+        assert_eq!(radii[0].len(), if integrator == Integrator::Ppm { 2 } else { 0 });
+        for (session, settings) in sessions.into_iter().zip(&both) {
+            let profile = session.profile();
+            let (stepped, whole) = (session.finish(), render(&scene, settings, &|_| ()));
+            assert_eq!(stepped.iterations, whole.iterations, "{integrator:?}");
+            assert_eq!(stepped.profile.photons, whole.profile.photons, "{integrator:?}");
+            assert_eq!(profile.rays_closest, whole.profile.rays_closest, "{integrator:?}");
+            let (stepped, whole) = (stepped.film.develop(), whole.film.develop());
+            for (stepped, whole) in stepped.planes.iter().zip(&whole.planes) {
+                assert_same_bits(stepped, whole, &format!("{integrator:?}"));
             }
         }
     }

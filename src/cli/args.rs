@@ -29,6 +29,8 @@ Examples:
       errors per Stokes component, and z-scores where the images hold variances
   sunstone inspect scenes/cornell.gltf
       what is in a scene (or an image), in words
+  sunstone bench table1
+      what polarization costs: the paper's Table 1, measured on this machine
 
 'sunstone help render' explains all options of a verb, 'sunstone render -h' lists them.
 Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong.";
@@ -52,6 +54,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Say in words what is in a scene or an image
     Inspect(InspectArguments),
+    /// Measure this program on this machine
+    Bench(BenchArguments),
 }
 
 /// Integrators by name.
@@ -85,10 +89,15 @@ pub enum ColorName {
     Mono,
 }
 
-/// Formats of statistics.
+/// Most segments of a path where no number is given.
+pub const PATH_LENGTH: u32 = 16;
+/// Segments without roulette where no number is given.
+pub const ROULETTE_AFTER: u32 = 6;
+
+/// Formats of statistics and reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsFormat {
-    /// A few lines
+    /// Lines and tables to read
     Text,
     /// One JSON object
     Json,
@@ -123,10 +132,10 @@ pub struct RenderArguments {
     #[arg(long, value_name = "NM", help_heading = LIGHT)]
     pub wavelength: Option<f32>,
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light
-    #[arg(long, value_name = "SEGMENTS", default_value_t = 16, help_heading = LIGHT)]
+    #[arg(long, value_name = "SEGMENTS", default_value_t = PATH_LENGTH, help_heading = LIGHT)]
     pub max_path_length: u32,
     /// Segments after which roulette may end a path; it adds noise and no error
-    #[arg(long, value_name = "SEGMENTS", default_value_t = 6, help_heading = LIGHT)]
+    #[arg(long, value_name = "SEGMENTS", default_value_t = ROULETTE_AFTER, help_heading = LIGHT)]
     pub roulette_after: u32,
 
     /// Samples per pixel [default: 64]
@@ -245,4 +254,64 @@ pub struct CompareArguments {
 pub struct InspectArguments {
     /// A scene (.gltf, .glb) or an image (.exr, .hdr, .npy)
     pub file: PathBuf,
+}
+
+/// `bench` as typed.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// What to measure.
+    #[command(subcommand)]
+    pub what: Bench,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum Bench {
+    /// What polarization costs: the paper's Table 1, and the stages behind it
+    Table1(Table1Arguments),
+}
+
+const TABLE1_NOTES: &str = "\
+Renders each scene twice at once with progressive photon mapping in RGB, without and with \
+polarization. Both trace the same paths. Their iterations alternate, so that whatever else the \
+machine does hits both alike; the first of each, which also finds the radius of the kernels, is \
+not counted.
+
+The tables go to standard output; progress and warnings go to standard error. They mean most on a \
+machine that does nothing else.";
+
+/// `bench table1` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = TABLE1_NOTES, args_override_self = true)]
+pub struct Table1Arguments {
+    /// Scenes, .gltf or .glb [default: the mirror and the tank that come with the program]
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// Iterations that are measured in each mode
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub iterations: u32,
+    /// Light paths an iteration
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    pub photons: u32,
+    /// Samples per pixel an iteration
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    pub samples_per_iteration: u32,
+    /// Width in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
+    pub width: u32,
+    /// Height in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
+    pub height: u32,
+    /// Seed of all randomness
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// What to print on standard output
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "text")]
+    pub format: StatsFormat,
+    /// Also write the report with the numbers of every round as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }

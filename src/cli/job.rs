@@ -8,7 +8,10 @@ use crate::scene::baked::{Camera, Projection};
 use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments};
+use super::args::{
+    ColorName, IntegratorName, ModeName, PATH_LENGTH, PhotonArguments, ROULETTE_AFTER,
+    RenderArguments, Table1Arguments,
+};
 use super::files::extension;
 
 /// Samples per pixel where no number is given.
@@ -37,9 +40,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     let photons = photons(arguments)?;
     let iterations = samples(arguments, photons.samples)?;
     within("--max-path-length", arguments.max_path_length, PATH_LENGTH_MAX, "")?;
-    if let Some(threads) = arguments.threads {
-        within("--threads", threads, THREADS_MAX, "; leave it out to use all processors")?;
-    }
+    check_threads(arguments.threads)?;
     for (name, edge) in [("--width", arguments.width), ("--height", arguments.height)] {
         if let Some(edge) = edge {
             within(name, edge, EDGE_MAX, "")?;
@@ -70,6 +71,38 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         seed: arguments.seed,
         photons,
         time_limit: time_limit(arguments)?,
+    })
+}
+
+/// Checks what was typed for `bench table1`; for the polarized half, from which the other differs
+/// in its mode alone.
+pub(super) fn table1_settings(arguments: &Table1Arguments) -> Result<Settings, CliError> {
+    let Table1Arguments { photons, samples_per_iteration: samples, .. } = *arguments;
+    within("--photons", photons, PHOTONS_MAX, "")?;
+    within("--samples-per-iteration", samples, SPP_MAX, "")?;
+    // One more warms up.
+    within("--iterations", arguments.iterations, SPP_MAX / samples - 1, "")?;
+    check_threads(arguments.threads)?;
+    within("--width", arguments.width, EDGE_MAX, "")?;
+    within("--height", arguments.height, EDGE_MAX, "")?;
+    check_film_size(arguments.width, arguments.height)?;
+    Ok(Settings {
+        integrator: Integrator::Ppm,
+        mode: Mode::Polarized,
+        color: Color::Rgb,
+        iterations: (1 + arguments.iterations) * samples,
+        replicates: 1,
+        path_length_max: PATH_LENGTH,
+        roulette_after: ROULETTE_AFTER,
+        seed: arguments.seed,
+        photons: Photons { per_iteration: photons, samples, ..Photons::default() },
+        time_limit: None,
+    })
+}
+
+fn check_threads(threads: Option<usize>) -> Result<(), CliError> {
+    threads.map_or(Ok(()), |threads| {
+        within("--threads", threads, THREADS_MAX, "; leave it out to use all processors")
     })
 }
 
@@ -195,6 +228,11 @@ pub(super) fn film_size(
             None => (WIDTH, edge(WIDTH as f32 / aspect)),
         },
     };
+    check_film_size(width, height)?;
+    Ok((width, height))
+}
+
+fn check_film_size(width: u32, height: u32) -> Result<(), CliError> {
     let pixels = u64::from(width) * u64::from(height);
     if width > EDGE_MAX || height > EDGE_MAX || pixels > PIXELS_MAX {
         return Err(CliError::Usage(format!(
@@ -202,7 +240,7 @@ pub(super) fn film_size(
              {EDGE_MAX}, and their product up to {PIXELS_MAX}"
         )));
     }
-    Ok((width, height))
+    Ok(())
 }
 
 /// Refuses a film that the memory does not hold, before the system ends the render for it.

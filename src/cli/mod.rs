@@ -1,6 +1,7 @@
 //! Floor 9: the command line. Arguments as typed become a validated job; verbs run it.
 
 mod args;
+mod bench;
 mod files;
 mod images;
 mod job;
@@ -57,6 +58,7 @@ fn run_command() -> ExitCode {
         Command::Visualize(arguments) => images::visualize(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

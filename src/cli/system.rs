@@ -1,4 +1,4 @@
-//! What the system tells about time and memory, where it does.
+//! What the system tells about time, memory and processors, where it does.
 
 /// Seconds that all threads of this process have computed so far.
 pub(super) fn cpu_seconds() -> Option<f64> {
@@ -30,9 +30,27 @@ fn meminfo(text: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
+/// The model of the processor.
+pub(super) fn processor_model() -> Option<String> {
+    model_name(&std::fs::read_to_string("/proc/cpuinfo").ok()?)
+}
+
+fn model_name(cpuinfo: &str) -> Option<String> {
+    let mut fields = cpuinfo.lines().filter_map(|line| line.split_once(':'));
+    let (_, name) = fields.find(|(key, _)| key.trim() == "model name")?;
+    Some(name.trim().to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn processors_are_named_by_their_line() {
+        let text = "processor\t: 0\nmodel\t\t: 17\nmodel name\t: A 16-Core: fast\nflags\t: x\n";
+        assert_eq!(model_name(text).as_deref(), Some("A 16-Core: fast"));
+        assert_eq!(model_name("Features\t: asimd\n"), None);
+    }
 
     #[test]
     fn available_memory_is_read_from_its_line() {

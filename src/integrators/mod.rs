@@ -10,6 +10,7 @@ mod photon_pass;
 mod ppm;
 pub mod profile;
 mod sensor_walk;
+pub mod session;
 pub mod threads;
 mod workspace;
 
@@ -26,8 +27,9 @@ use crate::transport::chunk::{ITERATIONS, Sequence, tiles};
 use crate::transport::tables::measured::Splats;
 use crate::transport::{Chunk, LightModel, Polarized, Scalar};
 
-use photon_pass::{PhotonMaps, Shot};
+use photon_pass::PhotonMaps;
 use profile::{Profile, Stage};
+use session::Run;
 use workspace::Workspace;
 
 /// Iterations between two looks at the clock.
@@ -136,39 +138,23 @@ fn render_as<const N: usize, M: LightModel<N>>(
     progress: &(dyn Fn(u32) + Sync),
 ) -> Outcome {
     let start = Instant::now();
-    let (width, height) = (scene.sensor.width, scene.sensor.height);
-    let with_variance = settings.replicates > 1;
-    let mut film = Film::new(width, height, settings.color, M::COMPONENTS, with_variance);
-    let pool = Pool::<N, M>::new(scene.has_media());
-    let mut profile = Profile::default();
-    let mut maps = (settings.integrator == Integrator::Ppm)
-        .then(|| PhotonMaps::new(scene, settings.photons.per_iteration, M::POLARIZED));
-    let wave_of = if maps.is_some() { settings.photons.samples } else { WAVE };
-    let mut done = 0;
+    let mut run = Run::<N, M>::new(scene, settings);
     let late = || settings.time_limit.is_some_and(|limit| start.elapsed() > limit);
     for replicate in 0..settings.replicates {
         let iterations = share(settings, replicate + 1) - share(settings, replicate);
         let seed = combine(settings.seed, replicate);
         let mut first = 0;
-        while first < iterations && !(done > 0 && late()) {
-            let count = wave_of.min(iterations - first);
-            if let Some(maps) = &mut maps {
-                let (iteration, earlier) = (first / wave_of, done / wave_of);
-                let shot = Shot { iteration, seed, earlier };
-                maps.shoot(&pool, scene, settings, shot, &mut profile);
-            }
-            let part = (first, count, seed);
-            wave(&mut film, &mut profile, &pool, scene, settings, part, maps.as_ref());
+        while first < iterations && !(run.done > 0 && late()) {
+            let count = run.wave_of().min(iterations - first);
+            run.advance(first, count, seed);
             first += count;
-            done += count;
-            progress(done);
+            progress(run.done);
         }
         if first > 0 {
-            film.finish_replicate(first);
+            run.film.finish_replicate(first);
         }
     }
-    pool.drain_profile(&mut profile);
-    Outcome { film, profile, iterations: done }
+    run.into_outcome()
 }
 
 /// Iterations of the first `replicates` replicates: whole numbers of photon passes, if any.
@@ -197,12 +183,10 @@ impl<const N: usize, M: LightModel<N>> Pool<N, M> {
         result
     }
 
-    fn drain_profile(self, profile: &mut Profile) {
-        for workspace in
-            self.resting.into_inner().expect("no thread panics while it holds the lock")
-        {
-            profile.add(&workspace.profile);
-        }
+    /// Adds what the workspaces have counted so far; none may be in use.
+    fn add_profiles(&self, profile: &mut Profile) {
+        let resting = self.resting.lock().expect("no thread panics while it holds the lock");
+        resting.iter().for_each(|workspace| profile.add(&workspace.profile));
     }
 }
 

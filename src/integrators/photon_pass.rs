@@ -90,6 +90,11 @@ impl<const N: usize> PhotonMaps<N> {
         self.maps.iter().map(|map| map.stored.len as u64).sum()
     }
 
+    /// Radii of the kernels, by map.
+    pub fn radii(&self) -> Vec<f32> {
+        self.maps.iter().map(|map| map.radius).collect()
+    }
+
     /// Shoots the photons of an iteration and sorts them.
     pub fn shoot<M: LightModel<N>>(
         &mut self,

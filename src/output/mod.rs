@@ -12,6 +12,7 @@
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`], [`stats`] | words about an image and about a render |
+//! | [`table1`] | what polarization costs, as the paper's Table 1 reports it |
 
 pub mod atomic;
 pub mod compare;
@@ -26,8 +27,9 @@ pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
-mod statistics;
+pub mod statistics;
 pub mod stats;
+pub mod table1;
 pub mod visualize;
 
 use std::path::Path;

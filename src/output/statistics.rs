@@ -1,4 +1,56 @@
-//! Limits that noise seldom exceeds.
+//! Limits that noise seldom exceeds, and medians.
+
+use serde::Serialize;
+
+/// An interval that holds a median with some chance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// The chance, if the values are independent and of one distribution, whichever that is.
+    pub coverage: f64,
+}
+
+/// The median; of an even number, the mean of the two in the middle. Zero of nothing.
+pub fn median(values: &[f64]) -> f64 {
+    let sorted = sorted(values);
+    match sorted.len() {
+        0 => 0.0,
+        len => 0.5 * (sorted[(len - 1) / 2] + sorted[len / 2]),
+    }
+}
+
+/// The interval between two order statistics, as far inwards as the wanted coverage allows, that
+/// holds the median of the distribution that the values come from; from the least to the greatest
+/// where these are too few for it. None of less than two values.
+///
+/// The median lies below the value of rank `j` (from 0) if at most `j` of `n` values lie below
+/// the median, which is as likely as at most `j` heads of `n` coins.
+pub fn median_interval(values: &[f64], coverage: f64) -> Option<Interval> {
+    let sorted = sorted(values);
+    let count = sorted.len();
+    let mut found = None;
+    let (mut ln_chance, mut tail) = (-(count as f64) * std::f64::consts::LN_2, 0.0);
+    for rank in 0..count / 2 {
+        tail += f64::exp(ln_chance);
+        ln_chance += ((count - rank) as f64 / (rank + 1) as f64).ln();
+        let (low, high) = (sorted[rank], sorted[count - 1 - rank]);
+        let interval = Interval { low, high, coverage: 1.0 - 2.0 * tail };
+        if found.is_some() && interval.coverage < coverage {
+            break;
+        }
+        found = Some(interval);
+    }
+    found
+}
+
+fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+}
 
 /// What the root mean square of `count` independent standard normal numbers exceeds with the given
 /// chance: the quantile of chi square after Wilson and Hilferty 1931.
@@ -46,6 +98,29 @@ fn normal_tail(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{chi_square_limit, maximum_limit, normal_limit, normal_tail};
+    use super::{median, median_interval};
+
+    /// The coverages are sums of binomial coefficients over powers of two.
+    #[test]
+    fn medians_lie_between_the_order_statistics_of_the_sign_test() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert_eq!(median_interval(&[1.0], 0.95), None);
+        let cases = [(2, 0, 0.5), (5, 0, 0.9375), (8, 0, 0.992_187_5), (9, 1, 0.960_937_5)];
+        for (count, rank, coverage) in cases {
+            let values: Vec<f64> = (0..count).rev().map(f64::from).collect();
+            let interval = median_interval(&values, 0.95).expect("two values or more");
+            assert_eq!(
+                (interval.low, interval.high),
+                (f64::from(rank), f64::from(count - 1 - rank))
+            );
+            assert!((interval.coverage - coverage).abs() < 1e-12, "{count}: {interval:?}");
+        }
+        let many: Vec<f64> = (0..4000).map(f64::from).collect();
+        let interval = median_interval(&many, 0.95).expect("two values or more");
+        assert!((interval.low - 1937.0).abs() < 2.0, "{interval:?}");
+        assert!(interval.coverage >= 0.95 && interval.coverage < 0.952, "{interval:?}");
+    }
 
     #[test]
     fn normal_tails_are_the_tabulated_ones() {

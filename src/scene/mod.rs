@@ -13,5 +13,5 @@ pub mod world;
 
 pub use self::bake::bake;
 pub use self::error::SceneError;
-pub use self::gltf::{extension_keys, load, load_with};
+pub use self::gltf::{extension_keys, load, load_from_memory, load_with};
 pub use self::world::World;

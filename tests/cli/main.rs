@@ -1,5 +1,6 @@
 //! The program from outside: the binary is run, its files, words and exit codes are looked at.
 
+mod bench;
 mod errors;
 mod images;
 mod program;

@@ -79,8 +79,9 @@ fn help_and_version_go_to_standard_output() {
 #[test]
 fn every_option_of_every_verb_is_explained() {
     let here = folder("explained");
-    for verb in ["render", "visualize", "compare", "inspect"] {
-        let help = sunstone(&here, &["help", verb]).done().stdout;
+    for verb in ["render", "visualize", "compare", "inspect", "bench table1"] {
+        let arguments: Vec<&str> = std::iter::once("help").chain(verb.split(' ')).collect();
+        let help = sunstone(&here, &arguments).done().stdout;
         let lines: Vec<&str> = help.lines().collect();
         for (index, line) in lines.iter().enumerate() {
             let option = line.trim_start();

@@ -15,6 +15,9 @@ const OTHERS: [&str; 4] = [
 ];
 /// What makes a printed render small: the last of equal options counts.
 const SMALL: [&str; 6] = ["--spp", "16", "--width", "24", "--height", "16"];
+/// The same for a benchmark.
+const SMALL_BENCH: [&str; 8] =
+    ["--photons", "1000", "--iterations", "2", "--width", "24", "--height", "16"];
 
 fn readme() -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap()
@@ -45,12 +48,14 @@ fn the_commands_run_as_printed() {
         };
         let mut words: Vec<&str> = line.split_whitespace().collect();
         verbs.push(words[0].to_owned());
-        if words[0] == "render" {
-            words.extend(SMALL);
+        match words[0] {
+            "render" => words.extend(SMALL),
+            "bench" => words.extend(SMALL_BENCH),
+            _ => {}
         }
         sunstone(&here, &words).done();
     }
-    for verb in ["render", "visualize", "compare", "inspect"] {
+    for verb in ["render", "visualize", "compare", "inspect", "bench"] {
         assert!(verbs.iter().any(|name| name == verb), "the README does not show `{verb}`");
     }
 }

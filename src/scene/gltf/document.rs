@@ -29,8 +29,13 @@ impl Document {
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         let bytes = read_file(path, u64::MAX)
             .map_err(|problem| SceneError::new("", problem, "is the path right?"))?;
+        Self::parse(&bytes, path)
+    }
+
+    /// Validates what stands, or might stand, at `path`, and reads everything that it refers to.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
         let (text, binary) =
-            if bytes.starts_with(b"glTF") { split_glb(&bytes)? } else { (&bytes[..], None) };
+            if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
         let value: Value = serde_json::from_slice(text).map_err(|error| {
             let remedy = "a scene is a glTF 2.0 file, .gltf or .glb";
             SceneError::new("", format!("is not glTF: {error}"), remedy)

@@ -42,8 +42,25 @@ pub fn load(path: &Path) -> Result<World, SceneError> {
 /// # Errors
 /// As [`load`], and when there is no such camera.
 pub fn load_with(path: &Path, camera: Option<&str>) -> Result<World, SceneError> {
+    import(path, camera, || Document::read(path))
+}
+
+/// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
+/// that.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
+    import(path, None, || Document::parse(bytes, path))
+}
+
+fn import(
+    path: &Path,
+    camera: Option<&str>,
+    read: impl FnOnce() -> Result<Document, SceneError>,
+) -> Result<World, SceneError> {
     let import = || {
-        let document = Document::read(path)?;
+        let document = read()?;
         let mut import = Import::new(&document);
         let scene = import.scene()?;
         import.add_scene(scene, camera)?;

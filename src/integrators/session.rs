@@ -1,0 +1,134 @@
+//! A render that is stepped: what `render` does in one go, and a measurement piece by piece.
+
+use crate::film::Film;
+use crate::math::hash::combine;
+use crate::scattering::Scene;
+use crate::transport::{LightModel, Polarized, Scalar};
+
+use super::photon_pass::{PhotonMaps, Shot};
+use super::profile::Profile;
+use super::{Integrator, Mode, Outcome, Pool, Settings, WAVE, wave};
+
+/// A render of one replicate that goes on for as long as it is asked to. Its film is that of
+/// [`super::render`] with as many iterations; `Settings::iterations`, `replicates` and
+/// `time_limit` do not count here.
+pub struct Session<'a, const N: usize>(Box<dyn Steps + Send + 'a>);
+
+impl<'a, const N: usize> Session<'a, N> {
+    /// A render in which nothing has been done yet.
+    pub fn new(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
+        match settings.mode {
+            Mode::Scalar => Self(Box::new(Run::<N, Scalar>::new(scene, settings))),
+            Mode::Polarized => Self(Box::new(Run::<N, Polarized>::new(scene, settings))),
+        }
+    }
+
+    /// Does the next iteration of photons with its samples, or a wave of samples where there are
+    /// no photons. The first also finds the radius that photons are merged within.
+    pub fn step(&mut self) {
+        self.0.step();
+    }
+
+    /// What all steps so far took.
+    pub fn profile(&self) -> Profile {
+        self.0.profile()
+    }
+
+    /// Radii of the latest iteration: that on surfaces, then those in the media. Empty without
+    /// photons.
+    pub fn radii(&self) -> Vec<f32> {
+        self.0.radii()
+    }
+
+    /// What came out.
+    pub fn finish(self) -> Outcome {
+        self.0.finish()
+    }
+}
+
+/// A run whose mode is known to itself alone.
+trait Steps {
+    fn step(&mut self);
+    fn profile(&self) -> Profile;
+    fn radii(&self) -> Vec<f32>;
+    fn finish(self: Box<Self>) -> Outcome;
+}
+
+impl<const N: usize, M: LightModel<N>> Steps for Run<'_, N, M> {
+    fn step(&mut self) {
+        let count = self.wave_of();
+        self.advance(self.done, count, combine(self.settings.seed, 0));
+    }
+
+    fn profile(&self) -> Profile {
+        let mut profile = self.profile.clone();
+        self.pool.add_profiles(&mut profile);
+        profile
+    }
+
+    fn radii(&self) -> Vec<f32> {
+        self.maps.as_ref().map_or(Vec::new(), PhotonMaps::radii)
+    }
+
+    fn finish(mut self: Box<Self>) -> Outcome {
+        if self.done > 0 {
+            self.film.finish_replicate(self.done);
+        }
+        (*self).into_outcome()
+    }
+}
+
+/// All that a render keeps from one wave to the next.
+pub(super) struct Run<'a, const N: usize, M: LightModel<N>> {
+    scene: &'a Scene<N>,
+    settings: &'a Settings,
+    /// The sums.
+    pub film: Film,
+    pool: Pool<N, M>,
+    maps: Option<PhotonMaps<N>>,
+    profile: Profile,
+    /// Samples per pixel so far.
+    pub done: u32,
+}
+
+impl<'a, const N: usize, M: LightModel<N>> Run<'a, N, M> {
+    /// Black film, no photons.
+    pub fn new(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
+        let (width, height) = (scene.sensor.width, scene.sensor.height);
+        let with_variance = settings.replicates > 1;
+        let maps = (settings.integrator == Integrator::Ppm)
+            .then(|| PhotonMaps::new(scene, settings.photons.per_iteration, M::POLARIZED));
+        Self {
+            scene,
+            settings,
+            film: Film::new(width, height, settings.color, M::COMPONENTS, with_variance),
+            pool: Pool::new(scene.has_media()),
+            maps,
+            profile: Profile::default(),
+            done: 0,
+        }
+    }
+
+    /// Samples per pixel of a wave: those of an iteration of photons, if there are photons.
+    pub fn wave_of(&self) -> u32 {
+        if self.maps.is_some() { self.settings.photons.samples } else { WAVE }
+    }
+
+    /// Renders one wave: `count` samples per pixel from `first` on in the sequences of `seed`.
+    pub fn advance(&mut self, first: u32, count: u32, seed: u32) {
+        let wave_of = self.wave_of();
+        let Self { scene, settings, film, pool, maps, profile, done } = self;
+        if let Some(maps) = maps {
+            let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
+            maps.shoot(pool, scene, settings, shot, profile);
+        }
+        wave(film, profile, pool, scene, settings, (first, count, seed), maps.as_ref());
+        *done += count;
+    }
+
+    /// What came out, with the profiles of all threads.
+    pub fn into_outcome(mut self) -> Outcome {
+        self.pool.add_profiles(&mut self.profile);
+        Outcome { film: self.film, profile: self.profile, iterations: self.done }
+    }
+}
