@@ -148,6 +148,9 @@ pub struct RenderArguments {
     /// Stop after this many seconds, with the iterations done by then
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
+    /// Also write the image as it is every so many seconds, without variances
+    #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
+    pub update: Option<f64>,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,

@@ -70,7 +70,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         roulette_after: arguments.roulette_after,
         seed: arguments.seed,
         photons,
-        time_limit: time_limit(arguments)?,
+        time_limit: seconds("--time-limit", arguments.time_limit)?,
     })
 }
 
@@ -200,11 +200,12 @@ fn photons(arguments: &RenderArguments) -> Result<Photons, CliError> {
     Ok(Photons { per_iteration, samples, alpha, radius: *radius })
 }
 
-fn time_limit(arguments: &RenderArguments) -> Result<Option<Duration>, CliError> {
-    let Some(seconds) = arguments.time_limit else { return Ok(None) };
-    Duration::try_from_secs_f64(seconds).map(Some).map_err(|_| {
-        CliError::Usage(format!("--time-limit must be a number of seconds, not {seconds}"))
-    })
+/// A time in seconds, not negative.
+pub(super) fn seconds(name: &str, seconds: Option<f64>) -> Result<Option<Duration>, CliError> {
+    let Some(seconds) = seconds else { return Ok(None) };
+    Duration::try_from_secs_f64(seconds)
+        .map(Some)
+        .map_err(|_| CliError::Usage(format!("{name} must be a number of seconds, not {seconds}")))
 }
 
 /// The size of the film: what was typed, else what the scene asks for, else a default; an edge

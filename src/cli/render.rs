@@ -1,14 +1,15 @@
 //! The verb `render`: load, check, render, write.
 
 use std::io::IsTerminal;
-use std::time::Instant;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::film::StokesImage;
 use crate::integrators::profile::STAGES;
 use crate::integrators::threads::Threads;
-use crate::integrators::{self, Integrator, Mode, Outcome, Settings};
+use crate::integrators::{self, Integrator, Mode, Outcome, Progress, Settings};
 use crate::output::stats::{RenderStatistics, peak_memory_bytes};
 use crate::scattering::Scene;
 use crate::scene::baked::{BakedScene, MaterialKind};
@@ -49,9 +50,13 @@ fn render_with<const N: usize>(
     let scene = Scene::new(tables, size.0, size.1);
     let threads = Threads::start(arguments.threads)?;
     let progress = progress_bar(arguments, settings);
+    let updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
     let outcome = threads.run(|| {
-        integrators::render(&scene, settings, &|done| progress.set_position(u64::from(done)))
+        integrators::render(&scene, settings, &|so_far| {
+            progress.set_position(u64::from(so_far.iterations));
+            updates.write(arguments, so_far);
+        })
     });
     let seconds = start.elapsed().as_secs_f64();
     let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
@@ -66,6 +71,38 @@ fn render_with<const N: usize>(
     image.metadata = metadata(arguments, settings, &statistics);
     crate::output::save(&image, &arguments.output)?;
     report(arguments, &statistics, &image)
+}
+
+/// Images on the way.
+struct Updates {
+    interval: Option<Duration>,
+    last: Mutex<Instant>,
+}
+
+impl Updates {
+    fn new(arguments: &RenderArguments) -> Result<Self, CliError> {
+        let interval = job::seconds("--update", arguments.update)?;
+        Ok(Self { interval, last: Mutex::new(Instant::now()) })
+    }
+
+    /// Writes the image if it is time. A render does not end for a failure to do so.
+    fn write(&self, arguments: &RenderArguments, so_far: &Progress) {
+        let Some(interval) = self.interval else { return };
+        let mut last = self.last.lock().expect("no thread panics while it holds the lock");
+        if last.elapsed() < interval {
+            return;
+        }
+        let mut image = so_far.image();
+        let iterations = so_far.iterations.to_string();
+        image.metadata = vec![
+            ("scene".to_owned(), arguments.scene.display().to_string()),
+            ("iterations".to_owned(), iterations),
+        ];
+        if let Err(error) = crate::output::save(&image, &arguments.output) {
+            say(format_args!("warning: no update was written: {error}"));
+        }
+        *last = Instant::now();
+    }
 }
 
 /// Which images particle tracing can make.

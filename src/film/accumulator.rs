@@ -95,6 +95,18 @@ impl Film {
         image
     }
 
+    /// The image so far, without variances: the finished replicates and the current one, of which
+    /// `iterations` have been added.
+    pub fn preview(&self, iterations: u32) -> StokesImage {
+        let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
+        let all = (self.iterations + u64::from(iterations)).max(1) as f64;
+        let finished = self.iterations as f64 / all;
+        let values = self.mean.iter().zip(&self.sums);
+        let values: Vec<f64> = values.map(|(mean, sum)| mean * finished + sum / all).collect();
+        image.planes = self.planes(&values, 1.0);
+        image
+    }
+
     fn planes(&self, values: &[f64], factor: f64) -> Vec<Vec<f32>> {
         let stride = self.values_per_pixel();
         let plane = |offset: usize| {
@@ -116,8 +128,13 @@ mod tests {
             film.add(0, &[value * 4.0]);
             film.add(1, &[2.0]);
             film.add(1, &[2.0]);
+            let preview = film.preview(4);
             film.finish_replicate(4);
+            assert_eq!(preview.planes, film.develop().planes);
         }
+        film.add(0, &[30.0]);
+        assert_eq!(film.preview(3).planes, [vec![66.0 / 15.0, 12.0 / 15.0]]);
+        film.add(0, &[-30.0]);
         let image = film.develop();
         assert_eq!(image.planes, [vec![3.0, 1.0]]);
         let variance = &image.variance.expect("three replicates")[0];

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::film::Film;
+use crate::film::{Film, StokesImage};
 use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::spectrum::Color;
@@ -118,13 +118,29 @@ pub struct Outcome {
     pub iterations: u32,
 }
 
-/// Renders. `progress` hears of the iterations done so far.
+/// How far a render has come.
+pub struct Progress<'a> {
+    /// Samples per pixel so far.
+    pub iterations: u32,
+    film: &'a Film,
+    /// Samples per pixel of the current replicate so far.
+    of_replicate: u32,
+}
+
+impl Progress<'_> {
+    /// The image so far, without variances.
+    pub fn image(&self) -> StokesImage {
+        self.film.preview(self.of_replicate)
+    }
+}
+
+/// Renders. `progress` hears after every wave.
 ///
 /// Within a thread pool of any size the result has the same bits, unless time runs out.
 pub fn render<const N: usize>(
     scene: &Scene<N>,
     settings: &Settings,
-    progress: &(dyn Fn(u32) + Sync),
+    progress: &(dyn Fn(&Progress) + Sync),
 ) -> Outcome {
     match settings.mode {
         Mode::Scalar => render_as::<N, Scalar>(scene, settings, progress),
@@ -135,7 +151,7 @@ pub fn render<const N: usize>(
 fn render_as<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     settings: &Settings,
-    progress: &(dyn Fn(u32) + Sync),
+    progress: &(dyn Fn(&Progress) + Sync),
 ) -> Outcome {
     let start = Instant::now();
     let mut run = Run::<N, M>::new(scene, settings);
@@ -148,7 +164,7 @@ fn render_as<const N: usize, M: LightModel<N>>(
             let count = run.wave_of().min(iterations - first);
             run.advance(first, count, seed);
             first += count;
-            progress(run.done);
+            progress(&Progress { iterations: run.done, film: &run.film, of_replicate: first });
         }
         if first > 0 {
             run.film.finish_replicate(first);
