@@ -21,5 +21,5 @@ mod surface;
 
 pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
 pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};
-pub use offset::{offset_origin, reach};
+pub use offset::{offset_distance, offset_origin, reach};
 pub use surface::{SurfaceColumns, resolve_surfaces};

@@ -8,6 +8,12 @@ use crate::scene::baked::Bounds;
 /// that the triangle test computes by about 5 more.
 const RELATIVE_OFFSET: f64 = 32.0 / (1 << 24) as f64;
 
+/// How far off a surface rays start in a scene whose coordinates are bound by `reach`.
+#[inline(always)]
+pub fn offset_distance<F: Real>(reach: F) -> F {
+    reach * F::splat(RELATIVE_OFFSET)
+}
+
 /// The largest magnitude that a coordinate in a scene within `bounds` can have.
 pub fn reach(bounds: &Bounds) -> f32 {
     bounds.center.abs().max_element() + bounds.radius
@@ -26,7 +32,7 @@ pub fn offset_origin<F: Real>(
     direction: Vector<F>,
     reach: F,
 ) -> Vector<F> {
-    let distance = reach * F::splat(RELATIVE_OFFSET);
+    let distance = offset_distance(reach);
     let leaves_back = geometric_normal.dot(direction).lt(F::zero());
     let signed = F::select(leaves_back, -distance, distance);
     geometric_normal.mul_add(signed, position)

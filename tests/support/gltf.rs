@@ -23,7 +23,9 @@ pub struct Document {
     bytes: Vec<u8>,
     lights: Vec<Value>,
     cameras: Vec<Value>,
+    media: Vec<Value>,
     environment: Option<f32>,
+    up: Option<Vec3>,
 }
 
 impl Document {
@@ -74,6 +76,14 @@ impl Document {
             if !open.contains(&wall) {
                 self.quad(center, u, v, materials[wall]);
             }
+        }
+    }
+
+    /// The six faces of a box, outwards.
+    pub fn cuboid(&mut self, center: Vec3, half: Vec3, material: usize) {
+        let (x, y, z) = (Vec3::X * half.x, Vec3::Y * half.y, Vec3::Z * half.z);
+        for (face, u, v) in [(x, y, z), (-x, z, y), (y, z, x), (-y, x, z), (z, x, y), (-z, y, x)] {
+            self.quad(center + face, u, v, material);
         }
     }
 
@@ -158,9 +168,42 @@ impl Document {
         }));
     }
 
+    /// A participating medium.
+    pub fn medium(&mut self, body: Value) -> usize {
+        self.media.push(body);
+        self.media.len() - 1
+    }
+
+    /// Says what lies behind all shapes that `build` adds, and before them (nothing by default).
+    pub fn around(
+        &mut self,
+        interior: Option<usize>,
+        exterior: Option<usize>,
+        build: impl FnOnce(&mut Self),
+    ) {
+        let first = self.nodes.len();
+        build(self);
+        for node in &mut self.nodes[first..] {
+            let body = &mut node["extensions"]["SUNSTONE_polarization"];
+            body["interior"] = json!(interior);
+            body["exterior"] = json!(exterior);
+        }
+    }
+
+    /// A medium within boundaries that are not there otherwise: `shape` is given their material.
+    pub fn fog(&mut self, medium: usize, shape: impl FnOnce(&mut Self, usize)) {
+        let null = self.material(json!({"bsdf": "null"}));
+        self.around(Some(medium), None, |scene| shape(scene, null));
+    }
+
     /// Light of equal radiance from everywhere outside.
     pub fn environment(&mut self, radiance: f32) {
         self.environment = Some(radiance);
+    }
+
+    /// What is up for the cameras to come, instead of y.
+    pub fn up(&mut self, up: Vec3) {
+        self.up = Some(up);
     }
 
     /// A pinhole, or a lens with its radius and focus distance.
@@ -183,7 +226,7 @@ impl Document {
     fn camera(&mut self, camera: Value, eye: Vec3, target: Vec3) {
         self.cameras.push(camera);
         let backward = (eye - target).normalize();
-        let right = Vec3::Y.cross(backward).normalize();
+        let right = self.up.unwrap_or(Vec3::Y).cross(backward).normalize();
         let turn = Mat3::from_cols(right, backward.cross(right), backward);
         self.nodes.push(json!({
             "camera": self.cameras.len() - 1,
@@ -220,7 +263,10 @@ impl Document {
             file["buffers"] = json!([{"byteLength": self.bytes.len(), "uri": uri}]);
         }
         if !self.lights.is_empty() {
-            file["extensions"] = json!({"KHR_lights_punctual": {"lights": self.lights}});
+            file["extensions"]["KHR_lights_punctual"] = json!({"lights": self.lights});
+        }
+        if !self.media.is_empty() {
+            file["extensions"]["SUNSTONE_polarization"] = json!({"media": self.media});
         }
         if let Some(radiance) = self.environment {
             file["scenes"][0]["extensions"] =

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::geometry::{HitColumns, IN_MEDIUM, offset_origin, trace_closest};
-use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
+use crate::geometry::{HitColumns, IN_MEDIUM, offset_distance, trace_closest};
+use crate::math::{F32s, LANES, Real, U32s, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{KEEP, MaterialKind, NONE};
 use crate::transport::sampler::{Purpose, draw};
@@ -74,7 +74,7 @@ fn first_pieces<const N: usize, C>(
             let lane = row - first;
             flights.left[row] = left[lane];
             let (t, inside) = (hits.t[row], paths.media.inside[row]);
-            match fly(flights, scene, (row, inside), t, wavelength[lane]) {
+            match fly(flights, scene, (row, inside), t, wavelength[lane] as usize) {
                 Some(distance) => {
                     hits.t[row] = distance;
                     hits.primitive[row] = IN_MEDIUM + inside;
@@ -107,7 +107,10 @@ fn later_pieces<const N: usize, C>(
         let inside = flights.inside[index];
         let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
         let start = row - row % LANES;
-        let wavelength = wavelength_of::<N>(&paths.identity, start)[row - start];
+        let wavelength = wavelength_of::<N>(&paths.identity, start)[row - start] as usize;
+        // The step off the last boundary: what lies within it is met at a negative distance.
+        let sigma = scene.medium(inside).sigma_t[wavelength];
+        flights.left[row] -= sigma * offset_distance(scene.reach);
         let met = fly(flights, scene, (row, inside), t, wavelength);
         if met.is_none() && is_null_boundary(scene, primitive) {
             step_over(flights, index, scene);
@@ -129,13 +132,13 @@ fn fly<const N: usize>(
     scene: &Scene<N>,
     (row, inside): (usize, u32),
     t: f32,
-    wavelength: u32,
+    wavelength: usize,
 ) -> Option<f32> {
     if inside == NONE {
         return None;
     }
     let sigma_t = &scene.medium(inside).sigma_t;
-    let sigma = sigma_t[wavelength as usize];
+    let sigma = sigma_t[wavelength];
     let distance = flights.left[row] / sigma;
     // Without extinction the distance is infinite, or not a number: nothing is met.
     let meets = distance < t;
@@ -155,7 +158,11 @@ fn is_null_boundary<const N: usize>(scene: &Scene<N>, primitive: u32) -> bool {
 }
 
 /// Moves the flight at `index`, which has reached a boundary, behind it and to the end of the
-/// rows in use. What the step off the boundary skips counts as part of the next piece.
+/// rows in use.
+///
+/// The step off the boundary is along the ray, so that it counts as part of the next piece in
+/// full; along the normal, slanted rays would lose optical depth. A ray that grazes may meet the
+/// boundary again, which does no harm: the medium behind it is the same every time.
 pub(super) fn step_over<const N: usize>(
     flights: &mut FlightTable<N>,
     index: usize,
@@ -166,13 +173,12 @@ pub(super) fn step_over<const N: usize>(
     let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
     let position = origin + direction * t;
     let normal = scene.geometric_normal(primitive, position);
-    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
-    let after = offset_origin(vector(position), vector(normal), vector(direction), scene.reach);
-    let skipped = (after - vector(position)).dot(vector(direction));
+    let skipped = offset_distance(scene.reach);
+    let after = position + direction * skipped;
     let to = flights.len;
     let (row, travelled) = (flights.row[index], flights.travelled[index]);
     let before = flights.inside[index];
-    flights.push(row, [after.x, after.y, after.z], direction.to_array(), before);
+    flights.push(row, after.to_array(), direction.to_array(), before);
     flights.travelled[to] = travelled + t + skipped;
     flights.inside[to] = beyond(scene, primitive, normal.dot(direction) > 0.0, before);
     let sigma_t = &scene.medium(flights.inside[to]).sigma_t;

@@ -1,0 +1,339 @@
+//! Light scattered out of plane-parallel slabs, against published tables and other solvers
+//! (`tests/data/slab`): all orders of scattering, Mueller matrices, frames, signs and units.
+//!
+//! Every row of a table is a direction in which light leaves a slab that the sun shines on. It is
+//! rendered on its own, with all rays of the film in that direction, in replicates whose spread is
+//! its error. Slabs are boxes of height 1 and half edge 400: the table's have no end, ours none
+//! that light could reach.
+//!
+//! The quick test scores some 120 numbers. A normal number exceeds its limit of 5.5 with a chance
+//! of 4e-8: noise fails it in 1 of 200,000 changes of the random numbers. The full one checks the
+//! root mean square of about 150 scores for each Stokes component, whose standard deviation is
+//! 0.06, so that its limits, 0.8 and 1.2, are 3.5 of these away: 1 of 500 for all four.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::fs;
+
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+use sunstone::integrators::{Integrator, Mode, Settings};
+use sunstone::math::hash::combine;
+use sunstone::scene::World;
+
+use support::gltf::Document;
+use support::rendering::{MONO, in_package, replicates, scene, settings};
+use support::statistics::{Estimate, ROUNDING, estimate, rms, worst};
+
+const SIZE: [u32; 2] = [16, 16];
+const REPLICATES: u32 = 16;
+/// Longest path: of the light in the brightest and thickest slab, 1e-5 goes further.
+const PATH_LENGTH_MAX: u32 = 128;
+/// Half an edge of a slab.
+const HALF_EDGE: f32 = 400.0;
+/// The ground is this far below the slab, and the camera between them: far enough for the offsets
+/// that keep rays off surfaces.
+const GROUND: f32 = 0.02;
+/// What no score exceeds.
+const LIMIT: f64 = 5.5;
+
+/// What scatters in the slabs of a table.
+enum Phase {
+    /// Small particles with a depolarization.
+    Rayleigh(f64),
+    /// A file of tabulated elements.
+    Table(&'static str),
+}
+
+/// A file of directions.
+struct Table {
+    file: &'static str,
+    phase: Phase,
+    mode: Mode,
+    /// How many times the iterations of the easiest tables it needs for the same error.
+    effort: u32,
+    /// The column of S0, and of what else is compared.
+    columns: &'static [&'static str],
+}
+
+const STOKES: &[&str] = &["S0", "S1", "S2", "S3"];
+const WITHOUT_V: &[&str] = &["S0_vector", "S1", "S2"];
+
+const TABLES: [Table; 8] = [
+    polarized("rayleigh_natraj2009", 1, Phase::Rayleigh(0.0), STOKES),
+    polarized("iprt_a1_rayleigh_depol0.03", 1, Phase::Rayleigh(0.03), STOKES),
+    polarized("iprt_a2_rayleigh_lambert0.3_depol0.03", 1, Phase::Rayleigh(0.03), STOKES),
+    polarized("iprt_a3_mie_aerosol", 6, Phase::Table("iprt_a3_waso_phase"), STOKES),
+    polarized("siewert2000_IIA", 4, Phase::Table("siewert2000_IIA_phase"), STOKES),
+    polarized("milk_skim_550_sasktran2", 8, Phase::Table("milk_skim_550_phase"), STOKES),
+    polarized("rayleigh_scalar_vs_vector_sasktran2", 1, Phase::Rayleigh(0.0), WITHOUT_V),
+    Table {
+        file: "rayleigh_scalar_vs_vector_sasktran2",
+        phase: Phase::Rayleigh(0.0),
+        mode: Mode::Scalar,
+        effort: 1,
+        columns: &["S0_scalar"],
+    },
+];
+
+const fn polarized(
+    file: &'static str,
+    effort: u32,
+    phase: Phase,
+    columns: &'static [&'static str],
+) -> Table {
+    Table { file, phase, mode: Mode::Polarized, effort, columns }
+}
+
+/// The file's columns, and its cells by row.
+struct Csv {
+    columns: HashMap<String, usize>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Csv {
+    fn read(name: &str) -> Self {
+        let path = in_package(&format!("tests/data/slab/{name}.csv"));
+        let text = fs::read_to_string(&path).expect("the data are whole");
+        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+        let heads = lines.next().expect("a line of names");
+        Self {
+            columns: heads.enumerate().map(|(index, name)| (name, index)).collect(),
+            rows: lines.map(Iterator::collect).collect(),
+        }
+    }
+
+    fn word(&self, row: usize, column: &str) -> &str {
+        &self.rows[row][self.columns[column]]
+    }
+
+    fn number(&self, row: usize, column: &str) -> f64 {
+        self.word(row, column).parse().expect("a number")
+    }
+
+    /// A number that is the same in the whole file, if it is not in it.
+    fn number_or(&self, row: usize, column: &str, default: f64) -> f64 {
+        if self.columns.contains_key(column) { self.number(row, column) } else { default }
+    }
+
+    /// A column by its name in the extension.
+    fn column(&self, column: &str) -> Vec<f64> {
+        (0..self.rows.len()).map(|row| self.number(row, column)).collect()
+    }
+
+    /// `count` rows that have been picked at random, always the same.
+    fn pick(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = (0..self.rows.len()).collect();
+        rows.sort_by_key(|&row| combine(0x51ab, row as u32));
+        rows.truncate(count);
+        rows
+    }
+}
+
+impl Phase {
+    fn medium(&self, extinction: f64, albedo: f64) -> Value {
+        let mut medium = json!({
+            "sigma_a": extinction * (1.0 - albedo), "sigma_s": extinction * albedo});
+        match self {
+            Phase::Rayleigh(depolarization) => {
+                medium["phase"] = json!("rayleigh");
+                medium["depolarization"] = json!(depolarization);
+            }
+            Phase::Table(file) => {
+                let csv = Csv::read(file);
+                medium["phase"] = json!("mueller_table");
+                medium["table"] = json!({"theta_deg": csv.column("theta_deg")});
+                for element in ["M00", "M01", "M11", "M22", "M23", "M33"] {
+                    medium["table"][element.to_lowercase()] = json!(csv.column(element));
+                }
+            }
+        }
+        medium
+    }
+}
+
+/// The slab of a row in the sun, and a camera that looks against the light that leaves it.
+fn slab(table: &Table, csv: &Csv, row: usize) -> World {
+    let number = |column: &str| csv.number(row, column);
+    let mut scene = Document::default();
+    let omega = csv.number_or(row, "omega", 1.0);
+    let medium = scene.medium(table.phase.medium(number("tau"), omega));
+    scene.fog(medium, |scene, null| {
+        scene.cuboid(Vec3::Z * 0.5, Vec3::new(HALF_EDGE, HALF_EDGE, 0.5), null);
+    });
+    let albedo = number("albedo");
+    if albedo > 0.0 {
+        let ground = scene.diffuse(albedo as f32);
+        scene.quad(Vec3::Z * -GROUND, Vec3::X * HALF_EDGE, Vec3::Y * HALF_EDGE, ground);
+    }
+    let sun = json!({"type": "directional", "intensity": 1.0});
+    let sunlight = towards(number("mu0"), 0.0, -1.0);
+    scene.light(sun, Vec3::ZERO, sunlight);
+    let (surface, sign) = match csv.word(row, "level") {
+        "toa_up" => (Vec3::Z, 1.0),
+        "boa_down" => (Vec3::ZERO, -1.0),
+        other => panic!("the level {other}"),
+    };
+    let light = towards(number("mu"), number("phi_deg"), sign);
+    let eye = surface + light * (0.5 * GROUND / light.z.abs());
+    scene.up(Vec3::Z);
+    scene.orthographic(eye, eye - light, 1e-3);
+    scene.load("slab")
+}
+
+/// The direction of the given cosine to the vertical, and azimuth, up or down.
+fn towards(cosine: f64, azimuth_deg: f64, sign: f64) -> Vec3 {
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let (y, x) = azimuth_deg.to_radians().sin_cos();
+    DVec3::new(sine * x, sine * y, sign * cosine).as_vec3()
+}
+
+/// What came out for one row.
+struct Scored {
+    /// By Stokes component, as far as they have noise.
+    scores: Vec<(usize, f64)>,
+    /// S0 over that of the table, less one.
+    deviation: f64,
+    /// The relative standard error of ours.
+    error: f64,
+}
+
+/// Renders a row and scores it.
+fn score(table: &Table, csv: &Csv, row: usize, integrator: Integrator, iterations: u32) -> Scored {
+    let scene = scene::<1>(&slab(table, csv, row), MONO, SIZE);
+    let settings = settings(integrator, table.mode, MONO, iterations, PATH_LENGTH_MAX);
+    // Rows and modes have seeds of their own, or their noise would be the same.
+    let name = combine(table.file.len() as u32, table.mode as u32);
+    let first = combine(name, row as u32) & 0x00ff_ff00;
+    let settings = Settings { seed: settings.seed + first, ..settings };
+    let images = replicates(&scene, &settings, REPLICATES);
+    let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
+    let s0 = csv.number(row, table.columns[0]);
+    let mut scores = Vec::new();
+    let mut of_s0 = Estimate::exact(0.0);
+    for (component, column) in table.columns.iter().enumerate() {
+        let ours = estimate(&images, component, &pixels);
+        // Tables without errors are good to six digits.
+        let error = csv.number_or(row, &format!("{column}_err"), 1e-6 * s0);
+        let mean = csv.number(row, column);
+        let theirs = Estimate { mean, variance: error * error, degrees: f64::from(u32::MAX) };
+        match ours.score(&theirs, s0) {
+            Some(score) => scores.push((component, score)),
+            None => assert!((ours.mean - mean).abs() < ROUNDING * s0, "{column}: {ours:?}"),
+        }
+        if component == 0 {
+            of_s0 = ours;
+        }
+    }
+    Scored { scores, deviation: of_s0.mean / s0 - 1.0, error: of_s0.variance.sqrt() / s0 }
+}
+
+/// Prints a line for what has been found in a table.
+fn report(table: &Table, found: &[Scored]) {
+    let of = |component: usize| -> Vec<f64> {
+        let scores = found.iter().flat_map(|scored| &scored.scores);
+        scores.filter(|(of, _)| *of == component).map(|(_, score)| *score).collect()
+    };
+    let all: Vec<f64> = (0..4).flat_map(of).collect();
+    let column = |component: usize| match of(component) {
+        scores if scores.is_empty() => "    -".to_owned(),
+        scores => format!("{:5.2}", rms(&scores)),
+    };
+    let deviations: Vec<f64> = found.iter().map(|scored| 100.0 * scored.deviation).collect();
+    let errors: Vec<f64> = found.iter().map(|scored| 100.0 * scored.error).collect();
+    println!(
+        "{:38} {:9} {:3} rows, rms z of S0 to S3 {} {} {} {}, worst {:4.2}; S0 off by {:+.3} % \
+         in the mean, {:.3} % at worst (standard errors of {:.3} %)",
+        table.file,
+        format!("{:?}", table.mode),
+        found.len(),
+        column(0),
+        column(1),
+        column(2),
+        column(3),
+        worst(&all),
+        deviations.iter().sum::<f64>() / deviations.len() as f64,
+        worst(&deviations),
+        rms(&errors),
+    );
+}
+
+/// Scores rows of all tables, and prints what it finds.
+fn score_tables(integrator: Integrator, rows: usize, iterations: u32) -> Vec<Vec<Scored>> {
+    let of_table = |table: &Table| {
+        let csv = Csv::read(table.file);
+        let rows = csv.pick(rows).into_iter();
+        let found: Vec<Scored> = rows
+            .map(|row| score(table, &csv, row, integrator, table.effort * iterations))
+            .collect();
+        report(table, &found);
+        found
+    };
+    TABLES.iter().map(of_table).collect()
+}
+
+fn expect_scores_within_limit(found: &[Vec<Scored>]) {
+    for (table, found) in TABLES.iter().zip(found) {
+        let scores = found.iter().flat_map(|scored| &scored.scores);
+        let worst = scores.fold(0.0_f64, |worst, (_, score)| worst.max(score.abs()));
+        assert!(worst < LIMIT, "{}, {:?}: a score of {worst}", table.file, table.mode);
+    }
+}
+
+/// Light that is scattered once is known in closed form, and paths of two segments have so little
+/// noise that what boundaries take from the optical depth would show.
+#[test]
+fn light_scattered_once_is_as_the_closed_form_says() {
+    let table = &TABLES[TABLES.len() - 1];
+    let csv = Csv::read(table.file);
+    for row in
+        csv.pick(usize::MAX).into_iter().filter(|&row| csv.number(row, "albedo") == 0.0).take(8)
+    {
+        let scene = scene::<1>(&slab(table, &csv, row), MONO, SIZE);
+        let images =
+            replicates(&scene, &settings(Integrator::Path, table.mode, MONO, 256, 2), REPLICATES);
+        let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
+        let found = estimate(&images, 0, &pixels).mean;
+        let number = |column: &str| csv.number(row, column);
+        let (mu, mu0) = (number("mu"), number("mu0"));
+        let sunlight = towards(mu0, 0.0, -1.0).as_dvec3();
+        let cosine = sunlight.dot(towards(mu, number("phi_deg"), 1.0).as_dvec3());
+        let phase = 3.0 / (16.0 * PI) * (1.0 + cosine * cosine);
+        let escapes = 1.0 - (-number("tau") * (1.0 / mu + 1.0 / mu0)).exp();
+        let truth = phase * mu0 / (mu + mu0) * escapes;
+        println!("mu {mu:4}, mu0 {mu0}: {found:.7}, should be {truth:.7}");
+        assert_eq!(csv.word(row, "level"), "toa_up");
+        assert!((found / truth - 1.0).abs() < 1e-4, "{found} {truth}");
+    }
+}
+
+#[test]
+fn path_finds_the_light_of_slabs() {
+    expect_scores_within_limit(&score_tables(Integrator::Path, 4, 16));
+}
+
+#[test]
+fn bdpt_finds_the_light_of_slabs() {
+    expect_scores_within_limit(&score_tables(Integrator::Bdpt, 1, 16));
+}
+
+#[test]
+#[ignore = "minutes: a million paths for each of 200 rows, to be run before a release"]
+fn path_finds_the_light_of_slabs_at_full_length() {
+    let found = score_tables(Integrator::Path, 25, 256);
+    expect_scores_within_limit(&found);
+    for component in 0..4 {
+        let scores = found.iter().flatten().flat_map(|scored| &scored.scores);
+        let scores: Vec<f64> =
+            scores.filter(|(of, _)| *of == component).map(|(_, score)| *score).collect();
+        let rms = rms(&scores);
+        println!("S{component}: rms z {rms:.3} of {} rows", scores.len());
+        assert!((0.8..1.2).contains(&rms), "S{component}: rms z {rms}");
+    }
+    let deviations = found.iter().flatten().map(|scored| scored.deviation.abs());
+    let worst = deviations.fold(0.0, f64::max);
+    assert!(worst < 0.005, "S0 is off by {worst}");
+}
