@@ -638,7 +638,7 @@ def caustic_glass():
 
 
 def mirror():
-    """After figure 3 of the paper: a yard in a large sphere of aluminum.
+    """After figure 3 of the paper: a room in a large sphere of aluminum.
 
     The camera looks at the sphere alone. In it are diffuse surfaces, a plane mirror and a glass
     ball, lit by a point that does not polarize.
@@ -651,6 +651,8 @@ def mirror():
     scene.sphere("big mirror", aluminum, (0, 0, 0), 2.0)
     scene.shape("floor", "rectangle", floor, scale(7, 8.5, 1), rotate("x", -90),
                 translate(y=-2, z=3.5))
+    scene.shape("ceiling", "rectangle", white, scale(7, 8.5, 1), rotate("x", 90),
+                translate(y=7, z=3.5))
     scene.shape("left wall", "rectangle", surface("terracotta", 0.66, 0.22, 0.12),
                 scale(8.5, 4.5, 1), rotate("y", 90), translate(-7, 2.5, 3.5))
     scene.shape("right wall", "rectangle", surface("teal", 0.08, 0.42, 0.45),
@@ -667,7 +669,7 @@ def mirror():
     scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
                 translate(4, -0.1, 4.5))
     scene.sphere("glass ball", scene.material("glass", glass(1.5)), (1.7, -1.1, 4.6), 0.8)
-    scene.point_light("light", (-1.0, 3.8, 5.8), [56.0, 52.0, 45.0])
+    scene.point_light("light", (-1.0, 3.8, 5.8), [46.0, 43.0, 37.0])
     scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [512, 512])
     return scene
 

@@ -214,7 +214,8 @@ fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         iterations: 1,
         seed: shot.seed,
         path_length_max: settings.path_length_max,
-        roulette_after: settings.roulette_after,
+        // From the first vertex on, so that photons have about equal powers.
+        roulette_after: 1,
         sequence: Sequence::Shared,
     }
 }
