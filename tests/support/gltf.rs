@@ -24,6 +24,7 @@ pub struct Document {
     lights: Vec<Value>,
     cameras: Vec<Value>,
     media: Vec<Value>,
+    filling: Option<usize>,
     environment: Option<f32>,
     up: Option<Vec3>,
 }
@@ -174,6 +175,11 @@ impl Document {
         self.media.len() - 1
     }
 
+    /// Fills the whole scene with a medium.
+    pub fn fill(&mut self, medium: usize) {
+        self.filling = Some(medium);
+    }
+
     /// Says what lies behind all shapes that `build` adds, and before them (nothing by default).
     pub fn around(
         &mut self,
@@ -266,7 +272,8 @@ impl Document {
             file["extensions"]["KHR_lights_punctual"] = json!({"lights": self.lights});
         }
         if !self.media.is_empty() {
-            file["extensions"]["SUNSTONE_polarization"] = json!({"media": self.media});
+            file["extensions"]["SUNSTONE_polarization"] =
+                json!({"media": self.media, "medium": self.filling});
         }
         if let Some(radiance) = self.environment {
             file["scenes"][0]["extensions"] =
