@@ -15,6 +15,7 @@ use glam::Vec3;
 use serde_json::json;
 use sunstone::integrators::{Integrator, Mode};
 use sunstone::scene::World;
+use sunstone::spectrum::Color;
 
 use support::gltf::Document;
 use support::rendering::{MONO, replicates, scene, settings};
@@ -30,24 +31,36 @@ const ROUNDING: f64 = 2e-5;
 
 /// Renders in both modes and expects `truth` in the mean of S0, and no polarization.
 fn check(world: &World, integrator: Integrator, iterations: u32, path_length: u32, truth: f64) {
-    let scene = scene::<1>(world, MONO, SIZE);
+    check_in::<1>(world, MONO, integrator, iterations, path_length, truth);
+}
+
+/// [`check`] in each of several colors.
+fn check_in<const N: usize>(
+    world: &World,
+    color: Color,
+    integrator: Integrator,
+    iterations: u32,
+    path_length: u32,
+    truth: f64,
+) {
+    let scene = scene::<N>(world, color, SIZE);
     // Light paths are spread over everything, seen or not.
     let iterations = if integrator == Integrator::Light { 2 * iterations } else { iterations };
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     for mode in [Mode::Scalar, Mode::Polarized] {
-        let settings = settings(integrator, mode, MONO, iterations, path_length);
+        let settings = settings(integrator, mode, color, iterations, path_length);
         let images = replicates(&scene, &settings, REPLICATES);
         let what = format!("{integrator:?}, {mode:?}");
         let expect = |plane: usize, truth: f64| {
             let Estimate { mean, variance, .. } = estimate(&images, plane, &pixels);
             let error = variance.sqrt();
-            println!("{what}: S{plane} = {mean:.6} +- {error:.6}, should be {truth:.6}");
+            println!("{what}: plane {plane} = {mean:.6} +- {error:.6}, should be {truth:.6}");
             assert!(error < ERROR_MAX * truth.max(1.0), "{what}: an error of {error}");
             let tolerance = STANDARD_ERRORS * error + ROUNDING;
-            assert!((mean - truth).abs() < tolerance, "{what}: S{plane} = {mean} +- {error}");
+            assert!((mean - truth).abs() < tolerance, "{what}: plane {plane} = {mean} +- {error}");
         };
-        expect(0, truth);
-        (1..images[0].planes.len()).for_each(|plane| expect(plane, 0.0));
+        (0..N).for_each(|plane| expect(plane, truth));
+        (N..images[0].planes.len()).for_each(|plane| expect(plane, 0.0));
     }
 }
 
@@ -151,5 +164,80 @@ fn white_ball_is_invisible_in_a_furnace() {
     });
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
         check(&world, integrator, 512, 4, 1.0);
+    }
+}
+
+/// Media that only scatter, of an optical depth of about one.
+fn conservative_media() -> [(&'static str, serde_json::Value); 4] {
+    let milk = json!({"fat_percent": 3.5, "protein_percent": 3.4});
+    [
+        ("hg", json!({"phase": "hg", "g": 0.6, "sigma_a": 0, "sigma_s": 2})),
+        ("rayleigh", json!({"phase": "rayleigh", "sigma_a": 0, "sigma_s": 1.2})),
+        (
+            "depolarizing rayleigh",
+            json!({"phase": "rayleigh", "depolarization": 0.2, "sigma_a": 0, "sigma_s": 1.2}),
+        ),
+        ("milk", json!({"phase": "mie", "milk": milk, "sigma_a": 0, "sigma_s": 2})),
+    ]
+}
+
+/// All that comes in goes out again; what polarizes once is polarized from everywhere, so that it
+/// cancels.
+#[test]
+fn media_without_absorption_are_invisible_in_a_furnace() {
+    for (name, medium) in conservative_media() {
+        println!("{name}");
+        let world = in_surroundings(|scene| {
+            let medium = scene.medium(medium);
+            scene.fog(medium, |scene, null| {
+                scene.cuboid(Vec3::ZERO, Vec3::splat(0.6), null);
+            });
+        });
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            check(&world, integrator, 64, 64, 1.0);
+        }
+    }
+}
+
+/// Total internal reflection keeps light in the cube until it is scattered out, which takes long
+/// in milk: after 128 segments 3e-4 of it are left.
+#[test]
+fn media_in_glass_are_invisible_in_a_furnace() {
+    for (name, medium) in conservative_media() {
+        println!("{name}");
+        let world = in_surroundings(|scene| {
+            let medium = scene.medium(medium);
+            let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+            scene.around(Some(medium), None, |scene| {
+                scene.sphere(Vec3::new(-0.4, 0.0, 0.0), 0.6, glass);
+                scene.cuboid(Vec3::new(0.7, 0.1, 0.0), Vec3::splat(0.4), glass);
+            });
+        });
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            check(&world, integrator, 64, 512, 1.0);
+        }
+    }
+}
+
+/// Distances and angles are drawn for one wavelength and weighed for all of them.
+#[test]
+fn stained_media_are_invisible_in_a_furnace() {
+    let hg = json!({"phase": "hg", "g": [0.6, 0.3, 0], "sigma_a": 0, "sigma_s": [0.7, 1.5, 3]});
+    let milk = json!({"fat_percent": 3.5, "protein_percent": 3.4});
+    let milk = json!({"phase": "mie", "milk": milk, "sigma_a": 0, "sigma_s": [1, 2, 3]});
+    for medium in [hg, milk] {
+        let world = in_surroundings(|scene| {
+            let medium = scene.medium(medium);
+            scene.fog(medium, |scene, null| {
+                scene.cuboid(Vec3::new(-0.5, 0.0, 0.0), Vec3::splat(0.4), null);
+            });
+            let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+            scene.around(Some(medium), None, |scene| {
+                scene.sphere(Vec3::new(0.5, 0.0, 0.0), 0.5, glass);
+            });
+        });
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            check_in::<3>(&world, Color::Rgb, integrator, 128, 128, 1.0);
+        }
     }
 }

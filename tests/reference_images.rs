@@ -278,7 +278,17 @@ fn ppm_renders_tank() {
 
 #[test]
 fn ppm_renders_rayleigh() {
-    check_photons(&RAYLEIGH, Integrator::Ppm, 64, 8, photons(100_000, 0.01));
+    check_photons(&RAYLEIGH, Integrator::Ppm, 16, 4, photons(400_000, 0.012));
+}
+
+#[test]
+#[ignore = "minutes: 128 million photons, to be run before a release"]
+fn ppm_renders_media_at_full_length() {
+    for (case, edge, radius) in [(&TANK, 4, 0.01), (&RAYLEIGH, 2, 0.01)] {
+        println!("{}", case.name);
+        let photons = Photons { samples: 16, ..photons(1_000_000, radius) };
+        check_photons(case, Integrator::Ppm, 128, edge, photons);
+    }
 }
 
 #[test]

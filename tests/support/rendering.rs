@@ -8,7 +8,7 @@ use sunstone::film::StokesImage;
 use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
 use sunstone::math::{F32s, LANES, Vector};
 use sunstone::scattering::Scene;
-use sunstone::scene::baked::{EmitterKind, MaterialKind, NONE};
+use sunstone::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE};
 use sunstone::scene::{World, bake, load};
 use sunstone::spectrum::Color;
 
@@ -89,8 +89,17 @@ pub fn replicates<const N: usize>(
 const CHANCE_MIN: f32 = 1e-3;
 
 /// Whether unidirectional paths from the sensor can be trusted to find all light: yes without
-/// specular surfaces, where connections find it; else only if all emitters are large.
+/// specular surfaces, where connections find it; else only if all emitters are large. Not if a
+/// point shines in a medium: connections to it from nearby have no finite variance.
 pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
+    let is_point = |kind| matches!(kind, EmitterKind::Point | EmitterKind::Spot);
+    let mut emitters = scene.tables.emitters.iter().enumerate();
+    let immersed = |(index, emitter): (usize, &Emitter<N>)| {
+        is_point(emitter.kind) && scene.medium_at_emitter(index, true) != NONE
+    };
+    if emitters.any(immersed) {
+        return false;
+    }
     if !(0..scene.material_of_primitive.len()).any(|primitive| is_specular(scene, primitive)) {
         return true;
     }
@@ -117,25 +126,14 @@ fn is_specular<const N: usize>(scene: &Scene<N>, primitive: usize) -> bool {
     !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
 }
 
-/// What a ray meets behind boundaries that do not bend it.
-fn behind_null<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
-    loop {
-        let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-        if hit.primitive == NONE {
-            return NONE;
-        }
-        let material = scene.material_of_primitive[hit.primitive as usize] as usize;
-        if scene.tables.materials[material].kind != MaterialKind::Null {
-            return hit.primitive;
-        }
-        origin += direction * (hit.t + 1e-5 * scene.reach);
-    }
-}
-
 /// The pixels that connections of light paths to the sensor can fill: those, with their
 /// neighbors, whose primary rays meet diffuse surfaces, absorbers, or an emitter with a
-/// direction of its own. Neighbors are asked because rays are few and edges thin.
+/// direction of its own. Neighbors are asked because rays are few and edges thin. None at all
+/// for a pinhole in a medium, as connections to it from nearby have no finite variance.
 pub fn light_mask<const N: usize>(scene: &Scene<N>) -> Vec<bool> {
+    if scene.sensor_medium != NONE && scene.sensor.is_finite() {
+        return vec![false; (scene.sensor.width * scene.sensor.height) as usize];
+    }
     let [width, height] = [scene.sensor.width, scene.sensor.height].map(|size| size as i32);
     let mut clear = Vec::new();
     for y in 0..height {
@@ -166,12 +164,27 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
         };
         (0..LANES).all(|lane| {
             let (origin, direction) = (row(&origin, lane), row(&direction, lane));
-            let primitive = behind_null(scene, origin, direction);
-            if primitive == NONE {
+            let hit = first_in_the_way(scene, origin, direction);
+            if hit == NONE {
                 // Parallel rays have no direction to share with an environment.
                 return scene.tables.environment == NONE || scene.sensor.is_finite();
             }
-            !is_specular(scene, primitive as usize)
+            !is_specular(scene, hit as usize)
         })
     })
+}
+
+/// The first primitive that a ray meets which is more than the boundary of a medium, or [`NONE`].
+fn first_in_the_way<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
+    loop {
+        let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
+        let passes = hit.primitive != NONE && {
+            let material = scene.material_of_primitive[hit.primitive as usize];
+            scene.tables.materials[material as usize].kind == MaterialKind::Null
+        };
+        if !passes {
+            return hit.primitive;
+        }
+        origin += direction * (hit.t + 1e-4);
+    }
 }

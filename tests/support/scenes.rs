@@ -11,7 +11,7 @@ use super::gltf::Document;
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 23] = [
+pub const SCENES: [Named; 31] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -35,6 +35,14 @@ pub const SCENES: [Named; 23] = [
     ("sheets under a panel", sheets_under_panel),
     ("sheets under a point light", sheets_under_point_light),
     ("sheets and glass, orthographic", sheets_orthographic),
+    ("fog about a point light", fog_about_point_light),
+    ("fog fills the scene, orthographic", fog_everywhere),
+    ("sun and sky on a block of fog", fog_under_the_sky),
+    ("camera in thin air", camera_in_thin_air),
+    ("stained fog in glass", stained_fog_in_glass),
+    ("thin air between polarizers", thin_air_between_polarizers),
+    ("milk and a mirror", milk_and_mirror),
+    ("bottle of milk", bottle_of_milk),
 ];
 
 const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
@@ -282,6 +290,110 @@ fn sheets_orthographic() -> World {
     scene.sphere(v(0.5, -0.5, 0.4), 0.35, glass);
     scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 1.0);
     scene.load("sheets, orthographic")
+}
+
+/// Walls and air of a room that fog fills up to a handbreadth before the open front.
+fn foggy_room(fog: serde_json::Value) -> Document {
+    let mut scene = room(&[]);
+    let fog = scene.medium(fog);
+    scene.fog(fog, |scene, null| {
+        scene.cuboid(v(0.0, 0.0, -0.1), v(1.2, 1.2, 1.0), null);
+    });
+    scene
+}
+
+fn fog_about_point_light() -> World {
+    let mut scene = foggy_room(json!({"phase": "isotropic", "sigma_a": 0.1, "sigma_s": 0.6}));
+    scene.light(json!({"type": "point", "intensity": 1.0}), v(0.3, 0.2, 0.1), Vec3::NEG_Z);
+    add_panel(&mut scene, 0.3, 4.0);
+    pinhole(scene).load("fog about a point light")
+}
+
+fn fog_everywhere() -> World {
+    let mut scene = room(&[]);
+    let fog = scene.medium(json!({"phase": "hg", "g": -0.4, "sigma_a": 0.0, "sigma_s": 0.4}));
+    scene.fill(fog);
+    add_panel(&mut scene, 0.3, 8.0);
+    let ball = scene.diffuse(0.8);
+    scene.sphere(v(-0.4, -0.5, 0.1), 0.3, ball);
+    scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 0.95);
+    scene.load("fog fills the scene")
+}
+
+/// Anisotropic, in chromatic colors, and lit from infinity: paths enter through the boundary.
+fn fog_under_the_sky() -> World {
+    let mut scene = open_scene();
+    let sun = json!({"type": "directional", "intensity": 2.0});
+    scene.light(sun, v(5.0, 5.0, 5.0), v(-0.4, -1.0, -0.5));
+    let fog = scene.medium(json!({"phase": "hg", "g": [0.6, 0.3, 0.0],
+        "sigma_a": [0.3, 0.0, 0.1], "sigma_s": [0.5, 2.0, 4.0]}));
+    scene.fog(fog, |scene, null| {
+        scene.cuboid(v(0.4, -0.2, 0.3), v(0.4, 0.5, 0.3), null);
+    });
+    scene.perspective(v(0.2, 0.6, 3.6), Vec3::ZERO, 0.7, Some([0.15, 3.2]));
+    scene.load("fog under the sky")
+}
+
+fn camera_in_thin_air() -> World {
+    let mut scene = foggy_room(json!({"phase": "rayleigh", "sigma_a": 0, "sigma_s": 0.7}));
+    add_panel(&mut scene, 0.3, 8.0);
+    scene.perspective(v(0.2, 0.1, 0.8), v(0.0, 0.1, -0.5), 1.2, None);
+    scene.load("camera in thin air")
+}
+
+fn stained_fog_in_glass() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let fog = scene.medium(json!({"phase": "hg", "g": [0.7, 0.5, 0.2],
+        "sigma_a": [0.2, 0.0, 0.5], "sigma_s": [1.0, 3.0, 6.0]}));
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.around(Some(fog), None, |scene| scene.sphere(v(0.1, -0.3, 0.2), 0.5, glass));
+    pinhole(scene).load("stained fog in glass")
+}
+
+/// Light polarized by a sheet, scattered by dipoles that depolarize a fifth, seen in part through
+/// another sheet.
+fn thin_air_between_polarizers() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 6.0);
+    let air = json!({"phase": "rayleigh", "depolarization": 0.2, "sigma_a": 0, "sigma_s": 2});
+    let air = scene.medium(air);
+    scene.fog(air, |scene, null| {
+        scene.cuboid(v(0.0, -0.3, 0.1), v(0.6, 0.4, 0.5), null);
+    });
+    let first = scene.material(json!({"bsdf": "polarizer", "axis_deg": 20}));
+    scene.quad(v(0.1, 0.5, 0.0), v(0.7, 0.1, 0.0), v(0.0, 0.05, -0.7), first);
+    let second = scene.material(json!({"bsdf": "polarizer", "axis_deg": 70}));
+    scene.quad(v(-0.4, -0.2, 0.9), v(0.4, 0.0, 0.1), v(0.0, 0.5, 0.0), second);
+    pinhole(scene).load("thin air between polarizers")
+}
+
+/// Spheres as large as the wavelength turn linear polarization into circular, and so does gold.
+fn milk_and_mirror() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let milk = scene.medium(json!({"phase": "mie", "sigma_a": 0.05, "sigma_s": [1.5, 2.0, 2.5],
+        "milk": {"fat_percent": 0.1, "protein_percent": 3.4}}));
+    scene.fog(milk, |scene, null| {
+        scene.cuboid(v(0.2, -0.4, 0.2), v(0.6, 0.5, 0.4), null);
+    });
+    let gold = scene.material(json!({"bsdf": "conductor", "metal": "Au"}));
+    scene.quad(v(-0.95, -0.2, 0.0), v(0.0, 0.6, 0.1), v(0.0, -0.1, 0.7), gold);
+    pinhole(scene).load("milk and a mirror")
+}
+
+/// A wall of glass between air and milk.
+fn bottle_of_milk() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.6, 4.0);
+    let milk = scene.medium(json!({"phase": "mie", "sigma_a": 0.0, "sigma_s": [3.0, 4.0, 5.0],
+        "milk": {"fat_percent": 3.5, "protein_percent": 3.4}}));
+    let outer = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    let inner = json!({"bsdf": "dielectric", "ior": 1.34, "exterior_ior": 1.5});
+    let inner = scene.material(inner);
+    scene.sphere(v(0.1, -0.2, 0.2), 0.6, outer);
+    scene.around(Some(milk), None, |scene| scene.sphere(v(0.1, -0.2, 0.2), 0.5, inner));
+    pinhole(scene).load("bottle of milk")
 }
 
 /// A far panel, two sheets in between, and a floor that light reaches only through both. The
