@@ -44,17 +44,19 @@ struct Case {
     exact: (Range<usize>, usize),
     /// Rectangles (left, top, right, bottom) that are left out.
     ill_posed: &'static [[usize; 4]],
+    /// How far from black pixels compared ones are, in pixels.
+    margin: usize,
 }
 
 const CORNELL: Case =
-    Case { name: "cornell", path_length_max: 12, exact: (0..4, 500), ill_posed: &[] };
+    Case { name: "cornell", path_length_max: 12, exact: (0..4, 500), ill_posed: &[], margin: 0 };
 const MIRROR: Case =
-    Case { name: "mirror", path_length_max: 12, exact: (0..4, 5_000), ill_posed: &[] };
+    Case { name: "mirror", path_length_max: 12, exact: (0..4, 5_000), ill_posed: &[], margin: 0 };
 /// The closed form has no error but that of 8 x 8 points a pixel, far below our noise. Stratified
 /// choices between reflection and transmission sometimes give all replicates the same S0, so only
 /// S3, which is zero, is exact.
 const BREWSTER: Case =
-    Case { name: "brewster", path_length_max: 4, exact: (3..4, 4_096), ill_posed: &[] };
+    Case { name: "brewster", path_length_max: 4, exact: (3..4, 4_096), ill_posed: &[], margin: 0 };
 /// Inside the cells of the scene there is no noise at all. Two corners of the turned polarizer
 /// lie in the plane of its neighbors and overlap them: which of two coplanar sheets comes first,
 /// or whether both count, has no answer.
@@ -63,12 +65,17 @@ const POLARIZERS: Case = Case {
     path_length_max: 8,
     exact: (0..4, 60_000),
     ill_posed: &[[78, 12, 84, 23], [92, 44, 103, 51]],
+    margin: 0,
 };
 
 /// Circular polarization comes from total reflection alone, seldom and much at a time.
-const TANK: Case = Case { name: "tank", path_length_max: 40, exact: (0..4, 100), ill_posed: &[] };
+const TANK: Case =
+    Case { name: "tank", path_length_max: 40, exact: (0..4, 100), ill_posed: &[], margin: 0 };
 const RAYLEIGH: Case =
-    Case { name: "rayleigh", path_length_max: 20, exact: (0..4, 5_000), ill_posed: &[] };
+    Case { name: "rayleigh", path_length_max: 20, exact: (0..4, 5_000), ill_posed: &[], margin: 0 };
+
+/// Without the edges of the cloud, for photons.
+const INSIDE_RAYLEIGH: Case = Case { exact: (0..4, 1_000), margin: 4, ..RAYLEIGH };
 
 /// Renders and compares with cells of `edge` pixels.
 fn check(case: &Case, integrator: Integrator, iterations: u32, edge: usize) {
@@ -92,6 +99,7 @@ fn check_photons(
     let images = replicates(&scene, &settings, REPLICATES);
     let mut mask = match integrator {
         Integrator::Light => light_mask(&scene),
+        _ if case.margin > 0 => away_from_darkness(&reference, case.margin),
         _ => vec![true; reference.width * reference.height],
     };
     for &[left, top, right, bottom] in case.ill_posed {
@@ -107,6 +115,16 @@ fn check_photons(
         let folder = evidence::keep(&test, &evidence::mean(&images), &reference);
         panic!("{}\nsee {}", complaints.join("\n"), folder.display());
     }
+}
+
+/// Pixels from which no black pixel is near: along the edges of a medium, the kernel of photons
+/// reaches out of it, and the bias of that falls slower than everywhere else.
+fn away_from_darkness(reference: &StokesImage, margin: usize) -> Vec<bool> {
+    let lit = |x: usize, y: usize| reference.planes[0][y * reference.width + x] > 0.0;
+    let around = |at: usize, size: usize| at.saturating_sub(margin)..(at + margin + 1).min(size);
+    let (width, height) = (reference.width, reference.height);
+    let clear = |x, y| around(y, height).all(|y| around(x, width).all(|x| lit(x, y)));
+    (0..width * height).map(|pixel| clear(pixel % width, pixel / width)).collect()
 }
 
 fn reference(name: &str) -> StokesImage {
@@ -273,18 +291,18 @@ fn ppm_renders_cornell() {
 
 #[test]
 fn ppm_renders_tank() {
-    check_photons(&TANK, Integrator::Ppm, 64, 16, photons(100_000, 0.02));
+    check_photons(&TANK, Integrator::Ppm, 64, 16, photons(250_000, 0.025));
 }
 
 #[test]
 fn ppm_renders_rayleigh() {
-    check_photons(&RAYLEIGH, Integrator::Ppm, 16, 4, photons(400_000, 0.012));
+    check_photons(&INSIDE_RAYLEIGH, Integrator::Ppm, 16, 4, photons(400_000, 0.012));
 }
 
 #[test]
 #[ignore = "minutes: 128 million photons, to be run before a release"]
 fn ppm_renders_media_at_full_length() {
-    for (case, edge, radius) in [(&TANK, 4, 0.01), (&RAYLEIGH, 2, 0.01)] {
+    for (case, edge, radius) in [(&TANK, 4, 0.01), (&INSIDE_RAYLEIGH, 2, 0.01)] {
         println!("{}", case.name);
         let photons = Photons { samples: 16, ..photons(1_000_000, radius) };
         check_photons(case, Integrator::Ppm, 128, edge, photons);
