@@ -6,8 +6,8 @@
 //! specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
 //! there, and does not know it.
 //!
-//! About 2,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
-//! chance of 4e-8, so that noise fails the suite in 1 of 10,000 cases; seeds are fixed, so that
+//! About 4,000 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
+//! chance of 4e-8, so that noise fails the suite in 1 of 6,000 cases; seeds are fixed, so that
 //! each change of the random numbers is one such case. The root mean square over cells finds what
 //! is too faint for that.
 
