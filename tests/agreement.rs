@@ -9,8 +9,8 @@
 //! bias drowns in the noise; in the shipped scenes with media too few photons would meet it (the
 //! full-length reference images test those).
 //!
-//! About 2,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
-//! chance of 4e-8, so that noise fails the suite in 1 of 10,000 cases; seeds are fixed, so that
+//! About 4,000 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
+//! chance of 4e-8, so that noise fails the suite in 1 of 6,000 cases; seeds are fixed, so that
 //! each change of the random numbers is one such case. The root mean square over cells finds what
 //! is too faint for that.
 
