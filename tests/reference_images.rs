@@ -290,11 +290,6 @@ fn ppm_renders_cornell() {
 }
 
 #[test]
-fn ppm_renders_tank() {
-    check_photons(&TANK, Integrator::Ppm, 64, 16, photons(250_000, 0.025));
-}
-
-#[test]
 fn ppm_renders_rayleigh() {
     check_photons(&INSIDE_RAYLEIGH, Integrator::Ppm, 16, 4, photons(400_000, 0.012));
 }
@@ -304,8 +299,9 @@ fn ppm_renders_rayleigh() {
 fn ppm_renders_media_at_full_length() {
     for (case, edge, radius) in [(&TANK, 4, 0.01), (&INSIDE_RAYLEIGH, 2, 0.01)] {
         println!("{}", case.name);
-        let photons = Photons { samples: 16, ..photons(1_000_000, radius) };
-        check_photons(case, Integrator::Ppm, 128, edge, photons);
+        // What is circularly polarized in the tank takes sensor paths rather than photons.
+        let photons = Photons { samples: 256, ..photons(1_000_000, radius) };
+        check_photons(case, Integrator::Ppm, 2048, edge, photons);
     }
 }
 
