@@ -482,7 +482,7 @@ def reference_mirror():
     scene.sphere("ball", blue, (-3.5, -1, 4.2), 1.0)
     scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
                 translate(4, -0.1, 4.5))
-    scene.sphere("glass ball", clear, (1.7, -1.1, 4.6), 0.8)
+    scene.sphere("glass ball", clear, (3.9, -0.9, 1.0), 1.1)
     scene.shape("light", "rectangle", scene.material("light", light(8.0)),
                 scale(2), rotate("x", 90), translate(y=6, z=5))
     scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [64, 64])
@@ -668,7 +668,7 @@ def mirror():
     scene.sphere("blue ball", surface("blue", 0.10, 0.20, 0.62), (-3.5, -1, 4.2), 1.0)
     scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
                 translate(4, -0.1, 4.5))
-    scene.sphere("glass ball", scene.material("glass", glass(1.5)), (1.7, -1.1, 4.6), 0.8)
+    scene.sphere("glass ball", scene.material("glass", glass(1.5)), (3.9, -0.9, 1.0), 1.1)
     scene.point_light("light", (-1.0, 3.8, 5.8), [46.0, 43.0, 37.0])
     scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [512, 512])
     return scene

@@ -2,7 +2,7 @@
 //!
 //! A kernel whose size (area or volume) is p(i) times the first in iteration i makes noise whose
 //! variance goes as the sum of 1 / p(i) over n^2, n^-alpha in the limit, and on surfaces a bias
-//! that goes as the mean of p(i), n^(alpha - 1) in the limit. A point light in the center of a
+//! that goes as the mean of p(i), n^(alpha - 1) in the limit. A spot light in the center of a
 //! ball of glass makes light that connections cannot find, and whose intensity on the floor has a
 //! closed form. Slopes are fitted to the logarithms of error over iterations, those that are
 //! measured and those of theory. The quick test fits over fewer iterations and seeds; each leaves
@@ -11,6 +11,7 @@
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
 
+use std::cmp::Ordering;
 use std::fmt::Write;
 use std::fs;
 use std::sync::Mutex;
@@ -42,8 +43,10 @@ fn lamp(in_fog: bool) -> World {
     document.quad(Vec3::ZERO, Vec3::Z * 8.0, Vec3::X * 8.0, floor);
     let glass = document.material(json!({"bsdf": "dielectric", "ior": 1.5}));
     document.sphere(LIGHT, 0.2, glass);
-    let point = json!({"type": "point", "intensity": INTENSITY});
-    document.light(point, LIGHT, Vec3::NEG_Z);
+    // Wide enough for all photons within reach of the picture.
+    let cone = json!({"innerConeAngle": 0.85, "outerConeAngle": 0.87});
+    let spot = json!({"type": "spot", "intensity": INTENSITY, "spot": cone});
+    document.light(spot, LIGHT, MIDDLE - LIGHT);
     if in_fog {
         let fog = document.medium(json!({"sigma_a": 0.0, "sigma_s": 0.5, "phase": "isotropic"}));
         document.fill(fog);
@@ -70,7 +73,7 @@ impl Effort {
 /// What each of the numbers of iterations makes of every pixel, from one render.
 fn render(scene: &Scene<1>, photons: Photons, seed: u32, iterations: &[u32]) -> Vec<Vec<f64>> {
     let last = iterations[iterations.len() - 1];
-    // Four segments: the light leaves the ball at once or after one reflection inside.
+    // Four segments: the light leaves the ball at once, or on the other side after a reflection.
     let settings = settings(Integrator::Ppm, Mode::Polarized, MONO, last, 4);
     let seed = settings.seed + 7919 * seed;
     let images = Mutex::new(Vec::new());
@@ -84,10 +87,10 @@ fn render(scene: &Scene<1>, photons: Photons, seed: u32, iterations: &[u32]) -> 
     images.into_inner().expect("nothing panics here")
 }
 
-/// Radiance of the floor at the middle of every pixel. A share R = 0.04 of the light is reflected
-/// at each pass of the glass; what comes out first and second counts, 1 - R + R (1 - R).
+/// Radiance of the floor at the middle of every pixel. A share of 0.04 of the light is reflected
+/// inside the glass and does not come this way within the path length.
 fn radiance(scene: &Scene<1>) -> Vec<f64> {
-    let share = 1.0 - 0.04_f64 * 0.04;
+    let share = 0.96;
     let pixels = (0..EDGE * EDGE).map(|pixel| [pixel % EDGE, pixel / EDGE]);
     pixels
         .map(|[column, line]| {
@@ -245,7 +248,8 @@ fn check(file: &str, curves: &[Curve]) {
         let found = slope(&curve.points);
         let line = format!("{}: {found:.3}, theory {:.3}", curve.name, curve.theory);
         println!("{line}, {:?}", curve.points);
-        if (found - curve.theory).abs() > LIMIT {
+        // Not a number where there was nothing to measure.
+        if (found - curve.theory).abs().partial_cmp(&LIMIT) != Some(Ordering::Less) {
             wrong.push(line);
         }
     }
@@ -279,7 +283,7 @@ fn errors_fall_as_the_schedule_says_at_full_length() {
     let truth = radiance(&floor);
     let effort = Effort { seeds: 24, first: 32, doublings: 5 };
     // A large kernel over a floor that grows dark with distance.
-    let biased = photons(12_000, 0.25, 0.5);
+    let biased = photons(12_000, 0.3, 0.5);
     let curves = [
         measure("noise", &floor, noisy(0.5), None, effort),
         measure("noise", &floor, noisy(0.8), None, effort),
