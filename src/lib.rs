@@ -12,7 +12,7 @@
 //! | 4 | [`scattering`] | materials, emitters, the sensor |
 //! | 5 | [`transport`] | tables of paths and the stages that advance them |
 //! | 6 | [`film`] | where measured light is added up |
-//! | 7 | [`integrators`] | schedules of stages: `path`, `light`, `bdpt` |
+//! | 7 | [`integrators`] | schedules of stages: `path`, `light`, `bdpt`, `ppm` |
 //! | 8 | [`output`] | EXR, HDR, PNG, comparison, reports |
 //! | 9 | [`cli`] | arguments, jobs, verbs |
 //!

@@ -108,13 +108,14 @@ impl Updates {
 /// Which images particle tracing can make.
 const LIGHT_NOTE: &str = "\
 note: the integrator `light` cannot see through glass and polarizers or into mirrors, so these \
-      are black in its image; `bdpt` and `path` show them";
+      are black in its image; `bdpt`, `path` and `ppm` show them";
 
 /// Whether there are surfaces that light paths cannot connect to the sensor from.
 fn has_specular<const N: usize>(tables: &BakedScene<N>) -> bool {
     let kind = |material: u32| tables.materials[material as usize].kind;
     tables.surfaces.iter().any(|surface| {
-        !matches!(kind(surface.material), MaterialKind::Absorber | MaterialKind::Diffuse)
+        let kind = kind(surface.material);
+        !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
     })
 }
 

@@ -15,8 +15,8 @@ const OTHERS: [&str; 4] = [
 ];
 /// What makes a printed render small: the last of equal options counts.
 const SMALL: [&str; 6] = ["--spp", "16", "--width", "24", "--height", "16"];
-/// The same for a benchmark.
-const SMALL_BENCH: [&str; 8] =
+/// The same with photons.
+const SMALL_PHOTONS: [&str; 8] =
     ["--photons", "1000", "--iterations", "2", "--width", "24", "--height", "16"];
 
 fn readme() -> String {
@@ -49,8 +49,9 @@ fn the_commands_run_as_printed() {
         let mut words: Vec<&str> = line.split_whitespace().collect();
         verbs.push(words[0].to_owned());
         match words[0] {
+            "render" if words.contains(&"ppm") => words.extend(SMALL_PHOTONS),
             "render" => words.extend(SMALL),
-            "bench" => words.extend(SMALL_BENCH),
+            "bench" => words.extend(SMALL_PHOTONS),
             _ => {}
         }
         sunstone(&here, &words).done();
