@@ -15,7 +15,8 @@ use support::rendering::{MONO, image, in_package, light_mask, scene, settings, w
 use support::scenes::depolarizers;
 use support::statistics::cells;
 
-const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Light, Integrator::Bdpt];
+const INTEGRATORS: [Integrator; 4] =
+    [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Ppm];
 
 fn reference_scene(name: &str) -> World {
     world(&in_package(&format!("scenes/reference/{name}.gltf")))
@@ -83,6 +84,9 @@ fn modes_share_their_noise() {
         ("cornell", Integrator::Bdpt),
         ("mirror", Integrator::Path),
         ("mirror", Integrator::Bdpt),
+        ("cornell", Integrator::Ppm),
+        ("rayleigh", Integrator::Path),
+        ("rayleigh", Integrator::Bdpt),
     ] {
         let scene = scene::<1>(&reference_scene(name), MONO, [32, 32]);
         let pairs: Vec<[StokesImage; 2]> = (0..PAIRS)
@@ -116,15 +120,16 @@ fn spread(values: Vec<f64>) -> f64 {
 }
 
 /// Sums over pixels have one owner and a fixed order. 40 x 24 pixels are tiles of three sizes,
-/// and 37 iterations fill neither their chunks nor their waves.
+/// and 39 iterations fill neither their chunks nor their waves; photons come in three batches.
 #[test]
 fn threads_change_no_bit() {
-    for name in ["cornell", "mirror"] {
+    for name in ["cornell", "mirror", "tank", "rayleigh"] {
         let scene = scene::<3>(&reference_scene(name), Color::Rgb, [40, 24]);
         for integrator in INTEGRATORS {
             for mode in [Mode::Scalar, Mode::Polarized] {
-                let settings = settings(integrator, mode, Color::Rgb, 37, 8);
-                let settings = Settings { replicates: 3, roulette_after: 4, ..settings };
+                let settings = settings(integrator, mode, Color::Rgb, 39, 8);
+                let photons = Photons { per_iteration: 40_000, samples: 13, ..Photons::default() };
+                let settings = Settings { replicates: 3, roulette_after: 4, photons, ..settings };
                 let with_threads = |threads: usize| {
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     pool.expect("threads start").install(|| image(&scene, &settings))

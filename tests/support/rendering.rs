@@ -60,7 +60,8 @@ pub fn settings(
         path_length_max,
         roulette_after: path_length_max + 1,
         seed,
-        photons: Photons::default(),
+        // More than one chunk of them, few enough to be quick.
+        photons: Photons { per_iteration: 2_000, ..Photons::default() },
         time_limit: None,
     }
 }
