@@ -186,7 +186,8 @@ fn plot(curves: &[Curve]) -> String {
         let at = y(10_f64.powi(-exponent));
         let _ = writeln!(
             svg,
-            "<path d=\"M70 {at}H490\" stroke=\"#ddd\"/><text x=\"12\" y=\"{at}\">1e-{exponent}</text>"
+            "<path d=\"M70 {at}H490\" stroke=\"#ddd\"/>\n\
+             <text x=\"12\" y=\"{at}\">1e-{exponent}</text>"
         );
     }
     for (index, curve) in curves.iter().enumerate() {
