@@ -482,7 +482,7 @@ def reference_mirror():
     scene.sphere("ball", blue, (-3.5, -1, 4.2), 1.0)
     scene.shape("plane mirror", "rectangle", aluminum, scale(1.2, 1.8, 1), rotate("y", -140),
                 translate(4, -0.1, 4.5))
-    scene.sphere("glass ball", clear, (3.9, -0.9, 1.0), 1.1)
+    scene.sphere("glass ball", clear, (1.7, -1.1, 4.6), 0.8)
     scene.shape("light", "rectangle", scene.material("light", light(8.0)),
                 scale(2), rotate("x", 90), translate(y=6, z=5))
     scene.camera(square_fov(36), camera_look_at((0, 0.5, 6.5), (0, 0, 0)), [64, 64])
