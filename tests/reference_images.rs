@@ -295,13 +295,13 @@ fn ppm_renders_rayleigh() {
 }
 
 #[test]
-#[ignore = "minutes: 128 million photons, to be run before a release"]
+#[ignore = "four minutes: 512 million photons, to be run before a release"]
 fn ppm_renders_media_at_full_length() {
-    for (case, edge, radius) in [(&TANK, 4, 0.01), (&INSIDE_RAYLEIGH, 2, 0.01)] {
+    for (case, edge, radius) in [(&TANK, 4, 0.006), (&INSIDE_RAYLEIGH, 2, 0.01)] {
         println!("{}", case.name);
         // What is circularly polarized in the tank takes sensor paths rather than photons.
         let photons = Photons { samples: 256, ..photons(1_000_000, radius) };
-        check_photons(case, Integrator::Ppm, 2048, edge, photons);
+        check_photons(case, Integrator::Ppm, 8192, edge, photons);
     }
 }
 
