@@ -1,41 +1,111 @@
 //! What the eight-wide tree is made of.
 
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+
 use crate::math::{F32s, LANES, U32s, Vector};
 use crate::scene::baked::{NONE, Sphere, Triangle};
 
 use super::kernel::{Candidates, Rays};
 
-/// Marks a child of a node, or the root, as a row of `leaves` instead of `nodes`.
-pub(super) const LEAF: u32 = 1 << 31;
+/// Says of a reference that it is a leaf.
+const LEAF: u32 = 1 << 31;
+/// Says of a leaf that its blocks are of spheres.
+const SPHERES: u32 = 1 << 30;
+/// Where the number of blocks of a leaf, less one, begins.
+const COUNT_SHIFT: u32 = 28;
+/// Most blocks of a leaf.
+pub(super) const LEAF_BLOCKS: u32 = 4;
+
+/// What a child of a node is: a row of the nodes, or a few blocks of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct Reference(u32);
+
+/// Lengths of the tables that references refer to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rows {
+    pub nodes: usize,
+    pub triangle_blocks: usize,
+    pub sphere_blocks: usize,
+}
+
+impl Reference {
+    /// No child.
+    pub const NONE: Self = Self(u32::MAX);
+
+    /// The node in row `row`.
+    pub fn node(row: usize) -> Self {
+        debug_assert!(row < LEAF as usize, "fewer than 2^31 nodes");
+        Self(row as u32)
+    }
+
+    /// The leaf of `count` blocks from row `first`.
+    pub fn leaf(first: usize, count: u32, of_spheres: bool) -> Self {
+        debug_assert!(first < 1 << COUNT_SHIFT && (1..=LEAF_BLOCKS).contains(&count));
+        let kind = if of_spheres { SPHERES } else { 0 };
+        Self(LEAF | kind | ((count - 1) << COUNT_SHIFT) | first as u32)
+    }
+
+    /// The same when the tables that it refers to are appended to others of `base` rows.
+    pub fn moved(self, base: Rows) -> Self {
+        let rows = match (self == Self::NONE, self.is_leaf(), self.is_of_spheres()) {
+            (true, ..) => 0,
+            (_, false, _) => base.nodes,
+            (_, true, false) => base.triangle_blocks,
+            (_, true, true) => base.sphere_blocks,
+        };
+        Self(self.0 + rows as u32)
+    }
+
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & LEAF != 0
+    }
+
+    /// Of a leaf: whether its blocks are of spheres.
+    #[inline(always)]
+    pub fn is_of_spheres(self) -> bool {
+        self.0 & SPHERES != 0
+    }
+
+    /// Of a node: its row.
+    #[inline(always)]
+    pub fn row(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Of a leaf: the rows of its blocks.
+    #[inline(always)]
+    pub fn blocks(self) -> Range<usize> {
+        let first = (self.0 & ((1 << COUNT_SHIFT) - 1)) as usize;
+        first..first + ((self.0 >> COUNT_SHIFT) & (LEAF_BLOCKS - 1)) as usize + 1
+    }
+}
 
 /// Up to eight children. Vacant ones have bounds that no ray enters.
-#[derive(Clone, Debug, PartialEq)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub(super) struct Node {
     /// Per axis, the lower and the upper bounds of the children.
     pub bounds: [[F32s; 2]; 3],
-    /// A row of the nodes, or of the leaves with [`LEAF`] set.
-    pub children: [u32; LANES],
+    pub children: [Reference; LANES],
+    /// Fills the last of four cache lines.
+    _padding: [u32; LANES],
 }
 
 impl Node {
     /// A node without children.
     pub fn vacant() -> Self {
         let none = [F32s::splat(f32::INFINITY), F32s::splat(f32::NEG_INFINITY)];
-        Self { bounds: [none; 3], children: [NONE; LANES] }
+        Self { bounds: [none; 3], children: [Reference::NONE; LANES], _padding: [0; LANES] }
     }
 }
 
-/// The blocks of a leaf: rows `first..end` of either table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Leaf {
-    pub triangles: [u32; 2],
-    pub spheres: [u32; 2],
-}
-
 /// Up to eight triangles. Vacant lanes have no area, so nothing hits them.
-#[derive(Clone, Debug, PartialEq)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub(super) struct TriangleBlock {
     /// Per corner and axis, the coordinates.
     corners: [[F32s; 3]; 3],
@@ -58,15 +128,18 @@ impl TriangleBlock {
         Self { corners: corners.map(|axes| axes.map(F32s::from)), primitives: U32s::from(ids) }
     }
 
-    /// One ray against the block.
+    /// Corners with their axes renamed.
     #[inline(always)]
-    pub fn meet(&self, rays: &Rays, [x, y, z]: [usize; 3]) -> Candidates {
-        let corners = &self.corners;
-        rays.meet_triangles([
-            Vector::new(corners[0][x], corners[0][y], corners[0][z]),
-            Vector::new(corners[1][x], corners[1][y], corners[1][z]),
-            Vector::new(corners[2][x], corners[2][y], corners[2][z]),
-        ])
+    pub fn corners(&self, [x, y, z]: [usize; 3]) -> [Vector<F32s>; 3] {
+        let corner = |of: &[F32s; 3]| Vector::new(of[x], of[y], of[z]);
+        let [a, b, c] = &self.corners;
+        [corner(a), corner(b), corner(c)]
+    }
+
+    /// One ray against the block, if it meets anything; `axes` are those of the ray.
+    #[inline(always)]
+    pub fn meet(&self, rays: &Rays, axes: [usize; 3]) -> Option<Candidates> {
+        rays.meet_triangles(self.corners(axes))
     }
 }
 

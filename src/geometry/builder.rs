@@ -12,8 +12,8 @@ use crate::scene::baked::{Sphere, Triangle};
 /// Up to so many primitives are worth the slower, better build.
 const CAREFUL_BUILD: usize = 200_000;
 
-/// A binary tree with one primitive a leaf over all primitives, triangles first. Single-threaded
-/// and free of hashing, so the same input gives the same tree.
+/// A binary tree with one primitive a leaf over all primitives, triangles first. The same input
+/// gives the same tree, with any number of threads.
 pub(super) fn build_binary(triangles: &[Triangle], spheres: &[Sphere]) -> Bvh2 {
     let bounds = primitive_bounds(triangles, spheres);
     let preset = if bounds.len() <= CAREFUL_BUILD {
@@ -35,6 +35,50 @@ fn primitive_bounds(triangles: &[Triangle], spheres: &[Sphere]) -> Vec<Aabb> {
         Aabb::new(center - radius, center + radius)
     };
     triangles.iter().map(of_triangle).chain(spheres.iter().map(of_sphere)).collect()
+}
+
+/// Roots of the largest subtrees of at most `most` primitives each, depth first.
+pub(super) fn parts_of(binary: &Bvh2, most: u32) -> Vec<u32> {
+    match subtree(binary, 0, most, FORKS) {
+        Subtree::Small(_) => vec![0],
+        Subtree::Large(parts) => parts,
+    }
+}
+
+/// Levels of the tree whose two sides are looked at in parallel.
+const FORKS: u32 = 10;
+
+/// A subtree of at most so many primitives, or the parts that a larger one consists of.
+enum Subtree {
+    Small(u32),
+    Large(Vec<u32>),
+}
+
+fn subtree(binary: &Bvh2, index: u32, most: u32, forks: u32) -> Subtree {
+    let node = &binary.nodes[index as usize];
+    if node.is_leaf() {
+        return Subtree::Small(node.prim_count);
+    }
+    let [left, right] = [node.first_index, node.first_index + 1];
+    let below = |child: u32| subtree(binary, child, most, forks.saturating_sub(1));
+    let (of_left, of_right) = if forks > 0 {
+        rayon::join(|| below(left), || below(right))
+    } else {
+        (below(left), below(right))
+    };
+    if let (Subtree::Small(a), Subtree::Small(b)) = (&of_left, &of_right)
+        && a + b <= most
+    {
+        return Subtree::Small(a + b);
+    }
+    let mut parts = Vec::new();
+    for (child, found) in [(left, of_left), (right, of_right)] {
+        match found {
+            Subtree::Small(_) => parts.push(child),
+            Subtree::Large(more) => parts.extend(more),
+        }
+    }
+    Subtree::Large(parts)
 }
 
 /// The largest magnitude of any coordinate of a primitive.

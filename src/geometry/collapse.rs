@@ -4,41 +4,51 @@
 //! dynamic program of Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
 //! Through Compressed Wide BVHs", section 3: `cost[i]` is the least cost of the subtree when its
 //! parent has `i + 1` slots for it.
+//!
+//! Subtrees of a few thousand primitives are collapsed apart, all threads at a time; only that
+//! their roots are nodes is settled beforehand, which the optimum hardly ever disagrees with.
 
+use bytemuck::zeroed_vec;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use rayon::prelude::*;
 
 use crate::math::LANES;
-use crate::scene::baked::{Sphere, Triangle};
+use crate::scene::baked::{NONE, Sphere, Triangle};
 
-use super::block::{LEAF, Leaf, Node, SphereBlock, TriangleBlock};
-use super::builder::build_binary;
+use super::block::{LEAF_BLOCKS, Node, Reference, Rows, SphereBlock, TriangleBlock};
+use super::builder::{build_binary, largest_coordinate, parts_of};
 
-/// Cost of testing and sorting the eight children of a node, relative to a block of triangles.
+/// Cost of testing and sorting the eight children of a node, relative to a block.
 /// Of 1, 1.5 and 2.2 the fastest by a few per cent on 82k triangles; no difference on small scenes.
 const NODE_COST: f32 = 1.5;
-/// Cost of a block of triangles.
-const TRIANGLE_BLOCK_COST: f32 = 1.0;
-/// Cost of a block of spheres.
-const SPHERE_BLOCK_COST: f32 = 1.0;
-/// Most blocks of a leaf, both kinds together.
-const LEAF_BLOCKS: u32 = 4;
+/// Trees beyond this are large.
+const LARGE_BYTES: usize = 64 << 20;
+/// Most primitives of a subtree that is collapsed apart.
+const PART_PRIMITIVES: u32 = 4096;
 
 /// The eight-wide tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
-    pub leaves: Vec<Leaf>,
     pub triangle_blocks: Vec<TriangleBlock>,
     pub sphere_blocks: Vec<SphereBlock>,
-    /// Where every ray starts: a node, or a leaf with [`LEAF`] set.
-    pub root: u32,
-    /// Nodes on the longest way from the root to a leaf.
+    /// Where every ray starts.
+    pub root: Reference,
+    /// Nodes on the longest way from the root to a leaf, at most.
     pub depth: u32,
+    /// Largest coordinate of any primitive.
+    pub reach: f32,
 }
 
-/// The plan for one node of the binary tree.
+/// The plan for one node of the binary tree. Plans lie depth first, left before right.
 #[derive(Clone, Copy, Default)]
 struct Plan {
+    /// The node of the binary tree.
+    index: u32,
+    /// Plans of the subtree, this one included.
+    size: u32,
+    /// The part that the subtree is, or [`NONE`].
+    part: u32,
     triangles: u32,
     spheres: u32,
     /// Least cost given 1 to 7 slots, times area.
@@ -48,86 +58,206 @@ struct Plan {
     is_leaf: bool,
 }
 
-struct Collapse<'a> {
+/// What is collapsed.
+struct Source<'a> {
     binary: &'a Bvh2,
-    plans: Vec<Plan>,
     triangles: &'a [Triangle],
     spheres: &'a [Sphere],
+}
+
+/// A subtree of the binary tree on its way into a tree of its own.
+struct Collapse<'a> {
+    source: &'a Source<'a>,
+    /// Subtrees that are collapsed already, depth first.
+    parts: &'a [Part],
+    plans: Vec<Plan>,
+    tree: Tree,
+}
+
+/// A subtree that is collapsed.
+struct Part {
+    /// Its root in the binary tree.
+    index: u32,
+    cost: f32,
     tree: Tree,
 }
 
 impl Tree {
-    /// Builds the tree; without primitives it is an empty leaf.
+    /// Builds the tree, with all threads; the same input gives the same tree, bit for bit.
     pub fn build(triangles: &[Triangle], spheres: &[Sphere]) -> Self {
-        let empty = Tree {
+        let reach = largest_coordinate(triangles, spheres);
+        let count = triangles.len() + spheres.len();
+        let is_of_one_kind = triangles.is_empty() || spheres.is_empty();
+        let tree = if count <= LANES && is_of_one_kind {
+            let binary = &Bvh2::default();
+            let all: Vec<u32> = (0..count as u32).collect();
+            let mut tree = Self::empty();
+            tree.root = tree.push_leaf(&all, &Source { binary, triangles, spheres });
+            tree
+        } else {
+            let binary = &build_binary(triangles, spheres);
+            collapse(&Source { binary, triangles, spheres })
+        };
+        Self { reach, ..tree }
+    }
+
+    /// Whether the tree is much larger than the caches, so that most steps wait for memory.
+    pub fn is_large(&self) -> bool {
+        self.bytes() > LARGE_BYTES
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice())
+            + size_of_val(self.triangle_blocks.as_slice())
+            + size_of_val(self.sphere_blocks.as_slice())
+    }
+
+    fn empty() -> Self {
+        Self {
             nodes: Vec::new(),
-            leaves: Vec::new(),
             triangle_blocks: Vec::new(),
             sphere_blocks: Vec::new(),
-            root: LEAF,
+            root: Reference::NONE,
             depth: 0,
-        };
-        let binary = if triangles.len() <= LANES && spheres.len() <= LANES {
-            Bvh2::default()
-        } else {
-            build_binary(triangles, spheres)
-        };
-        let plans = Vec::new();
-        let mut collapse = Collapse { binary: &binary, plans, triangles, spheres, tree: empty };
-        if binary.nodes.is_empty() {
-            let all = (0..(triangles.len() + spheres.len()) as u32).collect();
-            collapse.push_leaf(all);
-        } else {
-            collapse.plan();
-            collapse.emit();
+            reach: 0.0,
         }
-        collapse.tree
+    }
+
+    /// Appends a leaf of `primitives`, all of one kind; without any it is a block of no spheres.
+    fn push_leaf(&mut self, primitives: &[u32], source: &Source) -> Reference {
+        let triangle_count = source.triangles.len() as u32;
+        let count = primitives.len().div_ceil(LANES).max(1) as u32;
+        if primitives.first().is_some_and(|first| *first < triangle_count) {
+            let first = self.triangle_blocks.len();
+            let eights = primitives.chunks(LANES);
+            let blocks = eights.map(|eight| TriangleBlock::new(eight, source.triangles));
+            self.triangle_blocks.extend(blocks);
+            return Reference::leaf(first, count, false);
+        }
+        let first = self.sphere_blocks.len();
+        for block in 0..count as usize {
+            let rows = block * LANES..primitives.len().min((block + 1) * LANES);
+            let block = SphereBlock::new(&primitives[rows], source.spheres, triangle_count);
+            self.sphere_blocks.push(block);
+        }
+        Reference::leaf(first, count, true)
     }
 }
 
-fn children(node: &Bvh2Node) -> [usize; 2] {
-    [node.first_index as usize, node.first_index as usize + 1]
+/// Collapses the parts, then what is above them, and puts all together.
+fn collapse(source: &Source) -> Tree {
+    let parts: Vec<Part> = parts_of(source.binary, PART_PRIMITIVES)
+        .into_par_iter()
+        .map(|index| {
+            let mut part = Collapse::new(source, &[], index);
+            part.emit();
+            Part { index, cost: part.plans[0].cost[0], tree: part.tree }
+        })
+        .collect();
+    if let [Part { index: 0, .. }] = parts.as_slice() {
+        return parts.into_iter().map(|part| part.tree).next().unwrap_or_else(Tree::empty);
+    }
+    let mut top = Collapse::new(source, &parts, 0);
+    top.emit();
+    join(top.tree, &parts)
 }
 
-impl Collapse<'_> {
-    /// Makes the plans, children first.
-    fn plan(&mut self) {
-        let nodes = &self.binary.nodes;
-        let mut order = Vec::with_capacity(nodes.len());
-        let mut stack = vec![0];
-        while let Some(index) = stack.pop() {
-            order.push(index);
-            if !nodes[index].is_leaf() {
-                stack.extend(children(&nodes[index]));
+/// The tables of all parts, one after the other, and behind them the nodes of the top.
+fn join(top: Tree, parts: &[Part]) -> Tree {
+    let tables = || parts.iter().map(|part| &part.tree);
+    let count = |of: fn(&Tree) -> usize| tables().map(of).sum::<usize>();
+    let node_count = count(|tree| tree.nodes.len()) + top.nodes.len();
+    let mut nodes: Vec<Node> = zeroed_vec(node_count);
+    let mut blocks: Vec<TriangleBlock> = zeroed_vec(count(|tree| tree.triangle_blocks.len()));
+    let (mut nodes_left, mut blocks_left) = (nodes.as_mut_slice(), blocks.as_mut_slice());
+    let mut copies = Vec::with_capacity(parts.len());
+    for (tree, base) in tables().zip(bases(parts)) {
+        let to_nodes = nodes_left.split_off_mut(..tree.nodes.len()).unwrap_or_default();
+        let to_blocks = blocks_left.split_off_mut(..tree.triangle_blocks.len()).unwrap_or_default();
+        copies.push((tree, base, to_nodes, to_blocks));
+    }
+    nodes_left.copy_from_slice(&top.nodes);
+    copies.into_par_iter().for_each(|(tree, base, to_nodes, to_blocks)| {
+        to_blocks.copy_from_slice(&tree.triangle_blocks);
+        for (to, node) in to_nodes.iter_mut().zip(&tree.nodes) {
+            *to = *node;
+            to.children = node.children.map(|child| child.moved(base));
+        }
+    });
+    Tree {
+        nodes,
+        triangle_blocks: blocks,
+        sphere_blocks: tables().flat_map(|tree| tree.sphere_blocks.iter().cloned()).collect(),
+        depth: top.depth + tables().map(|tree| tree.depth).max().unwrap_or(0),
+        ..top
+    }
+}
+
+/// Where the tables of each part begin in those of all.
+fn bases(parts: &[Part]) -> impl Iterator<Item = Rows> {
+    parts.iter().scan(Rows::default(), |next, part| {
+        let base = *next;
+        next.nodes += part.tree.nodes.len();
+        next.triangle_blocks += part.tree.triangle_blocks.len();
+        next.sphere_blocks += part.tree.sphere_blocks.len();
+        Some(base)
+    })
+}
+
+impl<'a> Collapse<'a> {
+    /// The plans for the subtree at `root`, down to `parts`, which lie in it depth first.
+    fn new(source: &'a Source<'a>, parts: &'a [Part], root: u32) -> Self {
+        let mut collapse = Self { source, parts, plans: Vec::new(), tree: Tree::empty() };
+        collapse.lay_out(root);
+        for position in (0..collapse.plans.len()).rev() {
+            let plan = &collapse.plans[position];
+            if plan.part == NONE && !source.node(plan.index).is_leaf() {
+                collapse.plans[position] = collapse.plan_inner(position);
             }
         }
-        self.plans = vec![Plan::default(); nodes.len()];
-        for &index in order.iter().rev() {
-            self.plans[index] = if nodes[index].is_leaf() {
-                self.plan_primitives(&nodes[index])
+        collapse
+    }
+
+    /// Lays out the plans and makes those that depend on no others.
+    fn lay_out(&mut self, root: u32) {
+        let mut parts = self.parts.iter().zip(0..).peekable();
+        let mut stack = vec![root];
+        while let Some(index) = stack.pop() {
+            let node = self.source.node(index);
+            let plan = Plan { index, size: 1, part: NONE, ..Plan::default() };
+            self.plans.push(if let Some((part, row)) = parts.next_if(|it| it.0.index == index) {
+                // More than a leaf can hold, whatever it is.
+                let cost = [part.cost; LANES - 1];
+                Plan { part: row, triangles: PART_PRIMITIVES, cost, ..plan }
+            } else if node.is_leaf() {
+                self.plan_primitives(plan)
             } else {
-                self.plan_inner(&nodes[index])
-            };
+                stack.extend([node.first_index + 1, node.first_index]);
+                plan
+            });
         }
     }
 
-    fn plan_primitives(&self, node: &Bvh2Node) -> Plan {
-        let mut plan = Plan { is_leaf: true, ..Plan::default() };
-        for primitive in self.primitives(node) {
-            let is_triangle = (primitive as usize) < self.triangles.len();
+    fn plan_primitives(&self, mut plan: Plan) -> Plan {
+        for primitive in self.source.primitives(plan.index) {
+            let is_triangle = (*primitive as usize) < self.source.triangles.len();
             plan.triangles += u32::from(is_triangle);
             plan.spheres += u32::from(!is_triangle);
         }
-        plan.cost = [leaf_cost(&plan) * node.aabb().half_area(); LANES - 1];
+        plan.is_leaf = true;
+        plan.cost = [leaf_cost(&plan) * self.source.half_area(plan.index); LANES - 1];
         plan
     }
 
-    fn plan_inner(&self, node: &Bvh2Node) -> Plan {
-        let [left, right] = children(node).map(|child| &self.plans[child]);
+    fn plan_inner(&self, position: usize) -> Plan {
+        let children = self.children(position);
+        let [left, right] = children.map(|child| &self.plans[child]);
         let mut plan = Plan {
-            triangles: left.triangles + right.triangles,
-            spheres: left.spheres + right.spheres,
-            ..Plan::default()
+            size: 1 + left.size + right.size,
+            triangles: left.triangles.saturating_add(right.triangles),
+            spheres: left.spheres.saturating_add(right.spheres),
+            ..self.plans[position]
         };
         // The cheapest way to divide `slots` among the two children.
         let divide = |slots: usize| {
@@ -136,7 +266,7 @@ impl Collapse<'_> {
             let cheaper = |a: (usize, f32), b: (usize, f32)| if b.1 < a.1 { b } else { a };
             shares.fold((0, f32::INFINITY), cheaper)
         };
-        let area = node.aabb().half_area();
+        let area = self.source.half_area(plan.index);
         let (share, cost) = divide(LANES);
         let as_node = cost + area * NODE_COST;
         let as_leaf = area * leaf_cost(&plan);
@@ -152,109 +282,114 @@ impl Collapse<'_> {
         plan
     }
 
-    /// The primitives directly in a leaf of the binary tree.
-    fn primitives(&self, node: &Bvh2Node) -> impl Iterator<Item = u32> + '_ {
-        let first = node.first_index as usize;
-        let indices = &self.binary.primitive_indices[first..first + node.prim_count as usize];
-        indices.iter().copied()
+    /// Positions of the two children's plans.
+    fn children(&self, position: usize) -> [usize; 2] {
+        let left = position + 1;
+        [left, left + self.plans[left].size as usize]
     }
 
     /// Carries out the plan, depth first.
     fn emit(&mut self) {
-        if self.plans[0].is_leaf {
-            self.push_leaf(self.primitives_below(0));
-            return;
-        }
-        self.tree.root = 0;
-        self.tree.nodes.push(Node::vacant());
-        let mut work = vec![(0, 0, 1)];
-        while let Some((index, row, depth)) = work.pop() {
+        let bases: Vec<Rows> = bases(self.parts).collect();
+        let first_row = self.parts.iter().map(|part| part.tree.nodes.len()).sum();
+        let mut work = Vec::new();
+        self.tree.root = self.emit_child(0, 0, first_row, &bases, &mut work);
+        while let Some((position, row, depth)) = work.pop() {
             self.tree.depth = self.tree.depth.max(depth);
             let mut node = Node::vacant();
-            for (lane, child) in self.chosen_children(index).into_iter().enumerate() {
-                let bounds = self.binary.nodes[child].aabb();
+            for (lane, child) in self.chosen_children(position).enumerate() {
+                let bounds = self.source.node(self.plans[child].index).aabb();
                 for axis in 0..3 {
                     node.bounds[axis][0].as_mut_array()[lane] = bounds.min[axis];
                     node.bounds[axis][1].as_mut_array()[lane] = bounds.max[axis];
                 }
-                node.children[lane] = if self.plans[child].is_leaf {
-                    self.push_leaf(self.primitives_below(child))
-                } else {
-                    let row = self.tree.nodes.len();
-                    self.tree.nodes.push(Node::vacant());
-                    work.push((child, row, depth + 1));
-                    row as u32
-                };
+                node.children[lane] = self.emit_child(child, depth, first_row, &bases, &mut work);
             }
             self.tree.nodes[row] = node;
         }
     }
 
-    /// The nodes of the binary tree that become the children of the wide node at `index`.
-    fn chosen_children(&self, index: usize) -> Vec<usize> {
-        let mut chosen = Vec::with_capacity(LANES);
-        let mut pending = vec![(index, LANES)];
-        while let Some((index, slots)) = pending.pop() {
-            let mut slots = slots;
-            while slots > 1 && self.plans[index].left[slots - 2] == 0 {
+    /// A child as a leaf, as the root of a part, or as a node that is left as `work`: the position
+    /// of its plan, its row here and its depth. Rows of this tree begin at `first_row`.
+    fn emit_child(
+        &mut self,
+        position: usize,
+        depth: u32,
+        first_row: usize,
+        bases: &[Rows],
+        work: &mut Vec<(usize, usize, u32)>,
+    ) -> Reference {
+        let plan = &self.plans[position];
+        if plan.part != NONE {
+            let part = plan.part as usize;
+            return self.parts[part].tree.root.moved(bases[part]);
+        }
+        if plan.is_leaf {
+            let below = &self.plans[position..][..plan.size as usize];
+            let mut primitives: Vec<u32> = below
+                .iter()
+                .filter(|plan| self.source.node(plan.index).is_leaf())
+                .flat_map(|plan| self.source.primitives(plan.index))
+                .copied()
+                .collect();
+            primitives.sort_unstable();
+            return self.tree.push_leaf(&primitives, self.source);
+        }
+        let row = self.tree.nodes.len();
+        self.tree.nodes.push(Node::vacant());
+        work.push((position, row, depth + 1));
+        Reference::node(first_row + row)
+    }
+
+    /// Plans of the children of the wide node whose plan is at `position`.
+    fn chosen_children(&self, position: usize) -> impl Iterator<Item = usize> + use<> {
+        let (mut chosen, mut count) = ([0; LANES], 0);
+        let mut pending = [(0, 0); LANES];
+        pending[0] = (position, LANES);
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (position, mut slots) = pending[top];
+            while slots > 1 && self.plans[position].left[slots - 2] == 0 {
                 slots -= 1;
             }
             if slots == 1 {
-                chosen.push(index);
-            } else {
-                let share = self.plans[index].left[slots - 2] as usize;
-                let [left, right] = children(&self.binary.nodes[index]);
-                pending.push((right, slots - share));
-                pending.push((left, share));
+                chosen[count] = position;
+                count += 1;
+                continue;
             }
+            let share = self.plans[position].left[slots - 2] as usize;
+            let [left, right] = self.children(position);
+            pending[top] = (right, slots - share);
+            pending[top + 1] = (left, share);
+            top += 2;
         }
-        chosen
-    }
-
-    /// All primitives in a subtree of the binary tree.
-    fn primitives_below(&self, index: usize) -> Vec<u32> {
-        let mut primitives = Vec::new();
-        let mut stack = vec![index];
-        while let Some(index) = stack.pop() {
-            let node = &self.binary.nodes[index];
-            if node.is_leaf() {
-                primitives.extend(self.primitives(node));
-            } else {
-                stack.extend(children(node));
-            }
-        }
-        primitives
-    }
-
-    /// Appends a leaf and returns the reference to it.
-    fn push_leaf(&mut self, mut primitives: Vec<u32>) -> u32 {
-        primitives.sort_unstable();
-        let triangle_count = self.triangles.len() as u32;
-        let middle = primitives.partition_point(|&primitive| primitive < triangle_count);
-        let (of_triangles, of_spheres) = primitives.split_at(middle);
-        let first_triangle = self.tree.triangle_blocks.len() as u32;
-        let first_sphere = self.tree.sphere_blocks.len() as u32;
-        for eight in of_triangles.chunks(LANES) {
-            self.tree.triangle_blocks.push(TriangleBlock::new(eight, self.triangles));
-        }
-        for eight in of_spheres.chunks(LANES) {
-            let block = SphereBlock::new(eight, self.spheres, triangle_count);
-            self.tree.sphere_blocks.push(block);
-        }
-        self.tree.leaves.push(Leaf {
-            triangles: [first_triangle, self.tree.triangle_blocks.len() as u32],
-            spheres: [first_sphere, self.tree.sphere_blocks.len() as u32],
-        });
-        LEAF | (self.tree.leaves.len() as u32 - 1)
+        chosen.into_iter().take(count)
     }
 }
 
-/// Cost of all primitives of a subtree as one leaf, infinite if they are too many.
+impl Source<'_> {
+    fn node(&self, index: u32) -> &Bvh2Node {
+        &self.binary.nodes[index as usize]
+    }
+
+    fn half_area(&self, index: u32) -> f32 {
+        self.node(index).aabb().half_area()
+    }
+
+    /// The primitives directly in a leaf of the binary tree.
+    fn primitives(&self, index: u32) -> &[u32] {
+        let node = self.node(index);
+        let first = node.first_index as usize;
+        &self.binary.primitive_indices[first..first + node.prim_count as usize]
+    }
+}
+
+/// Cost of all primitives of a subtree as one leaf, infinite if they are too many or of two kinds.
 fn leaf_cost(plan: &Plan) -> f32 {
-    let triangle_blocks = plan.triangles.div_ceil(LANES as u32);
-    let sphere_blocks = plan.spheres.div_ceil(LANES as u32);
-    if triangle_blocks + sphere_blocks > LEAF_BLOCKS {
+    let blocks = plan.triangles.max(plan.spheres).div_ceil(LANES as u32);
+    if blocks > LEAF_BLOCKS || plan.triangles.min(plan.spheres) > 0 {
         return f32::INFINITY;
     }
-    triangle_blocks as f32 * TRIANGLE_BLOCK_COST + sphere_blocks as f32 * SPHERE_BLOCK_COST
+    blocks as f32
 }

@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scene::baked::NONE;
 
-use super::accelerator::{Accelerator, ShortScene, Stack};
-use super::kernel::{Candidates, Nearest, Rays, Renaming, splat};
+use super::accelerator::{Accelerator, Hit, SHORT_CORNERS, ShortScene};
+use super::kernel::{Nearest, Rays, Renaming, splat};
+use super::walk::walk;
 
 /// Marks, in the place of a primitive, that a ray ended in a medium before it met one; the row of
 /// the medium is added. Smaller than [`NONE`].
@@ -19,6 +18,9 @@ pub const IN_MEDIUM: u32 = 1 << 31;
 pub fn medium_met(primitive: u32) -> Option<u32> {
     (primitive >= IN_MEDIUM && primitive != NONE).then_some(primitive - IN_MEDIUM)
 }
+
+/// Rays that are on their way through a large tree at a time.
+const FLIGHT: usize = 8;
 
 /// Rays. Columns are padded by [`LANES`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,11 +41,10 @@ impl RayColumns {
         }
     }
 
+    /// Origins and directions of the eight rays from `row` on.
     #[inline(always)]
-    fn row(&self, row: usize) -> (Vec3, Vec3) {
-        let vector =
-            |columns: &[Vec<f32>; 3]| Vec3::new(columns[0][row], columns[1][row], columns[2][row]);
-        (vector(&self.origin), vector(&self.direction))
+    fn eight(&self, row: usize) -> (Vector<F32s>, Vector<F32s>) {
+        (Vector::load(&self.origin, row), Vector::load(&self.direction, row))
     }
 }
 
@@ -79,14 +80,20 @@ pub fn trace_closest(
     if let Some(scene) = &accelerator.short {
         return closest_in_short(hits, rays, rows, scene);
     }
-    let stack = &mut Stack::new(accelerator);
-    for row in rows {
-        let (origin, direction) = rays.row(row);
-        let hit = accelerator.closest_with(stack, origin, direction, f32::INFINITY);
+    hits.t[rows.clone()].fill(f32::INFINITY);
+    hits.u[rows.clone()].fill(0.0);
+    hits.v[rows.clone()].fill(0.0);
+    hits.primitive[rows.clone()].fill(NONE);
+    let better = |row: usize, hit: Hit| {
         hits.t[row] = hit.t;
         hits.u[row] = hit.u;
         hits.v[row] = hit.v;
         hits.primitive[row] = hit.primitive;
+    };
+    let load = |row: usize| rays.eight(row);
+    match accelerator.tree.is_large() {
+        false => walk::<1, false>(&accelerator.tree, rows, load, |_| f32::INFINITY, better),
+        true => walk::<FLIGHT, false>(&accelerator.tree, rows, load, |_| f32::INFINITY, better),
     }
 }
 
@@ -102,22 +109,19 @@ pub fn trace_visibility(
     if let Some(scene) = &accelerator.short {
         return visibility_in_short(blocked, rays, t_max, rows, scene);
     }
-    let stack = &mut Stack::new(accelerator);
-    for row in rows {
-        let (origin, direction) = rays.row(row);
-        let is_blocked = accelerator.occluded_with(stack, origin, direction, t_max[row]);
-        blocked[row] = if is_blocked { u32::MAX } else { 0 };
+    blocked[rows.clone()].fill(0);
+    let better = |row: usize, _: Hit| blocked[row] = u32::MAX;
+    let load = |row: usize| rays.eight(row);
+    match accelerator.tree.is_large() {
+        false => walk::<1, true>(&accelerator.tree, rows, load, |row| t_max[row], better),
+        true => walk::<FLIGHT, true>(&accelerator.tree, rows, load, |row| t_max[row], better),
     }
 }
 
 #[inline(always)]
 fn load_rays(rays: &RayColumns, row: usize) -> (Rays, Renaming) {
-    Rays::eight(Vector::load(&rays.origin, row), Vector::load(&rays.direction, row))
-}
-
-#[inline(always)]
-fn meet_triangle(rays: &Rays, renaming: Renaming, corners: &[[f32; 3]; 3]) -> Candidates {
-    rays.meet_triangles(corners.map(|corner| renaming.apply(splat(corner))))
+    let (origin, direction) = rays.eight(row);
+    Rays::eight(origin, direction)
 }
 
 fn closest_in_short(
@@ -126,12 +130,16 @@ fn closest_in_short(
     rows: Range<usize>,
     scene: &ShortScene,
 ) {
+    let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
         let (rays, renaming) = load_rays(columns, row);
+        shear_corners(&mut corners, &rays, renaming, scene);
         let mut nearest = Nearest::none(F32s::splat(f32::INFINITY));
         let mut primitive = 0;
-        for corners in &scene.triangles {
-            nearest.offer_in_order(&meet_triangle(&rays, renaming, corners), primitive);
+        for triangle in &scene.triangles {
+            let [a, b, c] = *triangle;
+            let found = rays.meet_sheared(corners[a], corners[b], corners[c]);
+            nearest.offer_in_order(&found, primitive);
             primitive += 1;
         }
         for &(center, radius_squared) in &scene.spheres {
@@ -153,12 +161,15 @@ fn visibility_in_short(
     rows: Range<usize>,
     scene: &ShortScene,
 ) {
+    let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
         let (rays, renaming) = load_rays(columns, row);
+        shear_corners(&mut corners, &rays, renaming, scene);
         let t_max = lanes::load(t_max, row);
         let mut mask = F32s::ZERO;
-        for corners in &scene.triangles {
-            let found = meet_triangle(&rays, renaming, corners);
+        for triangle in &scene.triangles {
+            let [a, b, c] = *triangle;
+            let found = rays.meet_sheared(corners[a], corners[b], corners[c]);
             mask |= found.mask & found.t.simd_lt(t_max);
         }
         for &(center, radius_squared) in &scene.spheres {
@@ -166,6 +177,19 @@ fn visibility_in_short(
             mask |= found.mask & found.t.simd_lt(t_max);
         }
         store_u32(blocked, row, rows.end, mask.to_bits());
+    }
+}
+
+/// The corners of all triangles as eight rays see them.
+#[inline(always)]
+fn shear_corners(
+    sheared: &mut [Vector<F32s>; SHORT_CORNERS],
+    rays: &Rays,
+    renaming: Renaming,
+    scene: &ShortScene,
+) {
+    for (to, corner) in sheared.iter_mut().zip(&scene.corners) {
+        *to = rays.sheared(renaming.apply(splat(*corner)));
     }
 }
 

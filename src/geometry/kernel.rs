@@ -1,8 +1,6 @@
 //! Ray against triangle and ray against sphere, eight at a time: one ray and eight primitives, or
 //! eight rays and one primitive.
 
-use glam::Vec3;
-
 use crate::math::{F32s, U32s, Vector};
 use crate::scene::baked::NONE;
 
@@ -20,11 +18,34 @@ pub(super) struct Rays {
     /// Direction, of any length but zero.
     pub direction: Vector<F32s>,
     /// Origin with its axes renamed.
-    local: Vector<F32s>,
+    pub local: Vector<F32s>,
     /// Slope of the ray along the first two renamed axes.
-    shear: [F32s; 2],
+    pub shear: [F32s; 2],
     /// Ray parameter per length along the last renamed axis.
-    scale: F32s,
+    pub scale: F32s,
+}
+
+/// The edges of eight triangles, seen along the rays.
+struct Sides {
+    /// Twice the areas that the rays span with the edges opposite to each corner, signed.
+    weights: [F32s; 3],
+    /// Depths of the corners along the last renamed axis.
+    depths: [F32s; 3],
+    /// Where no two weights differ in sign.
+    inside: F32s,
+}
+
+impl Sides {
+    /// On which side of each edge the rays pass, of triangles as they see them.
+    #[inline(always)]
+    fn new(a: Vector<F32s>, b: Vector<F32s>, c: Vector<F32s>) -> Self {
+        // Never fused: rounding each product is what makes a sign right or zero.
+        let weights = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
+        let smallest = weights[0].fast_min(weights[1]).fast_min(weights[2]);
+        let largest = weights[0].fast_max(weights[1]).fast_max(weights[2]);
+        let inside = smallest.simd_ge(F32s::ZERO) | largest.simd_le(F32s::ZERO);
+        Self { weights, depths: [a.z, b.z, c.z], inside }
+    }
 }
 
 /// What eight tests found; only lanes in `mask` count.
@@ -34,19 +55,6 @@ pub(super) struct Candidates {
     pub v: F32s,
     /// Where there is a hit with `t > 0`.
     pub mask: F32s,
-}
-
-/// The axis along which `direction` advances most; the smallest index of several.
-#[inline(always)]
-pub(super) fn main_axis(direction: Vec3) -> usize {
-    let [x, y, z] = direction.abs().to_array();
-    if x >= y && x >= z {
-        0
-    } else if y >= z {
-        1
-    } else {
-        2
-    }
 }
 
 /// The renamed axes when the last is `main`, in cyclic order.
@@ -62,21 +70,6 @@ pub(super) fn splat(vector: [f32; 3]) -> Vector<F32s> {
 }
 
 impl Rays {
-    /// One ray in all lanes; `axes` from [`renamed`].
-    #[inline(always)]
-    pub fn one(origin: Vec3, direction: Vec3, axes: [usize; 3]) -> Self {
-        let (o, d) = (origin.to_array(), direction.to_array());
-        let [x, y, z] = axes;
-        let scale = 1.0 / d[z];
-        Self {
-            origin: splat(o),
-            direction: splat(d),
-            local: splat([o[x], o[y], o[z]]),
-            shear: [F32s::splat(d[x] * scale), F32s::splat(d[y] * scale)],
-            scale: F32s::splat(scale),
-        }
-    }
-
     /// Eight rays, and how each renames its axes.
     #[inline(always)]
     pub fn eight(origin: Vector<F32s>, direction: Vector<F32s>) -> (Self, Renaming) {
@@ -93,34 +86,41 @@ impl Rays {
         (rays, renaming)
     }
 
-    /// Tests triangles, corners with their axes renamed. `u` and `v` are the barycentric weights
-    /// of the second and the third corner.
+    /// Tests triangles, corners with their axes renamed; stops early where nothing is inside. `u`
+    /// and `v` are the barycentric weights of the second and the third corner.
     #[inline(always)]
-    pub fn meet_triangles(&self, corners: [Vector<F32s>; 3]) -> Candidates {
-        let [a, b, c] = corners.map(|corner| {
-            let from = corner - self.local;
-            Vector {
-                x: from.z.mul_neg_add(self.shear[0], from.x),
-                y: from.z.mul_neg_add(self.shear[1], from.y),
-                z: from.z,
-            }
-        });
-        // Never fused: rounding each product is what makes a sign right or zero.
-        let weight_a = c.x * b.y - c.y * b.x;
-        let weight_b = a.x * c.y - a.y * c.x;
-        let weight_c = b.x * a.y - b.y * a.x;
-        let smallest = weight_a.fast_min(weight_b).fast_min(weight_c);
-        let largest = weight_a.fast_max(weight_b).fast_max(weight_c);
-        let inside = smallest.simd_ge(F32s::ZERO) | largest.simd_le(F32s::ZERO);
-        let inverse = F32s::ONE / (weight_a + weight_b + weight_c);
-        let depth = weight_a.mul_add(a.z, weight_b.mul_add(b.z, weight_c * c.z));
-        let t = depth * self.scale * inverse;
-        Candidates {
-            t,
-            u: weight_b * inverse,
-            v: weight_c * inverse,
-            mask: inside & t.simd_gt(F32s::ZERO),
+    pub fn meet_triangles(&self, corners: [Vector<F32s>; 3]) -> Option<Candidates> {
+        let [a, b, c] = corners;
+        let sides = Sides::new(self.sheared(a), self.sheared(b), self.sheared(c));
+        sides.inside.any().then(|| self.cross(&sides))
+    }
+
+    /// [`Rays::meet_triangles`] to the end, with corners from [`Rays::sheared`].
+    #[inline(always)]
+    pub fn meet_sheared(&self, a: Vector<F32s>, b: Vector<F32s>, c: Vector<F32s>) -> Candidates {
+        self.cross(&Sides::new(a, b, c))
+    }
+
+    /// A point with its axes renamed as the rays see it, along themselves.
+    #[inline(always)]
+    pub fn sheared(&self, point: Vector<F32s>) -> Vector<F32s> {
+        let from = point - self.local;
+        Vector {
+            x: from.z.mul_neg_add(self.shear[0], from.x),
+            y: from.z.mul_neg_add(self.shear[1], from.y),
+            z: from.z,
         }
+    }
+
+    /// Where the rays cross the planes of the triangles.
+    #[inline(always)]
+    fn cross(&self, sides: &Sides) -> Candidates {
+        let [a, b, c] = sides.weights;
+        let inverse = F32s::ONE / (a + b + c);
+        let depth = a.mul_add(sides.depths[0], b.mul_add(sides.depths[1], c * sides.depths[2]));
+        let t = depth * self.scale * inverse;
+        let mask = sides.inside & t.simd_gt(F32s::ZERO);
+        Candidates { t, u: b * inverse, v: c * inverse, mask }
     }
 
     /// Tests spheres: the discriminant from the distance of the ray to the center (Haines et al.
@@ -155,12 +155,18 @@ pub(super) struct Renaming {
 }
 
 impl Renaming {
-    /// As [`main_axis`] chooses.
     #[inline(always)]
     fn of(direction: Vector<F32s>) -> Self {
         let [x, y, z] = [direction.x.abs(), direction.y.abs(), direction.z.abs()];
         let main_x = x.simd_ge(y) & x.simd_ge(z);
         Self { main_x, main_y: !main_x & y.simd_ge(z) }
+    }
+
+    /// The axis that becomes the last; the smallest index of several as long.
+    #[inline(always)]
+    pub fn main_axis(self) -> U32s {
+        let [one, two] = [1, 2].map(U32s::splat);
+        self.main_x.select(U32s::splat(0), self.main_y.select(one, two))
     }
 
     /// The vector with its axes renamed, as [`renamed`] does.
@@ -197,33 +203,10 @@ impl Nearest {
         self.primitive = mask.select(primitive, self.primitive);
     }
 
-    /// Takes over what is nearer, or as near with a smaller primitive; whether there was any.
-    /// As a signed number [`NONE`] is smaller than all, so a hit at `t_max` does not count.
-    #[inline(always)]
-    pub fn offer(&mut self, found: &Candidates, primitive: U32s) -> bool {
-        let candidates = found.mask & found.t.simd_le(self.t);
-        if !candidates.any() {
-            return false;
-        }
-        let smaller = primitive.cast_signed().simd_lt(self.primitive.cast_signed());
-        let smaller = F32s::from_bits(smaller.cast_unsigned());
-        let mask = candidates & (found.t.simd_lt(self.t) | smaller);
-        self.replace(mask, found, primitive);
-        true
-    }
-
-    /// [`Nearest::offer`] when primitives come in ascending order.
+    /// Takes over what is nearer; primitives come in ascending order.
     #[inline(always)]
     pub fn offer_in_order(&mut self, found: &Candidates, primitive: u32) {
         let mask = found.mask & found.t.simd_lt(self.t);
         self.replace(mask, found, U32s::splat(primitive));
-    }
-
-    /// The distance of the nearest of all lanes.
-    #[inline(always)]
-    pub fn smallest_t(&self) -> f32 {
-        let [a, b, c, d, e, f, g, h] = self.t.to_array();
-        let least = |a: f32, b: f32| if a < b { a } else { b };
-        least(least(least(a, b), least(c, d)), least(least(e, f), least(g, h)))
     }
 }

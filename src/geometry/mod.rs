@@ -6,9 +6,10 @@
 //! RayColumns, t_max -> trace_visibility -> blocked
 //! ```
 //!
-//! Two ways to trace, with the same kernels and the same bits: the tree takes one ray at a time
-//! against eight children or primitives; a scene of at most [`SHORT_SCENE`] primitives is a list
-//! that eight rays at a time walk through, which needs no horizontal step at all.
+//! Four ways to trace, with the same kernels and the same bits: a scene of at most
+//! [`SHORT_SCENE`] primitives is a list that eight rays at a time walk through; eight rays that
+//! run alike take one way through the tree; others go alone, against eight children or primitives
+//! at a time; and in trees that exceed the caches, several of those are on their way at once.
 
 mod accelerator;
 mod block;
@@ -17,7 +18,10 @@ mod collapse;
 mod columns;
 mod kernel;
 mod offset;
+mod packet;
+mod prepared;
 mod surface;
+mod walk;
 
 pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
 pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};

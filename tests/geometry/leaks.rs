@@ -17,11 +17,11 @@ fn target(mesh: &[Triangle], random: &mut Random) -> Vec3 {
     }
 }
 
-/// None of 100,000 rays from points `inside` may get out.
+/// None of a million rays from points `inside` may get out.
 fn nothing_escapes(mesh: &[Triangle], inside: impl Fn(&mut Random) -> Vec3) {
     let mut random = Random(mesh.len() as u64);
     let accelerator = Accelerator::build(mesh, &[]);
-    let count = 100_000;
+    let count = 1_000_000;
     let ray = |_| {
         let origin = inside(&mut random);
         (origin, (target(mesh, &mut random) - origin).normalize())
@@ -36,8 +36,10 @@ fn nothing_escapes(mesh: &[Triangle], inside: impl Fn(&mut Random) -> Vec3) {
     for (row, &(origin, direction)) in rays.iter().enumerate() {
         assert_ne!(hits.primitive[row], NONE, "ray {row} escapes: {:?}", rays[row]);
         assert_ne!(blocked[row], 0, "ray {row} escapes: {:?}", rays[row]);
-        let single = accelerator.closest(origin, direction, f32::INFINITY);
-        assert_eq!((single.t, single.primitive), (hits.t[row], hits.primitive[row]));
+        if row % 10 == 0 {
+            let single = accelerator.closest(origin, direction, f32::INFINITY);
+            assert_eq!((single.t, single.primitive), (hits.t[row], hits.primitive[row]));
+        }
     }
 }
 

@@ -310,11 +310,63 @@ fn spheres_from_inside_and_from_their_surface() {
 }
 
 #[test]
-fn small_scenes_have_no_nodes() {
-    for (triangles, spheres) in [(8, 8), (1, 0), (0, 8), (5, 3)] {
+fn eight_of_a_kind_have_no_nodes() {
+    for (triangles, spheres) in [(8, 0), (1, 0), (0, 8)] {
         let (triangles, spheres) = soup(18, triangles, spheres);
         let statistics = Accelerator::build(&triangles, &spheres).statistics();
-        assert_eq!((statistics.nodes, statistics.leaves, statistics.depth), (0, 1, 0));
+        let blocks = statistics.triangle_blocks + statistics.sphere_blocks;
+        assert_eq!((statistics.nodes, blocks, statistics.depth), (0, 1, 0));
+    }
+}
+
+/// Bundles of rays from about one point in about one direction, narrow and wide ones.
+fn bundles(seed: u64, count: usize) -> Vec<(Vec3, Vec3)> {
+    let mut random = Random(seed);
+    let mut rays = Vec::new();
+    while rays.len() < count {
+        let (origin, direction) = (random.in_cube() * 1.5, random.direction());
+        let (apart, wide) = (random.between(0.0, 0.03), random.between(0.0, 0.15));
+        for _ in 0..8 + random.below(30) {
+            let direction = (direction + random.in_cube() * wide).normalize();
+            rays.push((origin + random.in_cube() * apart, direction));
+        }
+    }
+    rays
+}
+
+#[test]
+fn rays_that_run_alike_find_what_each_would_alone() {
+    let scenes = [soup(20, 3_000, 200), soup(21, 60, 30), (icosphere(5), Vec::new())];
+    for (seed, (triangles, spheres)) in scenes.into_iter().enumerate() {
+        equals_one_at_a_time(&triangles, &spheres, &bundles(seed as u64, 10_003));
+    }
+}
+
+/// So large that several rays are on their way at once.
+#[test]
+fn rays_through_a_large_tree_find_what_each_would_alone() {
+    let mesh = icosphere(8);
+    let bytes = Accelerator::build(&mesh, &[]).statistics().bytes;
+    assert!(bytes > 64 << 20, "{bytes}");
+    let rays: Vec<_> = [bundles(3, 1_000), mixed_rays(22, 4_003)].concat();
+    equals_one_at_a_time(&mesh, &[], &rays);
+}
+
+fn equals_one_at_a_time(triangles: &[Triangle], spheres: &[Sphere], rays: &[(Vec3, Vec3)]) {
+    let accelerator = Accelerator::build(triangles, spheres);
+    let columns = columns(rays);
+    let hits = trace(&accelerator, &columns, rays.len());
+    let mut random = Random(rays.len() as u64);
+    let t_max: Vec<f32> =
+        limits(rays.len(), 1.0).iter().map(|_| random.between(0.0, 3.0)).collect();
+    let mut blocked = vec![7; rays.len()];
+    trace_visibility(&mut blocked, &columns, &t_max, 0..rays.len(), &accelerator);
+    assert!(hits.iter().any(|hit| hit.primitive != NONE));
+    for (row, &(origin, direction)) in rays.iter().enumerate() {
+        let alone = accelerator.closest(origin, direction, f32::INFINITY);
+        assert_eq!(hits[row], alone, "ray {row}: {:?}", rays[row]);
+        let is_blocked = accelerator.occluded(origin, direction, t_max[row]);
+        assert_eq!(blocked[row], if is_blocked { u32::MAX } else { 0 }, "ray {row}");
     }
 }
 
@@ -326,4 +378,17 @@ fn building_twice_gives_the_same_bits() {
     let statistics = accelerator.statistics();
     assert_eq!((statistics.triangles, statistics.spheres), (20_000, 500));
     assert!(statistics.triangle_blocks < 20_000 / 3, "{statistics:?}");
+}
+
+#[test]
+fn threads_do_not_change_the_tree() {
+    let (triangles, spheres) = soup(23, 60_000, 500);
+    let build = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| Accelerator::build(&triangles, &spheres))
+    };
+    let alone = build(1);
+    for threads in [2, 3, 8] {
+        assert!(alone == build(threads), "{threads} threads");
+    }
 }

@@ -118,7 +118,7 @@ fn landscape() -> Scene {
         waves.iter().map(|(a, b, height)| height * (a * x + 1.0).sin() * (b * z).cos()).sum()
     };
     mesh.ground(1024, 20.0, height);
-    for _ in 0..570 {
+    for _ in 0..285 {
         let (x, z) = (random.between(-9.0, 9.0), random.between(-9.0, 9.0));
         let radius = random.between(0.05, 0.4);
         mesh.ball(Vec3::new(x, height(x, z) + 0.5 * radius, z), radius, 64, 0.15, random);

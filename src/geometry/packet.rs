@@ -1,0 +1,92 @@
+//! Eight rays that run alike on one way through the tree.
+//!
+//! The bounds of a child are tested against all eight. In leaves each ray goes on alone, and so it
+//! does below nodes that hardly any of the others enters.
+
+use crate::math::{F32s, LANES, lanes};
+
+use super::accelerator::Hit;
+use super::block::{Node, Reference};
+use super::collapse::Tree;
+use super::prepared::Prepared;
+use super::walk::{Stacks, Walk};
+
+/// Up to so many rays go on alone.
+const FEW: u32 = 2;
+
+/// Takes eight rays to their ends, which are prepared one after the other. With `ANY` the first
+/// hit of each is its last.
+#[inline(always)]
+pub(super) fn walk_alike<const ANY: bool>(
+    tree: &Tree,
+    prepared: &Prepared,
+    mut walks: [Walk; LANES],
+    stacks: &mut Stacks,
+    better: &mut impl FnMut(usize, Hit),
+) {
+    let first = walks[0].ray;
+    let mut t_max: [f32; LANES] = std::array::from_fn(|lane| walks[lane].t_max);
+    let mut top = 1;
+    stacks.alike[0] = (F32s::ZERO, tree.root);
+    while top > 0 {
+        top -= 1;
+        let (enter, next) = stacks.alike[top];
+        let limit = lanes::load(&t_max, 0);
+        let is_in = enter.simd_le(limit).to_bitmask();
+        if !next.is_leaf() && is_in.count_ones() > FEW {
+            let node = &tree.nodes[next.row()];
+            top = push_alike(&mut stacks.alike, top, prepared, first, node, limit);
+            continue;
+        }
+        for lane in (0..LANES).filter(|lane| is_in >> lane & 1 == 1) {
+            let walk = &mut walks[lane];
+            walk.next = next;
+            if next.is_leaf() {
+                walk.meet_leaf(tree, prepared, better);
+            } else {
+                while walk.step::<ANY>(tree, prepared, &mut stacks.entries, better) {}
+            }
+            let is_over = ANY && walk.has_hit();
+            t_max[lane] = if is_over { f32::NEG_INFINITY } else { walk.t_max };
+        }
+    }
+}
+
+/// Pushes the children that any ray enters, with the nearest on top, as the first of those rays
+/// sees it; returns the new top.
+#[inline(always)]
+fn push_alike(
+    stack: &mut [(F32s, Reference)],
+    base: usize,
+    prepared: &Prepared,
+    first: usize,
+    node: &Node,
+    t_max: F32s,
+) -> usize {
+    let mut top = base;
+    let mut keys = [0.0; LANES];
+    // Not before anything, as infinity would be before no limit.
+    let never = F32s::splat(f32::NAN);
+    for (lane, child) in node.children.iter().enumerate() {
+        if *child == Reference::NONE {
+            break;
+        }
+        let (enter, is_in) = prepared.enter_one(first, node, lane, t_max);
+        let lanes = is_in.to_bitmask();
+        if lanes == 0 {
+            continue;
+        }
+        let key = enter.as_array()[(lanes.trailing_zeros() & 7) as usize];
+        let entry = (is_in.select(enter, never), *child);
+        let mut slot = top;
+        while slot > base && keys[(slot - base - 1) & 7] < key {
+            stack[slot] = stack[slot - 1];
+            keys[(slot - base) & 7] = keys[(slot - base - 1) & 7];
+            slot -= 1;
+        }
+        stack[slot] = entry;
+        keys[(slot - base) & 7] = key;
+        top += 1;
+    }
+    top
+}

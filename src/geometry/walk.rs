@@ -1,0 +1,277 @@
+//! Rays on their way through the tree.
+//!
+//! What the tests need to know of a ray is computed for eight rays at a time and read from there
+//! in every step. Each step, into a node or a leaf, starts with memory that may be far away; so in
+//! large trees several rays are on their way at once: a step ends with asking for what the ray
+//! visits next, and the others take theirs before it goes on.
+
+use std::array;
+use std::ops::Range;
+
+use prefetch_index::prefetch_index;
+use wide::i32x8 as I32s;
+
+use crate::math::{F32s, LANES, Vector};
+use crate::scene::baked::NONE;
+
+use super::accelerator::Hit;
+use super::block::{Node, Reference};
+use super::collapse::Tree;
+use super::kernel::{Candidates, renamed};
+use super::packet::walk_alike;
+use super::prepared::{BATCH, Prepared};
+
+/// The place of a ray among those prepared and how far it has come.
+#[derive(Clone, Copy)]
+pub(super) struct Walk {
+    pub ray: usize,
+    /// Where the search ends: at the nearest hit so far.
+    pub t_max: f32,
+    nearest: u32,
+    /// What is visited next.
+    pub next: Reference,
+    /// First and first free entry of this ray's stack.
+    base: usize,
+    top: usize,
+}
+
+/// What is still to be visited by the rays under way, nearest on top.
+pub(super) struct Stacks {
+    pub entries: Vec<(f32, Reference)>,
+    each: usize,
+    /// Those of eight rays that go together.
+    pub alike: Vec<(F32s, Reference)>,
+}
+
+impl Stacks {
+    /// Room for the way of `rays` rays through `tree`.
+    pub fn new(tree: &Tree, rays: usize) -> Self {
+        // A node takes its own entry and leaves at most eight; without nodes nothing is pushed.
+        let each = tree.depth as usize * LANES;
+        let entries = vec![(0.0, Reference::NONE); each * rays];
+        Self { entries, each, alike: vec![(F32s::ZERO, Reference::NONE); each] }
+    }
+}
+
+impl Walk {
+    /// Whether anything is hit.
+    #[inline(always)]
+    pub fn has_hit(&self) -> bool {
+        self.nearest != NONE
+    }
+
+    /// Goes on to the next node or leaf; false when there is none. With `ANY` the first hit is
+    /// the last, and need not be the nearest.
+    #[inline(always)]
+    pub fn step<const ANY: bool>(
+        &mut self,
+        tree: &Tree,
+        prepared: &Prepared,
+        stack: &mut [(f32, Reference)],
+        better: &mut impl FnMut(usize, Hit),
+    ) -> bool {
+        let ray = self.ray & (BATCH - 1);
+        if self.next.is_leaf() {
+            self.meet_leaf(tree, prepared, better);
+            if ANY && self.has_hit() {
+                return false;
+            }
+        } else {
+            let node = &tree.nodes[self.next.row()];
+            let (enter, is_in) = prepared.enter(ray, node, self.t_max);
+            if is_in.any() {
+                // The nearest child is next, without a detour over the stack.
+                self.top = if ANY {
+                    push(stack, self.top, node, is_in.to_bitmask()) - 1
+                } else {
+                    push_sorted(stack, self.top, enter, node, is_in) - 1
+                };
+                self.next = stack[self.top].1;
+                return true;
+            }
+        }
+        while self.top > self.base {
+            self.top -= 1;
+            let (enter, reference) = stack[self.top];
+            if ANY || enter <= self.t_max {
+                self.next = reference;
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    pub fn meet_leaf(
+        &mut self,
+        tree: &Tree,
+        prepared: &Prepared,
+        better: &mut impl FnMut(usize, Hit),
+    ) {
+        let ray = self.ray & (BATCH - 1);
+        let rays = prepared.rays(ray);
+        if self.next.is_of_spheres() {
+            for block in &tree.sphere_blocks[self.next.blocks()] {
+                self.offer(&block.meet(&rays), block.primitives.as_array(), better);
+            }
+            return;
+        }
+        let axes = renamed(prepared.main_axis[ray] as usize);
+        for block in &tree.triangle_blocks[self.next.blocks()] {
+            if let Some(found) = block.meet(&rays, axes) {
+                self.offer(&found, block.primitives.as_array(), better);
+            }
+        }
+    }
+
+    /// Takes over what is nearer, or as near with a smaller primitive.
+    #[inline(always)]
+    fn offer(
+        &mut self,
+        found: &Candidates,
+        primitives: &[u32; LANES],
+        better: &mut impl FnMut(usize, Hit),
+    ) {
+        let mut lanes = (found.mask & found.t.simd_le(F32s::splat(self.t_max))).to_bitmask();
+        while lanes != 0 {
+            let lane = (lanes.trailing_zeros() & 7) as usize;
+            lanes &= lanes - 1;
+            let (t, primitive) = (found.t.as_array()[lane], primitives[lane]);
+            let is_first_of_equals = self.nearest != NONE && primitive < self.nearest;
+            if t < self.t_max || t == self.t_max && is_first_of_equals {
+                let (u, v) = (found.u.as_array()[lane], found.v.as_array()[lane]);
+                (self.t_max, self.nearest) = (t, primitive);
+                better(self.ray, Hit { t, u, v, primitive });
+            }
+        }
+    }
+
+    /// Asks for the memory of what is visited next.
+    #[inline(always)]
+    fn prefetch(&self, tree: &Tree) {
+        if !self.next.is_leaf() {
+            let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.nodes);
+            (0..4).for_each(|line| prefetch_index(lines, self.next.row() * 4 + line));
+        } else if !self.next.is_of_spheres() {
+            let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.triangle_blocks);
+            (0..5).for_each(|line| prefetch_index(lines, self.next.blocks().start * 5 + line));
+        }
+    }
+}
+
+/// Takes rays to their ends, up to `FLIGHT` of them at a time. `load` gives origins and directions
+/// of the eight rays from a row on, `t_max` where a row's search ends; `better` is told of each
+/// hit of a row that is nearer than all before.
+#[inline(always)]
+pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
+    tree: &Tree,
+    rows: Range<usize>,
+    load: impl Fn(usize) -> (Vector<F32s>, Vector<F32s>),
+    t_max: impl Fn(usize) -> f32,
+    mut better: impl FnMut(usize, Hit),
+) {
+    let mut prepared = Prepared::new();
+    let mut stacks = Stacks::new(tree, FLIGHT);
+    for first in rows.clone().step_by(BATCH) {
+        let batch = first..rows.end.min(first + BATCH);
+        for row in batch.clone().step_by(LANES) {
+            let (origin, direction) = load(row);
+            prepared.prepare(row - first, origin, direction, F32s::splat(tree.reach));
+        }
+        let start = |ray: usize| Walk {
+            ray,
+            t_max: t_max(first + ray),
+            nearest: NONE,
+            next: tree.root,
+            base: 0,
+            top: 0,
+        };
+        let mut better = |ray: usize, hit: Hit| better(first + ray, hit);
+        let (mut alone, mut count) = ([0; BATCH], 0);
+        for ray in (0..batch.len()).step_by(LANES) {
+            if ray + LANES <= batch.len() && prepared.are_alike(ray, tree.reach) {
+                let walks = array::from_fn(|lane| start(ray + lane));
+                walk_alike::<ANY>(tree, &prepared, walks, &mut stacks, &mut better);
+                continue;
+            }
+            for ray in ray..batch.len().min(ray + LANES) {
+                alone[count] = ray;
+                count += 1;
+            }
+        }
+        let mut walks = alone[..count].iter().map(|ray| start(*ray));
+        if FLIGHT == 1 {
+            for mut walk in walks {
+                while walk.step::<ANY>(tree, &prepared, &mut stacks.entries, &mut better) {}
+            }
+        } else {
+            fly::<FLIGHT, ANY>(tree, &prepared, &mut walks, &mut stacks, &mut better);
+        }
+    }
+}
+
+/// Takes rays to their ends, `FLIGHT` of them at a time.
+#[inline(always)]
+fn fly<const FLIGHT: usize, const ANY: bool>(
+    tree: &Tree,
+    prepared: &Prepared,
+    walks: &mut impl Iterator<Item = Walk>,
+    stacks: &mut Stacks,
+    better: &mut impl FnMut(usize, Hit),
+) {
+    let mut start = |base: usize| walks.next().map(|walk| Walk { base, top: base, ..walk });
+    let mut flight = [None; FLIGHT];
+    for (slot, walk) in flight.iter_mut().enumerate() {
+        *walk = start(slot * stacks.each);
+    }
+    let mut flying = flight.iter().flatten().count();
+    while flying > 0 {
+        for slot in &mut flight {
+            let Some(walk) = slot else { continue };
+            if walk.step::<ANY>(tree, prepared, &mut stacks.entries, better) {
+                walk.prefetch(tree);
+            } else {
+                *slot = start(walk.base);
+                flying -= usize::from(slot.is_none());
+            }
+        }
+    }
+}
+
+/// Pushes the children that are in with the nearest on top; returns the new top.
+///
+/// Each goes to its rank at once, and the others to ranks beyond, as a loop over so few
+/// of so unforeseeable a number costs more in wrong guesses of the processor than it saves.
+#[inline(always)]
+fn push_sorted(
+    stack: &mut [(f32, Reference)],
+    base: usize,
+    enter: F32s,
+    node: &Node,
+    is_in: F32s,
+) -> usize {
+    const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
+    let slots: &mut [_; LANES] = (&mut stack[base..base + LANES]).try_into().expect("eight");
+    // Unlike each other, and below all others those that are not in.
+    let near = enter.to_bits().cast_signed() & I32s::splat(!7);
+    let is_in = is_in.to_bits().cast_signed();
+    let keys = is_in.select(near, I32s::splat(-8)) | I32s::from(NUMBERS);
+    let (each, enter) = (keys.to_array(), enter.to_array());
+    for lane in 0..LANES {
+        let farther = keys.simd_gt(I32s::splat(each[lane])).to_bitmask();
+        slots[farther.count_ones() as usize & 7] = (enter[lane], node.children[lane]);
+    }
+    base + is_in.to_bitmask().count_ones() as usize
+}
+
+/// Pushes the children in `lanes` in any order; returns the new top.
+#[inline(always)]
+fn push(stack: &mut [(f32, Reference)], base: usize, node: &Node, lanes: u32) -> usize {
+    let slots: &mut [_; LANES] = (&mut stack[base..base + LANES]).try_into().expect("eight");
+    let mut count = 0;
+    for lane in 0..LANES {
+        slots[count & 7].1 = node.children[lane];
+        count += (lanes >> lane & 1) as usize;
+    }
+    base + count
+}
