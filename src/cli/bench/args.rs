@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 
-use crate::cli::args::{ColorName, IntegratorName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat};
+use crate::cli::args::{
+    ColorName, IntegratorName, ModeName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat,
+};
 
 /// `bench` as typed.
 #[derive(Debug, Args)]
@@ -21,6 +23,10 @@ pub enum Bench {
     Table1(Table1Arguments),
     /// What polarization costs in any scenes, by any integrators, stage by stage
     Overhead(OverheadArguments),
+    /// How time grows with threads, samples, photons, pixels and wavelengths
+    Scaling(ScalingArguments),
+    /// How errors fall with time: integrators against each other
+    Error(ErrorArguments),
     /// What has been recorded: how figures have changed
     History(HistoryArguments),
 }
@@ -42,6 +48,27 @@ finds the radius of the kernels, is not counted.
 
 Ratios are medians over the rounds, with an interval that holds them whatever their distribution. \
 A scene that takes milliseconds a round tells little: give more --spp.";
+
+const SCALING_NOTES: &str = "\
+Renders a scene at several sizes of the work and fits a line to the logarithms: a slope of 1 is \
+time in proportion, 0 is time that does not depend on it, and -1, for threads and the clock on the \
+wall, is perfect speedup. Rounds go through all sizes of a series up and down, so that whatever \
+else the machine does spreads over them; the first round is not counted. Small renders are repeated \
+until they take a tenth of a second. Times are of everything that a render does once the scene is \
+baked.
+
+threads: from 1 to all processors. samples: 1 to 32 per pixel. photons: 10 thousand to 4 million, \
+with ppm on a film of 64 x 64. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, and \
+RGB. Each series takes a minute or so.";
+
+const ERROR_NOTES: &str = "\
+Renders a scene with each integrator, and compares its image with a reference after 1, 2, 4, 8, ... \
+iterations (with ppm, passes of photons with one sample a pixel). Then compares the integrators with \
+the first: errors at equal time, and times to equal error, interpolated between what was measured \
+and never beyond.
+
+Without --reference, one is rendered first, with another seed and with variances. A reference must \
+have the size and the channels of the render.";
 
 const HISTORY_NOTES: &str = "\
 The file is what --record of the other measurements appends to. Figures of different processors or \
@@ -85,10 +112,10 @@ pub struct WorkArguments {
     /// Wavelength of --color mono, in nanometers [default: 550]
     #[arg(long, value_name = "NM")]
     pub wavelength: Option<f32>,
-    /// Width in pixels [default: 256]
+    /// Width in pixels [default: that of a --reference, or 256]
     #[arg(long, value_name = "PIXELS")]
     pub width: Option<u32>,
-    /// Height in pixels [default: 256]
+    /// Height in pixels [default: that of a --reference, or 256]
     #[arg(long, value_name = "PIXELS")]
     pub height: Option<u32>,
     /// Light paths an iteration, with ppm [default: 1000000]
@@ -168,6 +195,98 @@ pub struct OverheadArguments {
     /// Samples per pixel an iteration, with ppm [default: 16]
     #[arg(long, value_name = "N", help_heading = WORK)]
     pub samples_per_iteration: Option<u32>,
+    /// What is rendered.
+    #[command(flatten)]
+    pub work: WorkArguments,
+    /// Where the report goes.
+    #[command(flatten)]
+    pub report: ReportArguments,
+    /// Where figures are kept.
+    #[command(flatten)]
+    pub record: RecordArguments,
+}
+
+/// What can grow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SeriesName {
+    /// Threads, from 1 to all processors
+    Threads,
+    /// Samples per pixel
+    Samples,
+    /// Light paths an iteration, with ppm
+    Photons,
+    /// Pixels of the film
+    Pixels,
+    /// Wavelengths or channels
+    Wavelengths,
+}
+
+/// `bench scaling` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = SCALING_NOTES, args_override_self = true)]
+pub struct ScalingArguments {
+    /// The scene, .gltf or .glb [default: the mirror that comes with the program]
+    pub scene: Option<PathBuf>,
+    /// Which series, one or several
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAME", help_heading = WORK)]
+    #[arg(default_value = "threads,samples,photons,pixels,wavelengths")]
+    pub series: Vec<SeriesName>,
+    /// Points of a series at most, the smallest first [default: all]
+    #[arg(long, value_name = "N", help_heading = WORK)]
+    pub points: Option<u32>,
+    /// Rounds that are measured
+    #[arg(long, value_name = "N", default_value_t = 5, help_heading = WORK)]
+    pub rounds: u32,
+    /// The integrator of all series but that of photons
+    #[arg(long, value_enum, value_name = "NAME", default_value = "bdpt", help_heading = WORK)]
+    pub integrator: IntegratorName,
+    /// Intensity only, or Stokes vectors
+    #[arg(long, value_enum, default_value = "polarized", help_heading = WORK)]
+    pub mode: ModeName,
+    /// Samples per pixel where they do not grow [default: 16; 4 of pixels, 1 of photons]
+    #[arg(long, value_name = "N", help_heading = WORK)]
+    pub spp: Option<u32>,
+    /// What is rendered.
+    #[command(flatten)]
+    pub work: WorkArguments,
+    /// Where the report goes.
+    #[command(flatten)]
+    pub report: ReportArguments,
+    /// Where figures are kept.
+    #[command(flatten)]
+    pub record: RecordArguments,
+}
+
+/// `bench error` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = ERROR_NOTES, args_override_self = true)]
+pub struct ErrorArguments {
+    /// The scene, .gltf or .glb
+    pub scene: PathBuf,
+    /// The image that errors are measured against: .exr, .hdr or .npy [default: one is rendered]
+    #[arg(long, value_name = "IMAGE", help_heading = WORK)]
+    pub reference: Option<PathBuf>,
+    /// Integrator of a reference that is rendered
+    #[arg(long, value_enum, value_name = "NAME", default_value = "bdpt", help_heading = WORK)]
+    #[arg(conflicts_with = "reference")]
+    pub reference_integrator: IntegratorName,
+    /// Samples per pixel of a reference that is rendered
+    #[arg(long, value_name = "N", default_value_t = 1024, help_heading = WORK)]
+    #[arg(conflicts_with = "reference")]
+    pub reference_spp: u32,
+    /// Integrators, one or several; the others are compared with the first
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "path,bdpt,ppm")]
+    #[arg(value_name = "NAME", help_heading = WORK)]
+    pub integrator: Vec<IntegratorName>,
+    /// Intensity only, or Stokes vectors
+    #[arg(long, value_enum, default_value = "polarized", help_heading = WORK)]
+    pub mode: ModeName,
+    /// CPU seconds an integrator may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, help_heading = WORK)]
+    pub seconds: f64,
+    /// Most iterations of an integrator
+    #[arg(long, value_name = "N", default_value_t = 1 << 20, help_heading = WORK)]
+    pub iterations: u32,
     /// What is rendered.
     #[command(flatten)]
     pub work: WorkArguments,

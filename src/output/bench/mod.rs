@@ -5,16 +5,20 @@
 //! | [`costs`] | scalar against polarized in rounds that alternate, stage by stage |
 //! | [`table1`] | that, as the paper's Table 1 reports it |
 //! | [`overhead`] | that, for any scenes and integrators |
+//! | [`scaling`] | time over threads, samples, photons, pixels and wavelengths |
+//! | [`convergence`] | error over time |
 //! | [`record`], [`figures`] | one line a measurement in a file that grows |
 //! | [`history`] | the trends in such a file |
 //! | [`plot`] | curves as SVG |
 
+pub mod convergence;
 pub mod costs;
 pub mod figures;
 pub mod history;
 pub mod overhead;
 pub mod plot;
 pub mod record;
+pub mod scaling;
 pub mod table1;
 
 use std::fmt;
