@@ -53,22 +53,22 @@ const SCALING_NOTES: &str = "\
 Renders a scene at several sizes of the work and fits a line to the logarithms: a slope of 1 is \
 time in proportion, 0 is time that does not depend on it, and -1, for threads and the clock on the \
 wall, is perfect speedup. Rounds go through all sizes of a series up and down, so that whatever \
-else the machine does spreads over them; the first round is not counted. Small renders are repeated \
-until they take a tenth of a second. Times are of everything that a render does once the scene is \
-baked.
+else the machine does spreads over them; the first round is not counted. Small renders are \
+repeated until they take a tenth of a second. Times are of everything that a render does once the \
+scene is baked.
 
 threads: from 1 to all processors. samples: 1 to 32 per pixel. photons: 10 thousand to 4 million, \
 with ppm on a film of 64 x 64. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, and \
 RGB. Each series takes a minute or so.";
 
 const ERROR_NOTES: &str = "\
-Renders a scene with each integrator, and compares its image with a reference after 1, 2, 4, 8, ... \
-iterations (with ppm, passes of photons with one sample a pixel). Then compares the integrators with \
-the first: errors at equal time, and times to equal error, interpolated between what was measured \
-and never beyond.
+Renders a scene with each integrator, and compares its image with a reference after 1, 2, 4, 8, \
+... iterations (with ppm, passes of photons with one sample a pixel). Then compares the \
+integrators with the first: errors at equal time, and times to equal error, interpolated between \
+what was measured and never beyond.
 
-Without --reference, one is rendered first, with another seed and with variances. A reference must \
-have the size and the channels of the render.";
+Without --reference, one is rendered first, with a seed of its own and with variances. A reference \
+must have the size and the channels of the render.";
 
 const HISTORY_NOTES: &str = "\
 The file is what --record of the other measurements appends to. Figures of different processors or \
@@ -93,10 +93,13 @@ pub struct ReportArguments {
     pub plot: Option<PathBuf>,
 }
 
-/// Where figures are kept.
+/// Where a report and its figures go.
 #[derive(Debug, Args)]
 #[command(next_help_heading = REPORT)]
-pub struct RecordArguments {
+pub struct RecordedReportArguments {
+    /// Where the report goes.
+    #[command(flatten)]
+    pub report: ReportArguments,
     /// Also append the figures to this file, one line of JSON; see `bench history`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
@@ -163,12 +166,9 @@ pub struct Table1Arguments {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Where the report goes.
+    /// Where the report and its figures go.
     #[command(flatten)]
-    pub report: ReportArguments,
-    /// Where figures are kept.
-    #[command(flatten)]
-    pub record: RecordArguments,
+    pub output: RecordedReportArguments,
 }
 
 /// `bench overhead` as typed.
@@ -198,12 +198,9 @@ pub struct OverheadArguments {
     /// What is rendered.
     #[command(flatten)]
     pub work: WorkArguments,
-    /// Where the report goes.
+    /// Where the report and its figures go.
     #[command(flatten)]
-    pub report: ReportArguments,
-    /// Where figures are kept.
-    #[command(flatten)]
-    pub record: RecordArguments,
+    pub output: RecordedReportArguments,
 }
 
 /// What can grow.
@@ -249,12 +246,9 @@ pub struct ScalingArguments {
     /// What is rendered.
     #[command(flatten)]
     pub work: WorkArguments,
-    /// Where the report goes.
+    /// Where the report and its figures go.
     #[command(flatten)]
-    pub report: ReportArguments,
-    /// Where figures are kept.
-    #[command(flatten)]
-    pub record: RecordArguments,
+    pub output: RecordedReportArguments,
 }
 
 /// `bench error` as typed.
@@ -281,21 +275,21 @@ pub struct ErrorArguments {
     /// Intensity only, or Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = WORK)]
     pub mode: ModeName,
-    /// CPU seconds an integrator may take
-    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, help_heading = WORK)]
+    /// Renders of each integrator, whose errors are averaged: 1 shows the luck of a seed
+    #[arg(long, value_name = "N", default_value_t = 3, help_heading = WORK)]
+    pub seeds: u32,
+    /// CPU seconds that each of them may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, help_heading = WORK)]
     pub seconds: f64,
-    /// Most iterations of an integrator
+    /// Most iterations of each
     #[arg(long, value_name = "N", default_value_t = 1 << 20, help_heading = WORK)]
     pub iterations: u32,
     /// What is rendered.
     #[command(flatten)]
     pub work: WorkArguments,
-    /// Where the report goes.
+    /// Where the report and its figures go.
     #[command(flatten)]
-    pub report: ReportArguments,
-    /// Where figures are kept.
-    #[command(flatten)]
-    pub record: RecordArguments,
+    pub output: RecordedReportArguments,
 }
 
 /// `bench history` as typed.

@@ -13,12 +13,12 @@ use crate::cli::{CliError, job, system};
 use crate::film::StokesImage;
 use crate::integrators::threads::Threads;
 use crate::integrators::{Mode, Settings};
-use crate::output;
 use crate::output::bench::Machine;
 use crate::output::bench::convergence::{
     ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
 };
-use crate::output::compare::{compare, in_words, relative_variance};
+use crate::output::compare::{ComponentComparison, compare, in_words, relative_variance};
+use crate::output::load as load_image;
 use crate::spectrum::Color;
 
 /// Replicates of a reference that is rendered, for its variances.
@@ -27,8 +27,9 @@ const REPLICATES: u32 = 16;
 /// Errors over time.
 pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
     let mut settings = settings(arguments)?;
-    check_outputs(&arguments.report, Some(&arguments.record), &inputs(arguments))?;
-    let given = arguments.reference.as_ref().map(|path| output::load(path)).transpose()?;
+    let output = &arguments.output;
+    check_outputs(&output.report, output.record.as_deref(), &inputs(arguments))?;
+    let given = arguments.reference.as_ref().map(|path| load_image(path)).transpose()?;
     let size_of = |image: &StokesImage| (image.width as u32, image.height as u32);
     let size = work::size(&arguments.work, given.as_ref().map(size_of))?;
     if let Some(image) = &given {
@@ -38,7 +39,8 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
     let subject = load(&arguments.scene)?;
     let scene = subject.bake(settings.color, size)?;
     let threads = Threads::start(arguments.work.threads)?;
-    let progress = progress_bar(arguments.integrator.len() as u64 + 1);
+    let renders = arguments.integrator.len() as u64 * u64::from(arguments.seeds);
+    let progress = progress_bar(renders + 1);
     progress.set_message("reference");
     let (image, name) = match given {
         Some(image) => (image, name_of_file(arguments)),
@@ -50,14 +52,22 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
     for &name in &arguments.integrator {
         settings.integrator = job::integrator(name);
         progress.set_message(name_of(settings.integrator));
-        integrators.push(converge(arguments, scene.as_ref(), &settings, &threads, &image)?);
-        progress.inc(1);
+        let run = |index: u32| {
+            let seed = settings.seed.wrapping_add(index);
+            let settings = Settings { seed, ..settings };
+            let steps = converge(arguments, scene.as_ref(), &settings, &threads, &image);
+            progress.inc(1);
+            steps
+        };
+        let runs: Vec<Vec<Step>> = (0..arguments.seeds).map(run).collect::<Result<_, _>>()?;
+        integrators.push(Convergence::mean(name_of(settings.integrator), &runs));
     }
     progress.finish_and_clear();
-    let conditions = conditions(&settings, subject.short_name(), size, machine(&threads));
+    let conditions =
+        conditions(arguments, &settings, subject.short_name(), size, machine(&threads));
     let report = ErrorReport::new(conditions, reference, integrators);
     let machine = &report.conditions.machine;
-    deliver(&report, &arguments.report, &arguments.record, ("error", machine))
+    deliver(&report, output, ("error", machine))
 }
 
 /// Checks what was typed.
@@ -70,6 +80,7 @@ fn settings(arguments: &ErrorArguments) -> Result<Settings, CliError> {
     work::check_photons(&shooting, &[("--photons", work.photons.is_some())])?;
     work::check_names(&[], integrator)?;
     job::within("--iterations", *iterations, job::SPP_MAX, "")?;
+    job::within("--seeds", arguments.seeds, 1000, "")?;
     job::within("--reference-spp", *reference_spp, job::SPP_MAX, "")?;
     if *reference_spp < REPLICATES {
         return Err(CliError::Usage(format!(
@@ -145,7 +156,7 @@ fn reference(
         integrator: job::integrator(arguments.reference_integrator),
         iterations: arguments.reference_spp,
         replicates: REPLICATES,
-        seed: settings.seed.wrapping_add(1),
+        seed: settings.seed.wrapping_sub(1),
         ..*settings
     };
     let image = threads.run(|| scene.render(&settings).film.develop());
@@ -161,7 +172,7 @@ fn converge(
     settings: &Settings,
     threads: &Threads,
     reference: &StokesImage,
-) -> Result<Convergence, CliError> {
+) -> Result<Vec<Step>, CliError> {
     let mut session = scene.session(settings);
     let mut steps: Vec<Step> = Vec::new();
     let (mut done, mut seconds, mut wall_seconds) = (0, 0.0, 0.0);
@@ -174,7 +185,7 @@ fn converge(
         // A render develops its film once, at its end.
         let (image, developed) = timed(|| session.image());
         let compared = compare(&image, reference)?;
-        let error = |found: output::compare::ComponentComparison| ComponentError {
+        let error = |found: ComponentComparison| ComponentError {
             name: found.name,
             rmse: found.rmse,
             relative_mse: found.relative_mse,
@@ -188,7 +199,7 @@ fn converge(
         done = next;
         next *= 2;
     }
-    Ok(Convergence { integrator: name_of(settings.integrator).into(), steps })
+    Ok(steps)
 }
 
 fn cpu_or_wall(taken: Taken) -> f64 {
@@ -196,6 +207,7 @@ fn cpu_or_wall(taken: Taken) -> f64 {
 }
 
 fn conditions(
+    arguments: &ErrorArguments,
     settings: &Settings,
     scene: String,
     (width, height): (u32, u32),
@@ -211,6 +223,7 @@ fn conditions(
         photons_shot: settings.photons.per_iteration,
         path_length_max: settings.path_length_max,
         roulette_after: settings.roulette_after,
+        seeds: arguments.seeds,
         seed: settings.seed,
     }
 }

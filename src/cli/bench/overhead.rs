@@ -25,7 +25,8 @@ type Plan = Vec<Settings>;
 pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
     let plan = plan(arguments)?;
     let size = work::size(&arguments.work, None)?;
-    check_outputs(&arguments.report, Some(&arguments.record), &arguments.scenes)?;
+    let output = &arguments.output;
+    check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     job::check_memory(&plan[0], size, system::available_memory())?;
     let subjects = load_all(&arguments.scenes)?;
     work::check_names(&subjects, &arguments.integrator)?;
@@ -45,7 +46,7 @@ pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
     let conditions = conditions(arguments, &plan[0], size, machine(&threads));
     let report = Overhead { conditions, cases };
     let machine = &report.conditions.machine;
-    deliver(&report, &arguments.report, &arguments.record, ("overhead", machine))
+    deliver(&report, output, ("overhead", machine))
 }
 
 /// Checks what was typed.

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 
-use super::args::{RecordArguments, ReportArguments};
+use super::args::{RecordedReportArguments, ReportArguments};
 use crate::cli::CliError;
 use crate::cli::args::StatsFormat;
 use crate::cli::files::{print, refuse_overwriting};
@@ -18,14 +18,20 @@ use crate::output::bench::{Machine, Report};
 /// Checks, before anything is measured, that all files can be written and none is an input.
 pub fn check_outputs(
     report: &ReportArguments,
-    record: Option<&RecordArguments>,
+    record: Option<&Path>,
     inputs: &[PathBuf],
 ) -> Result<(), CliError> {
-    let record = record.and_then(|record| record.record.as_deref());
-    let mut taken: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    for path in [report.json.as_deref(), report.plot.as_deref(), record].into_iter().flatten() {
-        refuse_overwriting(path, &taken)?;
-        taken.push(path);
+    let outputs = [report.json.as_deref(), report.plot.as_deref(), record];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    for (index, path) in outputs.iter().enumerate() {
+        refuse_overwriting(path, &inputs)?;
+        if outputs[..index].contains(path) {
+            return Err(CliError::Usage(format!(
+                "two of --json, --plot and --record are {}: choose different files",
+                path.display()
+            )));
+        }
     }
     if let Some(path) = &report.json {
         atomic::probe_writable(path)?;
@@ -42,12 +48,11 @@ pub fn check_outputs(
 /// Prints a report, writes its files and keeps its figures under the name of the bench.
 pub fn deliver(
     report: &impl Report,
-    arguments: &ReportArguments,
-    kept: &RecordArguments,
+    arguments: &RecordedReportArguments,
     (bench, machine): (&str, &Machine),
 ) -> Result<(), CliError> {
-    show(report, || report.panels(), arguments)?;
-    let Some(path) = &kept.record else { return Ok(()) };
+    show(report, || report.panels(), &arguments.report)?;
+    let Some(path) = &arguments.record else { return Ok(()) };
     let line = Record {
         date: rfc3339(SystemTime::now()),
         commit: system::commit_beside(path),

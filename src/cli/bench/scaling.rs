@@ -43,7 +43,8 @@ struct Planned {
 pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
     let base = base(arguments)?;
     let plans = plans(arguments, &base)?;
-    check_outputs(&arguments.report, Some(&arguments.record), arguments.scene.as_slice())?;
+    let output = &arguments.output;
+    check_outputs(&output.report, output.record.as_deref(), arguments.scene.as_slice())?;
     for point in plans.iter().flat_map(|(_, points)| points) {
         job::check_memory(&point.settings, point.film, system::available_memory())?;
     }
@@ -64,7 +65,7 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
     let conditions = conditions(arguments, &base.settings, subject.short_name(), machine);
     let report = Scaling { conditions, series };
     let machine = &report.conditions.machine;
-    deliver(&report, &arguments.report, &arguments.record, ("scaling", machine))
+    deliver(&report, output, ("scaling", machine))
 }
 
 /// What is measured where a series says nothing else.

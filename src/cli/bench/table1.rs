@@ -16,11 +16,12 @@ use crate::spectrum::Color;
 pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
     let polarized = settings(arguments)?;
     let scalar = Settings { mode: Mode::Scalar, ..polarized };
-    check_outputs(&arguments.report, Some(&arguments.record), &arguments.scenes)?;
+    let output = &arguments.output;
+    check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     let size = (arguments.width, arguments.height);
     job::check_memory(&polarized, size, system::available_memory())?;
     let subjects = load_all(&arguments.scenes)?;
-    if arguments.record.record.is_some() {
+    if output.record.is_some() {
         super::work::check_names(&subjects, &[])?;
     }
     let baked = subjects.iter().map(|subject| Ok((subject, subject.bake(polarized.color, size)?)));
@@ -39,7 +40,7 @@ pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
     let conditions = conditions(arguments, &polarized, machine(&threads));
     let report = Table1::new(conditions, scenes);
     let machine = &report.conditions.machine;
-    deliver(&report, &arguments.report, &arguments.record, ("table1", machine))
+    deliver(&report, output, ("table1", machine))
 }
 
 /// Checks what was typed; for the polarized half, from which the other differs in its mode alone.

@@ -35,6 +35,26 @@ pub struct Step {
     pub errors: Vec<ComponentError>,
 }
 
+impl Step {
+    /// The mean of the same step of several renders.
+    fn mean(steps: &[&Step]) -> Self {
+        let mean = |of: &dyn Fn(&Step) -> f64| {
+            steps.iter().map(|step| of(step)).sum::<f64>() / steps.len() as f64
+        };
+        let error = |(component, error): (usize, &ComponentError)| ComponentError {
+            name: error.name.clone(),
+            rmse: mean(&|step| step.errors[component].rmse.powi(2)).sqrt(),
+            relative_mse: mean(&|step| step.errors[component].relative_mse),
+        };
+        Self {
+            iterations: steps[0].iterations,
+            seconds: mean(&|step| step.seconds),
+            wall_seconds: mean(&|step| step.wall_seconds),
+            errors: steps[0].errors.iter().enumerate().map(error).collect(),
+        }
+    }
+}
+
 /// How the image of an integrator comes about.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Convergence {
@@ -45,6 +65,13 @@ pub struct Convergence {
 }
 
 impl Convergence {
+    /// The mean of renders with different seeds, as far as all of them have come.
+    pub fn mean(integrator: &str, runs: &[Vec<Step>]) -> Self {
+        let length = runs.iter().map(Vec::len).min().unwrap_or(0);
+        let step = |index| Step::mean(&runs.iter().map(|run| &run[index]).collect::<Vec<_>>());
+        Self { integrator: integrator.into(), steps: (0..length).map(step).collect() }
+    }
+
     /// Relative mean squared errors of a component over seconds.
     fn curve(&self, component: usize) -> Vec<(f64, f64)> {
         let point = |step: &Step| (step.seconds, step.errors[component].relative_mse);
@@ -127,10 +154,11 @@ pub fn error_at(curve: &[(f64, f64)], time: f64) -> Option<f64> {
     between(segment[0], segment[1], time)
 }
 
-/// The first time at which the error of a curve is as small as this, in the same way.
+/// The last time at which the error of a curve falls to this, in the same way: small errors of
+/// few samples that have not yet seen the rare bright ones do not count.
 pub fn time_to(curve: &[(f64, f64)], error: f64) -> Option<f64> {
     let mut segments = curve.windows(2);
-    let segment = segments.find(|pair| pair[0].1 >= error && error >= pair[1].1)?;
+    let segment = segments.rfind(|pair| pair[0].1 >= error && error >= pair[1].1)?;
     let flip = |(time, error): (f64, f64)| (error, time);
     between(flip(segment[0]), flip(segment[1]), error)
 }
@@ -175,7 +203,9 @@ pub struct Conditions {
     pub path_length_max: u32,
     /// Path length after which roulette may end a path.
     pub roulette_after: u32,
-    /// Seed of all randomness but that of a reference that is rendered.
+    /// Renders of each integrator, whose errors are averaged.
+    pub seeds: u32,
+    /// Seed of the first of them.
     pub seed: u32,
 }
 
@@ -227,14 +257,14 @@ impl ErrorReport {
     fn write_steps(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for Convergence { integrator, steps } in &self.integrators {
             let Some(first) = steps.first() else { continue };
-            write!(f, "\n\n{integrator}:\n{:>10} {:>10}", "iterations", "seconds")?;
+            write!(f, "\n\n{integrator}:\n{:>10} {:>9}", "iterations", "seconds")?;
             for error in &first.errors {
-                write!(f, " {:>10} {:>10}", format!("{} rmse", error.name), "rel. mse")?;
+                write!(f, " {:>9} {:>9}", format!("{} rmse", error.name), "rel. mse")?;
             }
             for Step { iterations, seconds, errors, .. } in steps {
-                write!(f, "\n{iterations:>10} {seconds:>10.4}")?;
+                write!(f, "\n{iterations:>10} {seconds:>9.4}")?;
                 for ComponentError { rmse, relative_mse, .. } in errors {
-                    write!(f, " {rmse:>10.3e} {relative_mse:>10.3e}")?;
+                    write!(f, " {rmse:>9.3e} {relative_mse:>9.3e}")?;
                 }
             }
         }
@@ -277,8 +307,8 @@ impl ErrorReport {
             [] => Ok(()),
             noisy => write!(
                 f,
-                "\n\nCaution: more than {} % of the least error in {} is the noise of the reference \
-                 itself.\nA reference of more samples would tell more.",
+                "\n\nCaution: more than {} % of the least error in {} is the noise of the \
+                 reference itself.\nA reference of more samples would tell more.",
                 100.0 * REFERENCE_NOISE_MAX,
                 noisy.join(", ")
             ),
@@ -330,11 +360,12 @@ impl Report for ErrorReport {
 
 impl fmt::Display for ErrorReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Conditions { machine, scene, mode, color, width, height, .. } = &self.conditions;
+        let Conditions { machine, scene, mode, color, width, height, seeds, .. } = &self.conditions;
         write!(
             f,
             "Error over time: {scene}, {mode}, {color}, {width} x {height} pixels\n\n\
-             {machine};\nseconds are those of all cores together; the reference is {}.",
+             {machine};\nmeans of {seeds} renders with different seeds; seconds are those of all \
+             cores together.\nThe reference is {}.",
             self.reference.name
         )?;
         self.write_steps(f)?;
@@ -367,9 +398,9 @@ mod tests {
         for outside in [3.1, 0.09] {
             assert_eq!(time_to(&curve, outside), None);
         }
-        // The first time counts where errors rise again; none where they were zero.
-        let rising = [(1.0, 1.0), (2.0, 0.1), (3.0, 0.5), (4.0, 0.1)];
-        assert!(time_to(&rising, 0.5).unwrap() < 2.0);
+        // The last time counts where errors have risen in between; none where they were zero.
+        let rising = [(1.0, 1.0), (2.0, 0.1), (3.0, 0.8), (4.0, 0.1)];
+        assert!(time_to(&rising, 0.5).unwrap() > 3.0);
         assert_eq!(error_at(&[(1.0, 0.0), (2.0, 0.0)], 1.5), None);
     }
 
@@ -393,9 +424,14 @@ mod tests {
             wall_seconds: seconds,
             errors: vec![ComponentError { name: "S0".into(), rmse: 1.0, relative_mse }],
         };
-        let convergence = |name: &str, scale: f64| Convergence {
-            integrator: name.into(),
-            steps: [1.0, 2.0, 4.0].map(|time| step(time, scale / time)).to_vec(),
+        // Two seeds whose mean is the scale; one has come further.
+        let convergence = |name: &str, scale: f64| {
+            let run = |times: &[f64], scale: f64| {
+                times.iter().map(|&time| step(time, scale / time)).collect::<Vec<Step>>()
+            };
+            let runs =
+                [run(&[1.0, 2.0, 4.0, 8.0], 0.5 * scale), run(&[1.0, 2.0, 4.0], 1.5 * scale)];
+            Convergence::mean(name, &runs)
         };
         let machine =
             Machine { version: String::new(), processor: None, processors: 1, threads: 1 };
@@ -409,6 +445,7 @@ mod tests {
             photons_shot: 1,
             path_length_max: 1,
             roulette_after: 1,
+            seeds: 1,
             seed: 0,
         };
         let reference = Reference {

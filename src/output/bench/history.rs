@@ -217,7 +217,7 @@ impl fmt::Display for History {
         for (index, machine) in self.machines.iter().enumerate() {
             let separator = if index == 0 { "" } else { "\n\n" };
             let MachineHistory { first_date, latest_date, .. } = machine;
-            write!(f, "{separator}{machine}: {first_date} to {latest_date}\n")?;
+            writeln!(f, "{separator}{machine}: {first_date} to {latest_date}")?;
             machine.write_trends(f)?;
         }
         Ok(())
