@@ -252,12 +252,12 @@ fn errors_are_those_of_compare() {
 #[test]
 fn a_reference_is_rendered_if_none_is_given() {
     let here = folder("error-rendered");
-    let cornell = scene("cornell");
-    let small = "--reference-spp 16 --iterations 2 --seeds 2 --mode scalar --color mono";
-    let line = format!("error {cornell} {small} --integrator ppm,path {TINY} --record a.ndjson");
+    let mirror = scene("mirror");
+    let small = "--reference-spp 16 --iterations 32 --seeds 2 --mode scalar --color mono";
+    let line = format!("error {mirror} {small} --integrator ppm,path {TINY} --record a.ndjson");
     let run = bench(&here, &line).done();
     for words in [
-        "cornell, scalar, 550 nm, 24 x 16 pixels",
+        "mirror, scalar, 550 nm, 24 x 16 pixels",
         "means of 2 renders with different seeds",
         "The reference is bdpt with 16 samples a pixel, rendered here.",
         "Against ppm",
@@ -267,7 +267,7 @@ fn a_reference_is_rendered_if_none_is_given() {
     }
     assert!(!run.stdout.contains("S1"), "{}", run.stdout);
     let record = fs::read_to_string(here.join("a.ndjson")).unwrap();
-    assert!(record.contains("error.cornell.ppm.550_nm.S0.relative_mse_seconds"), "{record}");
+    assert!(record.contains("error.mirror.ppm.550_nm.S0.relative_mse_seconds"), "{record}");
 }
 
 #[test]
@@ -289,7 +289,7 @@ fn references_that_do_not_fit_are_refused() {
         ("a.exr --json a.exr", 2, "is the input a.exr"),
         ("a.exr --reference-spp 32", 2, "cannot be used with"),
         ("a.exr --integrator path,path", 2, "names an integrator twice"),
-        ("a.exr --seconds -1", 2, "--seconds"),
+        ("a.exr --seconds nan", 2, "--seconds must be a number of seconds"),
         ("a.exr --iterations 0", 2, "--iterations must be from 1"),
         ("a.exr --seeds 0", 2, "--seeds must be from 1"),
     ] {

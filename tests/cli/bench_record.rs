@@ -147,18 +147,19 @@ fn records_name_their_commit() {
             ["-c", "user.name=a", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false"];
         let mut command = Command::new("git");
         command.current_dir(&here).args(identity).args(arguments);
-        command.output().is_ok().then(|| run(&mut command).done().stdout.trim().to_owned())
+        run(&mut command).done().stdout.trim().to_owned()
     };
-    if git(&["init", "--quiet"]).is_none() {
+    if Command::new("git").arg("--version").output().is_err() {
         eprintln!("git is not installed: not tested");
         return;
     }
+    git(&["init", "--quiet"]);
     fs::create_dir(here.join("kept")).unwrap();
     fs::write(here.join("kept/a.ndjson"), "").unwrap();
     fs::write(here.join("file"), "1").unwrap();
     git(&["add", "--all"]);
     git(&["commit", "--quiet", "--message", "a"]);
-    let head = git(&["rev-parse", "--short", "HEAD"]).unwrap();
+    let head = git(&["rev-parse", "--short", "HEAD"]);
     let record = |dirty: bool| {
         measure(&here, "kept/a.ndjson").done();
         let text = fs::read_to_string(here.join("kept/a.ndjson")).unwrap();
