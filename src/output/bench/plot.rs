@@ -5,10 +5,10 @@ use std::path::Path;
 
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::prelude::{
-    BLACK, Cartesian2d, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoLogRange,
-    LineSeries, PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, WHITE,
+    BLACK, Cartesian2d, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, LineSeries,
+    PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, WHITE,
 };
 
 use crate::output::statistics::Interval;
@@ -16,7 +16,7 @@ use crate::output::{OutputError, atomic, extension};
 
 /// Size of a panel in pixels.
 const PANEL: (u32, u32) = (900, 480);
-/// Room beyond the outermost points, as a share of the range or, on logarithmic axes, a factor.
+/// Room beyond the outermost points, as a share of the range or, on logarithmic axes, of its exponents.
 const ROOM: f64 = 0.08;
 const COLORS: [RGBColor; 6] = [
     RGBColor(27, 79, 156),
@@ -139,17 +139,38 @@ fn svg(panels: &[Panel]) -> Result<String, String> {
     Ok(text)
 }
 
-/// Chooses the axes.
-fn draw(area: &Area, panel: &Panel) -> Result<(), String> {
-    let points = || panel.curves.iter().flat_map(|curve| &curve.points);
-    let x = range_of(points().map(|point| point.x), &panel.x);
-    let y = range_of(points().flat_map(|point| [point.low, point.y, point.high]), &panel.y);
-    let is_log = |axis: &Axis| axis.scale == Scale::Logarithmic;
-    match (is_log(&panel.x), is_log(&panel.y)) {
-        (true, true) => draw_on(area, panel, x.log_scale(), y.log_scale()),
-        (true, false) => draw_on(area, panel, x.log_scale(), y),
-        (false, true) => draw_on(area, panel, x, y.log_scale()),
-        (false, false) => draw_on(area, panel, x, y),
+/// An axis with what it shows.
+struct Shown {
+    range: Range<f64>,
+    is_logarithmic: bool,
+    ticks: Vec<f64>,
+}
+
+impl Shown {
+    fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+        let range = range_of(values, axis);
+        let ticks = ticks(&range, axis);
+        Self { range, is_logarithmic: axis.scale == Scale::Logarithmic, ticks }
+    }
+}
+
+impl Ranged for Shown {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
+        let place = |value: f64| if self.is_logarithmic { value.ln() } else { value };
+        let [start, end] = [self.range.start, self.range.end].map(place);
+        let share = (place(*value) - start) / (end - start);
+        first + (share * f64::from(last - first)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
     }
 }
 
@@ -166,10 +187,32 @@ fn range_of(values: impl Iterator<Item = f64>, axis: &Axis) -> Range<f64> {
             low / room..high * room
         }
         Scale::Linear => {
-            let room = (ROOM * (high - low)).max(0.05 * high.abs()).max(f64::MIN_POSITIVE);
+            let room = (ROOM * (high - low)).max(0.05 * high.abs());
+            let room = if room > 0.0 { room } else { 0.5 };
             low - room..high + room
         }
     }
+}
+
+/// Where the ticks of an axis stand: at 1, 2 and 5 and their tenfolds, by factors, or so that
+/// there are a few; or at the names.
+fn ticks(range: &Range<f64>, axis: &Axis) -> Vec<f64> {
+    let &Range { start, end } = range;
+    if let Scale::Names(names) = &axis.scale {
+        return (0..names.len()).map(|index| index as f64).collect();
+    }
+    if axis.scale == Scale::Linear {
+        let least = (end - start) / 8.0;
+        let tenfold = 10_f64.powf(least.log10().floor());
+        let step = [1.0, 2.0, 5.0].map(|step| step * tenfold).into_iter().find(|s| *s >= least);
+        let step = step.unwrap_or(10.0 * tenfold);
+        let [first, last] = [(start / step).ceil(), (end / step).floor()].map(|edge| edge as i64);
+        return (first..=last).map(|index| index as f64 * step).collect();
+    }
+    let exponents = start.log10().floor() as i32..=end.log10().ceil() as i32;
+    let steps: &[f64] = if exponents.clone().count() > 5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let ticks = exponents.flat_map(|power| steps.iter().map(move |s| s * 10_f64.powi(power)));
+    ticks.filter(|tick| range.contains(tick)).collect()
 }
 
 /// Whether a value has a place on an axis.
@@ -177,13 +220,10 @@ fn is_shown(value: f64, axis: &Axis) -> bool {
     value.is_finite() && (value > 0.0 || axis.scale != Scale::Logarithmic)
 }
 
-fn draw_on<X, Y>(area: &Area, panel: &Panel, x: X, y: Y) -> Result<(), String>
-where
-    X: AsRangedCoord<Value = f64>,
-    Y: AsRangedCoord<Value = f64>,
-    X::CoordDescType: ValueFormatter<f64>,
-    Y::CoordDescType: ValueFormatter<f64>,
-{
+fn draw(area: &Area, panel: &Panel) -> Result<(), String> {
+    let points = || panel.curves.iter().flat_map(|curve| &curve.points);
+    let x = Shown::new(&panel.x, points().map(|point| point.x));
+    let y = Shown::new(&panel.y, points().flat_map(|point| [point.low, point.y, point.high]));
     let mut chart = ChartBuilder::on(area)
         .caption(&panel.title, ("sans-serif", 18))
         .margin(12)
@@ -191,15 +231,10 @@ where
         .y_label_area_size(76)
         .build_cartesian_2d(x, y)
         .map_err(in_words)?;
-    let ticks = match &panel.x.scale {
-        Scale::Names(names) => 2 * names.len() + 1,
-        _ => 10,
-    };
     chart
         .configure_mesh()
         .x_desc(&panel.x.label)
         .y_desc(&panel.y.label)
-        .x_labels(ticks)
         .x_label_formatter(&|value| tick(*value, &panel.x))
         .y_label_formatter(&|value| tick(*value, &panel.y))
         .label_style(("sans-serif", 13))
@@ -211,7 +246,7 @@ where
     if panel.curves.iter().any(|curve| !curve.name.is_empty()) {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(empty_corner(&panel.curves))
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.3))
             .label_font(("sans-serif", 13))
@@ -221,18 +256,14 @@ where
     Ok(())
 }
 
-type Chart<'a, 'b, X, Y> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Shown, Shown>>;
 
-fn draw_curve<X, Y>(
-    chart: &mut Chart<'_, '_, X, Y>,
+fn draw_curve(
+    chart: &mut Chart,
     panel: &Panel,
     curve: &Curve,
     color: RGBColor,
-) -> Result<(), String>
-where
-    X: Ranged<ValueType = f64>,
-    Y: Ranged<ValueType = f64>,
-{
+) -> Result<(), String> {
     let is_shown =
         |point: &&Point| is_shown(point.x, &panel.x) && is_shown(point.low.min(point.y), &panel.y);
     let points: Vec<&Point> = curve.points.iter().filter(is_shown).collect();
@@ -253,6 +284,18 @@ where
     Ok(())
 }
 
+/// The corner on the right that rising or falling curves leave empty.
+fn empty_corner(curves: &[Curve]) -> SeriesLabelPosition {
+    let rises = |curve: &Curve| match &curve.points[..] {
+        [first, .., last] => (last.y - first.y).signum(),
+        _ => 0.0,
+    };
+    match curves.iter().map(rises).sum::<f64>() > 0.0 {
+        true => SeriesLabelPosition::LowerRight,
+        false => SeriesLabelPosition::UpperRight,
+    }
+}
+
 fn in_words(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
@@ -260,11 +303,7 @@ fn in_words(error: impl std::fmt::Display) -> String {
 /// What stands at a tick.
 fn tick(value: f64, axis: &Axis) -> String {
     match &axis.scale {
-        Scale::Names(names) => {
-            let is_name = value >= 0.0 && value.fract() == 0.0;
-            let name = is_name.then(|| names.get(value as usize)).flatten();
-            name.cloned().unwrap_or_default()
-        }
+        Scale::Names(names) => names.get(value as usize).cloned().unwrap_or_default(),
         _ => match value.abs() {
             0.0 => "0".into(),
             1e-3..1e5 => {
@@ -307,6 +346,16 @@ mod tests {
         }
         svg(&[panel(Axis::linear(""), Axis::linear(""), &[(0.0, 0.0)])]).unwrap();
         svg(&[]).unwrap();
+    }
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        let linear = Axis::linear("");
+        assert_eq!(ticks(&(0.9..3.1), &linear), [1.0, 1.5, 2.0, 2.5, 3.0]);
+        assert_eq!(ticks(&(-7.0..7.0), &linear), [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0]);
+        let log = Axis::logarithmic("");
+        assert_eq!(ticks(&(0.9..30.0), &log), [1.0, 2.0, 5.0, 10.0, 20.0]);
+        assert_eq!(ticks(&(0.5..2e6), &log), [0, 1, 2, 3, 4, 5, 6].map(|n| 10_f64.powi(n)));
     }
 
     #[test]
