@@ -12,7 +12,7 @@
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`], [`stats`] | words about an image and about a render |
-//! | [`bench`] | measurements of this program |
+//! | [`mod@bench`] | measurements of this program |
 
 pub mod atomic;
 pub mod bench;

@@ -65,13 +65,13 @@ pub fn check_photons(
     }
 }
 
-/// Refuses what would be recorded under one name twice.
+/// Refuses what would stand under one name twice.
 pub fn check_names(subjects: &[Subject], integrators: &[IntegratorName]) -> Result<(), CliError> {
     for (index, subject) in subjects.iter().enumerate() {
         let name = subject.short_name();
         if let Some(other) = subjects[..index].iter().find(|other| other.short_name() == name) {
             return Err(CliError::Usage(format!(
-                "{} and {} are both called {name} in a record: measure them one by one",
+                "{} and {} are both called {name} in reports and records: measure them one by one",
                 other.name, subject.name
             )));
         }

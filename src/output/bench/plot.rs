@@ -16,7 +16,8 @@ use crate::output::{OutputError, atomic, extension};
 
 /// Size of a panel in pixels.
 const PANEL: (u32, u32) = (900, 480);
-/// Room beyond the outermost points, as a share of the range or, on logarithmic axes, of its exponents.
+/// Room beyond the outermost points, as a share of the range, of its exponents where axes are
+/// logarithmic.
 const ROOM: f64 = 0.08;
 const COLORS: [RGBColor; 6] = [
     RGBColor(27, 79, 156),
@@ -107,7 +108,7 @@ impl Point {
     }
 }
 
-/// Checks before a long measurement that [`write`] can write there.
+/// Checks before a long measurement that [`write()`] can write there.
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     match extension(path).as_str() {
         "svg" => atomic::probe_writable(path),

@@ -57,8 +57,9 @@ pub fn read(path: &Path) -> Result<Vec<Record>, OutputError> {
 
 /// Checks before a long measurement that [`append`] could do its work.
 pub fn check_appendable(path: &Path) -> Result<(), OutputError> {
-    lines_of(path)?;
-    atomic::probe_writable(path)
+    // First, for it refuses what is no file and could be read for ever.
+    atomic::probe_writable(path)?;
+    lines_of(path).map(drop)
 }
 
 /// Adds a line to a file, or makes it. The file is replaced as a whole, so that no failure leaves
