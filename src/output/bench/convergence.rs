@@ -134,12 +134,12 @@ fn equal_times(first: &[(f64, f64)], second: &[(f64, f64)]) -> Vec<Equal> {
     times.into_iter().filter_map(equal).collect()
 }
 
-/// Ratios of times to the errors of the first curve that the second reaches, and to the least that
-/// both reach.
+/// Ratios of times to the errors of the first curve that the second reaches, and to the error at
+/// the end of one that both reach.
 fn equal_errors(first: &[(f64, f64)], second: &[(f64, f64)]) -> Vec<Equal> {
-    let least = |curve: &[(f64, f64)]| curve.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let end = |curve: &[(f64, f64)]| curve.last().map_or(f64::INFINITY, |point| point.1);
     let mut errors: Vec<f64> = first.iter().map(|point| point.1).collect();
-    errors.push(least(first).max(least(second)));
+    errors.push(end(first).max(end(second)));
     errors.sort_by(|a, b| b.total_cmp(a));
     errors.dedup();
     let equal = |at: f64| Some(Equal { at, ratio: time_to(second, at)? / time_to(first, at)? });
@@ -154,13 +154,15 @@ pub fn error_at(curve: &[(f64, f64)], time: f64) -> Option<f64> {
     between(segment[0], segment[1], time)
 }
 
-/// The last time at which the error of a curve falls to this, in the same way: small errors of
-/// few samples that have not yet seen the rare bright ones do not count.
+/// The time from which on the error of a curve is no more than this, in the same way; nothing if
+/// it ends above. Small errors before do not count: a few samples may not yet have seen what is
+/// rare and bright.
 pub fn time_to(curve: &[(f64, f64)], error: f64) -> Option<f64> {
-    let mut segments = curve.windows(2);
-    let segment = segments.rfind(|pair| pair[0].1 >= error && error >= pair[1].1)?;
     let flip = |(time, error): (f64, f64)| (error, time);
-    between(flip(segment[0]), flip(segment[1]), error)
+    match curve.iter().rposition(|point| point.1 > error) {
+        Some(above) => between(flip(curve[above]), flip(*curve.get(above + 1)?), error),
+        None => curve.first().filter(|point| point.1 == error).map(|point| point.0),
+    }
 }
 
 /// Where the straight line of logarithms through two points is at `x`.
@@ -398,9 +400,11 @@ mod tests {
         for outside in [3.1, 0.09] {
             assert_eq!(time_to(&curve, outside), None);
         }
-        // The last time counts where errors have risen in between; none where they were zero.
+        // The last time counts where errors have risen in between, and none where they end above
+        // or were zero.
         let rising = [(1.0, 1.0), (2.0, 0.1), (3.0, 0.8), (4.0, 0.1)];
         assert!(time_to(&rising, 0.5).unwrap() > 3.0);
+        assert_eq!(time_to(&rising[..3], 0.5), None);
         assert_eq!(error_at(&[(1.0, 0.0), (2.0, 0.0)], 1.5), None);
     }
 
