@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::bench::args::BenchArguments;
 use crate::output::visualize::Map;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
@@ -31,6 +32,8 @@ Examples:
       what is in a scene (or an image), in words
   sunstone bench table1
       what polarization costs: the paper's Table 1, measured on this machine
+  sunstone bench overhead scenes/cornell.gltf --integrator path,bdpt
+      what it costs in any scene; see also bench scaling, error and history
 
 'sunstone help render' explains all options of a verb, 'sunstone render -h' lists them.
 Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong.";
@@ -257,64 +260,4 @@ pub struct CompareArguments {
 pub struct InspectArguments {
     /// A scene (.gltf, .glb) or an image (.exr, .hdr, .npy)
     pub file: PathBuf,
-}
-
-/// `bench` as typed.
-#[derive(Debug, Args)]
-pub struct BenchArguments {
-    /// What to measure.
-    #[command(subcommand)]
-    pub what: Bench,
-}
-
-/// What can be measured.
-#[derive(Debug, Subcommand)]
-pub enum Bench {
-    /// What polarization costs: the paper's Table 1, and the stages behind it
-    Table1(Table1Arguments),
-}
-
-const TABLE1_NOTES: &str = "\
-Renders each scene twice at once with progressive photon mapping in RGB, without and with \
-polarization. Both trace the same paths. Their iterations alternate, so that whatever else the \
-machine does hits both alike; the first of each, which also finds the radius of the kernels, is \
-not counted.
-
-The tables go to standard output; progress and warnings go to standard error. They mean most on a \
-machine that does nothing else.";
-
-/// `bench table1` as typed.
-#[derive(Debug, Args)]
-#[command(after_long_help = TABLE1_NOTES, args_override_self = true)]
-pub struct Table1Arguments {
-    /// Scenes, .gltf or .glb [default: the mirror and the tank that come with the program]
-    #[arg(value_name = "SCENE")]
-    pub scenes: Vec<PathBuf>,
-    /// Iterations that are measured in each mode
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub iterations: u32,
-    /// Light paths an iteration
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    pub photons: u32,
-    /// Samples per pixel an iteration
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    pub samples_per_iteration: u32,
-    /// Width in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
-    pub width: u32,
-    /// Height in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
-    pub height: u32,
-    /// Seed of all randomness
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u32,
-    /// Threads [default: all processors]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
-    /// What to print on standard output
-    #[arg(long, value_enum, value_name = "FORMAT", default_value = "text")]
-    pub format: StatsFormat,
-    /// Also write the report with the numbers of every round as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
 }

@@ -8,28 +8,25 @@ use crate::scene::baked::{Camera, Projection};
 use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{
-    ColorName, IntegratorName, ModeName, PATH_LENGTH, PhotonArguments, ROULETTE_AFTER,
-    RenderArguments, Table1Arguments,
-};
+use super::args::{ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments};
 use super::files::extension;
 
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
 /// Most light paths an iteration: their photons are counted in 32 bits.
-const PHOTONS_MAX: u32 = 1 << 28;
+pub(super) const PHOTONS_MAX: u32 = 1 << 28;
 /// Replicates where variances are asked for and no number is given.
 const REPLICATES: u32 = 16;
 /// Film width where neither the scene nor the command line names one, in pixels.
 const WIDTH: u32 = 512;
 /// Largest film edge in pixels: what a Radiance picture can have.
-const EDGE_MAX: u32 = 65_535;
+pub(super) const EDGE_MAX: u32 = 65_535;
 /// Most pixels of a film: they are counted in 32 bits.
 const PIXELS_MAX: u64 = 1 << 31;
 /// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
-const SPP_MAX: u32 = 1 << 30;
+pub(super) const SPP_MAX: u32 = 1 << 30;
 /// Most segments of a path that can be asked for; nothing needs more.
-const PATH_LENGTH_MAX: u32 = 65_535;
+pub(super) const PATH_LENGTH_MAX: u32 = 65_535;
 /// Most threads that can be asked for.
 const THREADS_MAX: usize = 4096;
 /// Wavelength where none is named, in nanometers.
@@ -38,7 +35,7 @@ const WAVELENGTH_NM: f32 = 550.0;
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
     let photons = photons(arguments)?;
-    let iterations = samples(arguments, photons.samples)?;
+    let iterations = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
     within("--max-path-length", arguments.max_path_length, PATH_LENGTH_MAX, "")?;
     check_threads(arguments.threads)?;
     for (name, edge) in [("--width", arguments.width), ("--height", arguments.height)] {
@@ -53,17 +50,9 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         )));
     }
     Ok(Settings {
-        integrator: match arguments.integrator {
-            IntegratorName::Path => Integrator::Path,
-            IntegratorName::Light => Integrator::Light,
-            IntegratorName::Bdpt => Integrator::Bdpt,
-            IntegratorName::Ppm => Integrator::Ppm,
-        },
-        mode: match arguments.mode {
-            ModeName::Scalar => Mode::Scalar,
-            ModeName::Polarized => Mode::Polarized,
-        },
-        color: color(arguments)?,
+        integrator: integrator(arguments.integrator),
+        mode: mode(arguments.mode),
+        color: color(arguments.color, arguments.wavelength)?,
         iterations,
         replicates: replicates(arguments, iterations / photons.samples)?,
         path_length_max: arguments.max_path_length,
@@ -74,40 +63,32 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     })
 }
 
-/// Checks what was typed for `bench table1`; for the polarized half, from which the other differs
-/// in its mode alone.
-pub(super) fn table1_settings(arguments: &Table1Arguments) -> Result<Settings, CliError> {
-    let Table1Arguments { photons, samples_per_iteration: samples, .. } = *arguments;
-    within("--photons", photons, PHOTONS_MAX, "")?;
-    within("--samples-per-iteration", samples, SPP_MAX, "")?;
-    // One more warms up.
-    within("--iterations", arguments.iterations, SPP_MAX / samples - 1, "")?;
-    check_threads(arguments.threads)?;
-    within("--width", arguments.width, EDGE_MAX, "")?;
-    within("--height", arguments.height, EDGE_MAX, "")?;
-    check_film_size(arguments.width, arguments.height)?;
-    Ok(Settings {
-        integrator: Integrator::Ppm,
-        mode: Mode::Polarized,
-        color: Color::Rgb,
-        iterations: (1 + arguments.iterations) * samples,
-        replicates: 1,
-        path_length_max: PATH_LENGTH,
-        roulette_after: ROULETTE_AFTER,
-        seed: arguments.seed,
-        photons: Photons { per_iteration: photons, samples, ..Photons::default() },
-        time_limit: None,
-    })
+/// The integrator of a name.
+pub(super) fn integrator(name: IntegratorName) -> Integrator {
+    match name {
+        IntegratorName::Path => Integrator::Path,
+        IntegratorName::Light => Integrator::Light,
+        IntegratorName::Bdpt => Integrator::Bdpt,
+        IntegratorName::Ppm => Integrator::Ppm,
+    }
 }
 
-fn check_threads(threads: Option<usize>) -> Result<(), CliError> {
+/// The mode of a name.
+pub(super) fn mode(name: ModeName) -> Mode {
+    match name {
+        ModeName::Scalar => Mode::Scalar,
+        ModeName::Polarized => Mode::Polarized,
+    }
+}
+
+pub(super) fn check_threads(threads: Option<usize>) -> Result<(), CliError> {
     threads.map_or(Ok(()), |threads| {
         within("--threads", threads, THREADS_MAX, "; leave it out to use all processors")
     })
 }
 
 /// Checks that a number is from 1 to `most`.
-fn within<T: PartialOrd + From<u8> + Display>(
+pub(super) fn within<T: PartialOrd + From<u8> + Display>(
     name: &str,
     value: T,
     most: T,
@@ -119,8 +100,9 @@ fn within<T: PartialOrd + From<u8> + Display>(
     Err(CliError::Usage(format!("{name} must be from 1 to {most}, not {value}{advice}")))
 }
 
-fn color(arguments: &RenderArguments) -> Result<Color, CliError> {
-    match (arguments.color, arguments.wavelength) {
+/// What the channels stand for.
+pub(super) fn color(name: ColorName, wavelength: Option<f32>) -> Result<Color, CliError> {
+    match (name, wavelength) {
         (ColorName::Rgb, None) => Ok(Color::Rgb),
         (ColorName::Rgb, Some(_)) => Err(CliError::Usage(
             "--wavelength goes with --color mono; RGB has three wavelengths of its own".into(),
@@ -154,13 +136,19 @@ fn replicates(arguments: &RenderArguments, iterations: u32) -> Result<u32, CliEr
     )))
 }
 
-/// Samples per pixel in all; `samples` is their number in an iteration.
-fn samples(arguments: &RenderArguments, samples: u32) -> Result<u32, CliError> {
-    if let Some(iterations) = arguments.iterations {
+/// Samples per pixel in all, `default` of them where neither number is given; `samples` is their
+/// number in an iteration.
+pub(super) fn samples(
+    spp: Option<u32>,
+    iterations: Option<u32>,
+    default: u32,
+    samples: u32,
+) -> Result<u32, CliError> {
+    if let Some(iterations) = iterations {
         within("--iterations", iterations, SPP_MAX / samples, "")?;
         return Ok(iterations * samples);
     }
-    let spp = arguments.spp.unwrap_or(SPP.next_multiple_of(samples));
+    let spp = spp.unwrap_or(default.next_multiple_of(samples));
     within("--spp", spp, SPP_MAX, "")?;
     if spp.is_multiple_of(samples) {
         return Ok(spp);
@@ -233,7 +221,8 @@ pub(super) fn film_size(
     Ok((width, height))
 }
 
-fn check_film_size(width: u32, height: u32) -> Result<(), CliError> {
+/// Refuses a film that could not be counted or stored.
+pub(super) fn check_film_size(width: u32, height: u32) -> Result<(), CliError> {
     let pixels = u64::from(width) * u64::from(height);
     if width > EDGE_MAX || height > EDGE_MAX || pixels > PIXELS_MAX {
         return Err(CliError::Usage(format!(

@@ -129,7 +129,8 @@ fn progress_bar(arguments: &RenderArguments, settings: &Settings) -> ProgressBar
     bar
 }
 
-fn name_of(integrator: Integrator) -> &'static str {
+/// The name of an integrator.
+pub(super) fn name_of(integrator: Integrator) -> &'static str {
     match integrator {
         Integrator::Path => "path",
         Integrator::Light => "light",
@@ -138,14 +139,16 @@ fn name_of(integrator: Integrator) -> &'static str {
     }
 }
 
-fn mode_of(mode: Mode) -> &'static str {
+/// The name of a mode.
+pub(super) fn mode_of(mode: Mode) -> &'static str {
     match mode {
         Mode::Scalar => "scalar",
         Mode::Polarized => "polarized",
     }
 }
 
-fn color_of(color: Color) -> String {
+/// What the channels stand for, in words.
+pub(super) fn color_of(color: Color) -> String {
     match color {
         Color::Rgb => "RGB".into(),
         Color::Mono { wavelength_nm } => format!("{wavelength_nm} nm"),

@@ -1,5 +1,8 @@
 //! What the system tells about time, memory and processors, where it does.
 
+use std::path::Path;
+use std::process::{Command, Stdio};
+
 /// Seconds that all threads of this process have computed so far.
 pub(super) fn cpu_seconds() -> Option<f64> {
     #[cfg(any(target_os = "linux", target_vendor = "apple"))]
@@ -39,6 +42,24 @@ fn model_name(cpuinfo: &str) -> Option<String> {
     let mut fields = cpuinfo.lines().filter_map(|line| line.split_once(':'));
     let (_, name) = fields.find(|(key, _)| key.trim() == "model name")?;
     Some(name.trim().to_owned())
+}
+
+/// The commit of the repository that a file is in, as git abbreviates it, with `-dirty` if files
+/// that git knows differ from it, the file itself aside; nothing where there is no git, no
+/// repository or no commit.
+pub(super) fn commit_beside(file: &Path) -> Option<String> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let git = |arguments: &[&str]| {
+        let mut command = Command::new("git");
+        command.arg("-C").arg(folder.unwrap_or(Path::new("."))).args(arguments);
+        let output = command.stdin(Stdio::null()).output().ok()?;
+        let text = output.status.success().then_some(output.stdout)?;
+        Some(String::from_utf8_lossy(&text).trim().to_owned())
+    };
+    let commit = git(&["rev-parse", "--short", "HEAD"])?;
+    let itself = format!(":(exclude,literal){}", file.file_name()?.to_string_lossy());
+    let changes = git(&["status", "--porcelain", "--untracked-files=no", "--", ":/", &itself])?;
+    Some(if changes.is_empty() { commit } else { commit + "-dirty" })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A render that is stepped: what `render` does in one go, and a measurement piece by piece.
 
-use crate::film::Film;
+use crate::film::{Film, StokesImage};
 use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::transport::{LightModel, Polarized, Scalar};
@@ -12,11 +12,11 @@ use super::{Integrator, Mode, Outcome, Pool, Settings, WAVE, wave};
 /// A render of one replicate that goes on for as long as it is asked to. Its film is that of
 /// [`super::render`] with as many iterations; `Settings::iterations`, `replicates` and
 /// `time_limit` do not count here.
-pub struct Session<'a, const N: usize>(Box<dyn Steps + Send + 'a>);
+pub struct Session<'a>(Box<dyn Steps + Send + 'a>);
 
-impl<'a, const N: usize> Session<'a, N> {
+impl<'a> Session<'a> {
     /// A render in which nothing has been done yet.
-    pub fn new(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
+    pub fn new<const N: usize>(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
         match settings.mode {
             Mode::Scalar => Self(Box::new(Run::<N, Scalar>::new(scene, settings))),
             Mode::Polarized => Self(Box::new(Run::<N, Polarized>::new(scene, settings))),
@@ -27,6 +27,17 @@ impl<'a, const N: usize> Session<'a, N> {
     /// no photons. The first also finds the radius that photons are merged within.
     pub fn step(&mut self) {
         self.0.step();
+    }
+
+    /// Renders `samples` more samples per pixel, in the same waves or iterations; with photons, a
+    /// multiple of the samples of an iteration.
+    pub fn advance(&mut self, samples: u32) {
+        self.0.advance_by(samples);
+    }
+
+    /// The image so far, without variances.
+    pub fn image(&self) -> StokesImage {
+        self.0.image()
     }
 
     /// What all steps so far took.
@@ -49,6 +60,8 @@ impl<'a, const N: usize> Session<'a, N> {
 /// A run whose mode is known to itself alone.
 trait Steps {
     fn step(&mut self);
+    fn advance_by(&mut self, samples: u32);
+    fn image(&self) -> StokesImage;
     fn profile(&self) -> Profile;
     fn radii(&self) -> Vec<f32>;
     fn finish(self: Box<Self>) -> Outcome;
@@ -56,8 +69,19 @@ trait Steps {
 
 impl<const N: usize, M: LightModel<N>> Steps for Run<'_, N, M> {
     fn step(&mut self) {
-        let count = self.wave_of();
-        self.advance(self.done, count, combine(self.settings.seed, 0));
+        self.advance_by(self.wave_of());
+    }
+
+    fn advance_by(&mut self, samples: u32) {
+        let end = self.done + samples;
+        while self.done < end {
+            let count = self.wave_of().min(end - self.done);
+            self.advance(self.done, count, combine(self.settings.seed, 0));
+        }
+    }
+
+    fn image(&self) -> StokesImage {
+        self.film.preview(self.done)
     }
 
     fn profile(&self) -> Profile {

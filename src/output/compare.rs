@@ -133,6 +133,25 @@ pub fn compare(first: &StokesImage, second: &StokesImage) -> Result<Comparison, 
     })
 }
 
+/// The relative mean squared error that a reference owes to its own noise, per Stokes component;
+/// nothing where its variance is not known.
+pub fn relative_variance(reference: &StokesImage) -> Option<Vec<f64>> {
+    let channels = reference.color.channels();
+    let pair = Pair { first: reference, second: reference, channels };
+    let variance = reference.variance.as_deref()?;
+    let floor = pair.floor();
+    let of_plane = |(index, plane): (usize, &Vec<f32>)| {
+        let relative = |(pixel, variance): (usize, &f32)| {
+            f64::from(*variance) / (pair.scale(index % channels, pixel) + floor)
+        };
+        let finite = plane.iter().enumerate().map(relative).filter(|value| value.is_finite());
+        finite.sum::<f64>() / plane.len().max(1) as f64
+    };
+    let planes: Vec<f64> = variance.iter().enumerate().map(of_plane).collect();
+    let components = planes.chunks(channels);
+    Some(components.map(|planes| planes.iter().sum::<f64>() / channels as f64).collect())
+}
+
 /// The number of channels to be compared, if the images go together.
 fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, OutputError> {
     for image in [first, second] {
@@ -152,7 +171,8 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
     Ok(channels)
 }
 
-fn in_words(image: &StokesImage) -> String {
+/// What an image is: its color and its size.
+pub fn in_words(image: &StokesImage) -> String {
     let color = match image.color {
         Color::Rgb => "RGB",
         Color::Mono { .. } => "monochromatic",
@@ -176,8 +196,7 @@ struct Pair<'a> {
 
 impl Pair<'_> {
     fn compare(&self, component: usize) -> ComponentComparison {
-        let mean_s0 = self.mean(self.second, 0);
-        let floor = (0.01 * mean_s0).powi(2);
+        let floor = self.floor();
         let mut result = ComponentComparison {
             name: format!("S{component}"),
             mean_first: self.mean(self.first, component),
@@ -195,8 +214,7 @@ impl Pair<'_> {
                     result.non_finite += 1;
                     continue;
                 };
-                let s0 = f64::from(self.second.plane(0, channel)[pixel]);
-                let scale = s0 * s0 + floor;
+                let scale = self.scale(channel, pixel) + floor;
                 count += 1;
                 result.rmse += difference * difference;
                 if scale > 0.0 {
@@ -209,6 +227,16 @@ impl Pair<'_> {
         result.rmse = (result.rmse / count).sqrt();
         result.relative_mse /= count;
         result
+    }
+
+    /// What squares are divided by to be relative, beside [`Self::scale`].
+    fn floor(&self) -> f64 {
+        (0.01 * self.mean(self.second, 0)).powi(2)
+    }
+
+    /// The square of the reference's S0.
+    fn scale(&self, channel: usize, pixel: usize) -> f64 {
+        f64::from(self.second.plane(0, channel)[pixel]).powi(2)
     }
 
     fn mean(&self, image: &StokesImage, component: usize) -> f64 {

@@ -12,9 +12,10 @@
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`], [`stats`] | words about an image and about a render |
-//! | [`table1`] | what polarization costs, as the paper's Table 1 reports it |
+//! | [`mod@bench`] | measurements of this program |
 
 pub mod atomic;
+pub mod bench;
 pub mod compare;
 pub mod error;
 pub mod exr;
@@ -29,7 +30,6 @@ pub mod png;
 mod rgbe;
 pub mod statistics;
 pub mod stats;
-pub mod table1;
 pub mod visualize;
 
 use std::path::Path;

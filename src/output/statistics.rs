@@ -1,4 +1,4 @@
-//! Limits that noise seldom exceeds, and medians.
+//! Limits that noise seldom exceeds, medians, and slopes.
 
 use serde::Serialize;
 
@@ -44,6 +44,34 @@ pub fn median_interval(values: &[f64], coverage: f64) -> Option<Interval> {
         found = Some(interval);
     }
     found
+}
+
+/// A line through points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    /// Its slope.
+    pub slope: f64,
+    /// The standard error of the slope, from what the points are off the line; nothing of two.
+    pub standard_error: Option<f64>,
+}
+
+/// The line of least squares through the logarithms of points; points that have none are left out.
+/// None through less than two different places.
+pub fn log_log_fit(points: &[(f64, f64)]) -> Option<Fit> {
+    let has_logarithms = |(x, y): &&(f64, f64)| *x > 0.0 && *y > 0.0;
+    let logarithms: Vec<(f64, f64)> =
+        points.iter().filter(has_logarithms).map(|(x, y)| (x.ln(), y.ln())).collect();
+    if logarithms.windows(2).all(|pair| pair[0].0 == pair[1].0) {
+        return None;
+    }
+    let count = logarithms.len() as f64;
+    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| logarithms.iter().map(of).sum::<f64>();
+    let (mean_x, mean_y) = (sum(&|p| p.0) / count, sum(&|p| p.1) / count);
+    let squares = sum(&|p| (p.0 - mean_x).powi(2));
+    let slope = sum(&|p| (p.0 - mean_x) * (p.1 - mean_y)) / squares;
+    let residuals = sum(&|p| (p.1 - mean_y - slope * (p.0 - mean_x)).powi(2));
+    let standard_error = (count > 2.0).then(|| (residuals / (count - 2.0) / squares).sqrt());
+    Some(Fit { slope, standard_error })
 }
 
 fn sorted(values: &[f64]) -> Vec<f64> {
@@ -98,7 +126,7 @@ fn normal_tail(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{chi_square_limit, maximum_limit, normal_limit, normal_tail};
-    use super::{median, median_interval};
+    use super::{log_log_fit, median, median_interval};
 
     /// The coverages are sums of binomial coefficients over powers of two.
     #[test]
@@ -120,6 +148,23 @@ mod tests {
         let interval = median_interval(&many, 0.95).expect("two values or more");
         assert!((interval.low - 1937.0).abs() < 2.0, "{interval:?}");
         assert!(interval.coverage >= 0.95 && interval.coverage < 0.952, "{interval:?}");
+    }
+
+    #[test]
+    fn slopes_are_those_of_powers() {
+        let power = |x: f64| (x, 3.0 * x.powf(-1.5));
+        let fit = log_log_fit(&[1.0, 2.0, 7.0, 100.0].map(power)).expect("four places");
+        assert!((fit.slope + 1.5).abs() < 1e-12, "{fit:?}");
+        assert!(fit.standard_error.expect("four points") < 1e-12, "{fit:?}");
+        // Logarithms 0, 1, 2 and 0, 0, 3: slope 3/2, residuals 1/2, -1, 1/2.
+        let [e, e2, e3] = [1, 2, 3].map(|power| std::f64::consts::E.powi(power));
+        let fit = log_log_fit(&[(1.0, 1.0), (e, 1.0), (e2, e3)]).expect("three places");
+        assert!((fit.slope - 1.5).abs() < 1e-12, "{fit:?}");
+        assert!((fit.standard_error.expect("three points") - 0.75_f64.sqrt()).abs() < 1e-12);
+        let two = log_log_fit(&[(1.0, 1.0), (2.0, 2.0), (4.0, 0.0)]).expect("two places");
+        assert!((two.slope - 1.0).abs() < 1e-12 && two.standard_error.is_none(), "{two:?}");
+        assert_eq!(log_log_fit(&[(2.0, 1.0), (2.0, 2.0)]), None);
+        assert_eq!(log_log_fit(&[]), None);
     }
 
     #[test]

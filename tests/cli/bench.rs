@@ -1,4 +1,4 @@
-//! The verb `bench`: what it prints, writes and refuses. How long things take is not tested.
+//! The verb `bench table1`: what it prints, writes and refuses. How long things take is not tested.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,8 @@ fn table1(here: &Path, more: &[&str]) -> Run {
     sunstone(here, &[&["bench", "table1"], &TINY[..], more].concat())
 }
 
-fn number(value: &Value) -> f64 {
+/// The number that a value is.
+pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
@@ -71,16 +72,16 @@ fn the_report_is_json_and_adds_up() {
     for (scene, name) in json["scenes"].as_array().unwrap().iter().zip(["mirror", "tank"]) {
         assert_eq!(scene["scene"], name);
         assert_eq!(scene["same_paths"], true, "{name}");
+        assert_eq!(scene["rounds"].as_array().unwrap().len(), 2);
         assert!(number(&scene["photons"]) > 0.0, "{name}");
         check_sums(scene);
     }
 }
 
-/// Rounds, ratios and groups of a scene are consistent.
-fn check_sums(scene: &Value) {
+/// Two rounds, their ratios and groups of a scene are consistent.
+pub fn check_sums(scene: &Value) {
     let is_near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1e-3);
     let rounds = scene["rounds"].as_array().unwrap();
-    assert_eq!(rounds.len(), 2);
     assert_ne!(rounds[0]["polarized_first"], rounds[1]["polarized_first"]);
     for mode in ["scalar", "polarized"] {
         let mean = |of: &dyn Fn(&Value) -> f64| {
@@ -128,7 +129,7 @@ fn what_cannot_be_measured_is_refused() {
     fs::copy(scene("mirror"), here.join("good.gltf")).unwrap();
     fs::write(here.join("broken.gltf"), "{").unwrap();
     let before = names_in(&here);
-    let cases: [(&[&str], i32, &str); 15] = [
+    let cases: [(&[&str], i32, &str); 16] = [
         (&["--iterations", "0"], 2, "--iterations must be from 1"),
         (&["--iterations", "1073741824"], 2, "--iterations must be from 1"),
         (&["--photons", "0"], 2, "--photons must be from 1"),
@@ -145,6 +146,7 @@ fn what_cannot_be_measured_is_refused() {
         // The last scene is looked at before the first is measured.
         (&["--photons", "268435456", "good.gltf", "broken.gltf"], 1, "broken.gltf"),
         (&["--spp", "4"], 2, "--spp"),
+        (&["--plot", "a.png"], 1, ".svg (plots are SVG)"),
     ];
     for (options, code, words) in cases {
         let run = table1(&here, options);

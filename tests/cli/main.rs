@@ -1,6 +1,8 @@
 //! The program from outside: the binary is run, its files, words and exit codes are looked at.
 
 mod bench;
+mod bench_more;
+mod bench_record;
 mod errors;
 mod images;
 mod program;

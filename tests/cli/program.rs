@@ -79,7 +79,10 @@ fn help_and_version_go_to_standard_output() {
 #[test]
 fn every_option_of_every_verb_is_explained() {
     let here = folder("explained");
-    for verb in ["render", "visualize", "compare", "inspect", "bench table1"] {
+    let verbs = ["render", "visualize", "compare", "inspect"];
+    let benches = ["table1", "overhead", "scaling", "error", "history"];
+    let benches = benches.iter().map(|bench| format!("bench {bench}"));
+    for verb in verbs.iter().map(|verb| verb.to_string()).chain(benches) {
         let arguments: Vec<&str> = std::iter::once("help").chain(verb.split(' ')).collect();
         let help = sunstone(&here, &arguments).done().stdout;
         let lines: Vec<&str> = help.lines().collect();

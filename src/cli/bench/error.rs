@@ -1,0 +1,229 @@
+//! `bench error`.
+
+use std::path::PathBuf;
+
+use super::args::ErrorArguments;
+use super::measure::{Taken, machine, progress_bar, timed};
+use super::report::{check_outputs, deliver};
+use super::subject::{Renderable, load};
+use super::work;
+use crate::cli::files::say;
+use crate::cli::render::{color_of, mode_of, name_of};
+use crate::cli::{CliError, job, system};
+use crate::film::StokesImage;
+use crate::integrators::threads::Threads;
+use crate::integrators::{Mode, Settings};
+use crate::output::bench::Machine;
+use crate::output::bench::convergence::{
+    ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
+};
+use crate::output::compare::{ComponentComparison, compare, in_words, relative_variance};
+use crate::output::load as load_image;
+use crate::spectrum::Color;
+
+/// Replicates of a reference that is rendered, for its variances.
+const REPLICATES: u32 = 16;
+
+/// Errors over time.
+pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
+    let mut settings = settings(arguments)?;
+    let output = &arguments.output;
+    check_outputs(&output.report, output.record.as_deref(), &inputs(arguments))?;
+    let given = arguments.reference.as_ref().map(|path| load_image(path)).transpose()?;
+    let size_of = |image: &StokesImage| (image.width as u32, image.height as u32);
+    let size = work::size(&arguments.work, given.as_ref().map(size_of))?;
+    if let Some(image) = &given {
+        check_fit(arguments, image, &settings, size)?;
+    }
+    job::check_memory(&settings, size, system::available_memory())?;
+    let subject = load(&arguments.scene)?;
+    let scene = subject.bake(settings.color, size)?;
+    let threads = Threads::start(arguments.work.threads)?;
+    let renders = arguments.integrator.len() as u64 * u64::from(arguments.seeds);
+    let progress = progress_bar(renders + 1);
+    progress.set_message("reference");
+    let (image, name) = match given {
+        Some(image) => (image, name_of_file(arguments)),
+        None => reference(arguments, scene.as_ref(), &settings, &threads),
+    };
+    let reference = Reference { name, relative_variance: relative_variance(&image) };
+    progress.inc(1);
+    let mut integrators = Vec::with_capacity(arguments.integrator.len());
+    for &name in &arguments.integrator {
+        settings.integrator = job::integrator(name);
+        progress.set_message(name_of(settings.integrator));
+        let run = |index: u32| {
+            let seed = settings.seed.wrapping_add(index);
+            let settings = Settings { seed, ..settings };
+            let steps = converge(arguments, scene.as_ref(), &settings, &threads, &image);
+            progress.inc(1);
+            steps
+        };
+        let runs: Vec<Vec<Step>> = (0..arguments.seeds).map(run).collect::<Result<_, _>>()?;
+        integrators.push(Convergence::mean(name_of(settings.integrator), &runs));
+    }
+    progress.finish_and_clear();
+    let conditions =
+        conditions(arguments, &settings, subject.short_name(), size, machine(&threads));
+    let report = ErrorReport::new(conditions, reference, integrators);
+    let machine = &report.conditions.machine;
+    deliver(&report, output, ("error", machine))
+}
+
+/// Checks what was typed.
+fn settings(arguments: &ErrorArguments) -> Result<Settings, CliError> {
+    let ErrorArguments { integrator, work, iterations, reference_spp, .. } = arguments;
+    let mut shooting = integrator.clone();
+    if arguments.reference.is_none() {
+        shooting.push(arguments.reference_integrator);
+    }
+    work::check_photons(&shooting, &[("--photons", work.photons.is_some())])?;
+    work::check_names(&[], integrator)?;
+    job::within("--iterations", *iterations, job::SPP_MAX, "")?;
+    job::within("--seeds", arguments.seeds, 1000, "")?;
+    job::within("--reference-spp", *reference_spp, job::SPP_MAX, "")?;
+    if *reference_spp < REPLICATES {
+        return Err(CliError::Usage(format!(
+            "--reference-spp must be {REPLICATES} or more, not {reference_spp}: its variances are \
+             taken from so many replicates"
+        )));
+    }
+    job::seconds("--seconds", Some(arguments.seconds))?;
+    let settings = work::settings(work, job::integrator(integrator[0]), 1)?;
+    Ok(Settings { mode: job::mode(arguments.mode), ..settings })
+}
+
+fn inputs(arguments: &ErrorArguments) -> Vec<PathBuf> {
+    std::iter::once(&arguments.scene).chain(&arguments.reference).cloned().collect()
+}
+
+fn name_of_file(arguments: &ErrorArguments) -> String {
+    arguments.reference.as_ref().map_or(String::new(), |path| path.display().to_string())
+}
+
+/// Refuses a reference that is another kind of image than the render will be.
+fn check_fit(
+    arguments: &ErrorArguments,
+    reference: &StokesImage,
+    settings: &Settings,
+    (width, height): (u32, u32),
+) -> Result<(), CliError> {
+    let components = if settings.mode == Mode::Polarized { 4 } else { 1 };
+    let (width, height) = (width as usize, height as usize);
+    let render = StokesImage::new(width, height, settings.color, components);
+    let remedy = if (reference.width, reference.height) != (width, height) {
+        "leave out --width and --height"
+    } else if reference.color.channels() != settings.color.channels() {
+        "choose another --color"
+    } else if reference.components < components {
+        "it holds the intensity alone, which goes with --mode scalar"
+    } else {
+        warn_of_wavelength(arguments, reference, settings);
+        return Ok(());
+    };
+    Err(CliError::Usage(format!(
+        "the reference {} is {} and the render of {} would be {}: {remedy}",
+        name_of_file(arguments),
+        in_words(reference),
+        arguments.scene.display(),
+        in_words(&render),
+    )))
+}
+
+/// Other formats than EXR do not say which wavelength theirs is, so this is no error.
+fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, settings: &Settings) {
+    match (reference.color, settings.color) {
+        (Color::Mono { wavelength_nm: first }, Color::Mono { wavelength_nm: second })
+            if first != second =>
+        {
+            let file = name_of_file(arguments);
+            say(format_args!(
+                "warning: {file}: the reference is of {first} nm and the render of {second} nm"
+            ));
+        }
+        _ => {}
+    }
+}
+
+/// Renders a reference with a seed of its own; and says how.
+fn reference(
+    arguments: &ErrorArguments,
+    scene: &dyn Renderable,
+    settings: &Settings,
+    threads: &Threads,
+) -> (StokesImage, String) {
+    let settings = Settings {
+        integrator: job::integrator(arguments.reference_integrator),
+        iterations: arguments.reference_spp,
+        replicates: REPLICATES,
+        seed: settings.seed.wrapping_sub(1),
+        ..*settings
+    };
+    let image = threads.run(|| scene.render(&settings).film.develop());
+    let integrator = name_of(settings.integrator);
+    let samples = arguments.reference_spp;
+    (image, format!("{integrator} with {samples} samples a pixel, rendered here"))
+}
+
+/// Renders until time or iterations run out, and compares at every power of two.
+fn converge(
+    arguments: &ErrorArguments,
+    scene: &dyn Renderable,
+    settings: &Settings,
+    threads: &Threads,
+    reference: &StokesImage,
+) -> Result<Vec<Step>, CliError> {
+    let mut session = scene.session(settings);
+    let mut steps: Vec<Step> = Vec::new();
+    let (mut done, mut seconds, mut wall_seconds) = (0, 0.0, 0.0);
+    let mut next = 1;
+    // The next step takes as long as all before it.
+    while next <= arguments.iterations && (done == 0 || 2.0 * seconds <= arguments.seconds) {
+        let ((), taken) = timed(|| threads.run(|| session.advance(next - done)));
+        seconds += cpu_or_wall(taken);
+        wall_seconds += taken.seconds;
+        // A render develops its film once, at its end.
+        let (image, developed) = timed(|| session.image());
+        let compared = compare(&image, reference)?;
+        let error = |found: ComponentComparison| ComponentError {
+            name: found.name,
+            rmse: found.rmse,
+            relative_mse: found.relative_mse,
+        };
+        steps.push(Step {
+            iterations: next,
+            seconds: seconds + cpu_or_wall(developed),
+            wall_seconds: wall_seconds + developed.seconds,
+            errors: compared.components.into_iter().map(error).collect(),
+        });
+        done = next;
+        next *= 2;
+    }
+    Ok(steps)
+}
+
+fn cpu_or_wall(taken: Taken) -> f64 {
+    taken.cpu_seconds.unwrap_or(taken.seconds)
+}
+
+fn conditions(
+    arguments: &ErrorArguments,
+    settings: &Settings,
+    scene: String,
+    (width, height): (u32, u32),
+    machine: Machine,
+) -> Conditions {
+    Conditions {
+        machine,
+        scene,
+        mode: mode_of(settings.mode).into(),
+        color: color_of(settings.color),
+        width,
+        height,
+        photons_shot: settings.photons.per_iteration,
+        path_length_max: settings.path_length_max,
+        roulette_after: settings.roulette_after,
+        seeds: arguments.seeds,
+        seed: settings.seed,
+    }
+}

@@ -1,0 +1,98 @@
+//! Rounds on the clock.
+
+use std::io::IsTerminal;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::subject::Renderable;
+use crate::cli::system;
+use crate::integrators::Settings;
+use crate::integrators::session::Session;
+use crate::integrators::threads::Threads;
+use crate::output::bench::Machine;
+use crate::output::bench::costs::{Cost, Measured, Round};
+
+/// What something took.
+#[derive(Clone, Copy, Debug)]
+pub struct Taken {
+    /// Wall clock seconds.
+    pub seconds: f64,
+    /// Seconds of all cores together, where the system tells.
+    pub cpu_seconds: Option<f64>,
+}
+
+/// Does something on the clock.
+pub fn timed<R>(work: impl FnOnce() -> R) -> (R, Taken) {
+    let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
+    let result = work();
+    let seconds = start.elapsed().as_secs_f64();
+    let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
+    (result, Taken { seconds, cpu_seconds })
+}
+
+/// Renders in both modes (scalar first in `settings`), `samples` per pixel of one and as many of
+/// the other; every other round begins with the other mode. The first round warms up: it fills
+/// tables that grow, and finds the radius of the kernels. Beside the rounds returns the seconds in
+/// which the films become images.
+pub fn compare_modes(
+    scene: &dyn Renderable,
+    settings: [&Settings; 2],
+    (rounds, samples): (u32, u32),
+    threads: &Threads,
+    progress: &ProgressBar,
+) -> (Vec<Round>, Cost) {
+    let mut sessions = settings.map(|settings| scene.session(settings));
+    let mut measured_rounds = Vec::with_capacity(rounds as usize);
+    for round in 0..=rounds {
+        let first = (round % 2) as usize;
+        let mut measured = [Measured::default(), Measured::default()];
+        for mode in [first, 1 - first] {
+            measured[mode] = advance(&mut sessions[mode], samples, threads);
+        }
+        if round > 0 {
+            let [scalar, polarized] = measured;
+            measured_rounds.push(Round { polarized_first: first == 1, scalar, polarized });
+        }
+        progress.inc(1);
+    }
+    let [scalar, polarized] = sessions.map(|session| {
+        let (_, taken) = timed(|| session.finish().film.develop());
+        taken.seconds
+    });
+    (measured_rounds, Cost::new(scalar, polarized))
+}
+
+/// Some samples and what they took.
+fn advance(session: &mut Session, samples: u32, threads: &Threads) -> Measured {
+    let before = session.profile();
+    let ((), taken) = timed(|| threads.run(|| session.advance(samples)));
+    let profiles = [&before, &session.profile()];
+    Measured::new(taken.seconds, taken.cpu_seconds, profiles, session.radii())
+}
+
+/// The machine that a measurement runs on.
+pub fn machine(threads: &Threads) -> Machine {
+    Machine {
+        version: env!("CARGO_PKG_VERSION").into(),
+        processor: system::processor_model(),
+        processors: processors().unwrap_or(threads.count()),
+        threads: threads.count(),
+    }
+}
+
+/// Processors that the program may use, where the system tells.
+pub fn processors() -> Option<usize> {
+    std::thread::available_parallelism().ok().map(usize::from)
+}
+
+/// A bar that counts rounds, where somebody sees it.
+pub fn progress_bar(rounds: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(rounds);
+    let template = "{msg} {wide_bar} {pos}/{len} rounds, {eta} left";
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
+    bar
+}

@@ -1,0 +1,26 @@
+//! The verb `bench`: measurements of this program on this machine.
+
+pub mod args;
+mod error;
+mod history;
+mod measure;
+mod overhead;
+mod report;
+mod scaling;
+mod subject;
+mod table1;
+mod work;
+
+use self::args::{Bench, BenchArguments};
+use super::CliError;
+
+/// Measures what is asked for.
+pub(super) fn bench(arguments: &BenchArguments) -> Result<(), CliError> {
+    match &arguments.what {
+        Bench::Table1(arguments) => table1::table1(arguments),
+        Bench::Overhead(arguments) => overhead::overhead(arguments),
+        Bench::Scaling(arguments) => scaling::scaling(arguments),
+        Bench::Error(arguments) => error::error(arguments),
+        Bench::History(arguments) => history::history(arguments),
+    }
+}
