@@ -298,11 +298,10 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
     let Workspace { measured, profile, .. } = workspace;
     profile.time(Stage::Film, || {
         sums.resize(chunk.pixels() * stride, 0.0);
-        for (offset, column) in measured.stokes.iter().flatten().enumerate() {
-            for values in column[..chunk.slots()].chunks_exact(chunk.pixels()) {
-                for (sums, value) in sums.chunks_exact_mut(stride).zip(values) {
-                    sums[offset] += value;
-                }
+        let iterations = measured.values(chunk.slots()).chunks_exact(chunk.pixels() * stride);
+        for values in iterations {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value;
             }
         }
     });

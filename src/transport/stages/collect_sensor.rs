@@ -109,7 +109,7 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
     }
 
     fn depolarize_sensor(&mut self, beta: &mut Channels<N>, partition: &Partition) {
-        for part in partition.parts.iter().filter(|part| part.event.form == Form::Depolarizer) {
+        for part in partition.parts.iter().filter(|part| part.is_depolarized()) {
             let rows = part.rows.clone();
             let class = match part.class {
                 FRESH | PLAIN => PLAIN,
@@ -168,15 +168,14 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
             None => value,
         };
         measured.add_intensity(slot, accepted);
-        for component in 1..4 {
-            let (column, value) = match class {
-                COLUMN | RANK_ONE => (&self.column[component - 1], &accepted),
-                FULL => (&self.matrix[component][0], &value),
-                _ => continue,
-            };
-            let sums = &mut measured.stokes[component];
-            for ((sum, column), value) in sums.iter_mut().zip(column).zip(value) {
-                sum[slot] += value * column[row];
+        let (columns, value) = match class {
+            COLUMN | RANK_ONE => (self.column.each_ref(), accepted),
+            FULL => ([1, 2, 3].map(|component: usize| &self.matrix[component][0]), value),
+            _ => return,
+        };
+        for (sums, columns) in measured.at(slot)[1..].iter_mut().zip(columns) {
+            for ((sum, column), value) in sums.iter_mut().zip(columns).zip(&value) {
+                *sum += value * column[row];
             }
         }
     }
@@ -204,8 +203,8 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
         };
         for (n, &value) in value.iter().enumerate() {
             let stokes = self.accept(row, n, class, light.at(n));
-            for (sums, &stokes) in measured.stokes.iter_mut().zip(&stokes) {
-                sums[n][slot] += value * stokes;
+            for (sums, &stokes) in measured.at(slot).iter_mut().zip(&stokes) {
+                sums[n] += value * stokes;
             }
         }
     }

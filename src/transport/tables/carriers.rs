@@ -17,8 +17,7 @@
 //! and only the row r is extended. Depolarizers fold what scales the intensity (r0, or T00 and the
 //! light side's s0) into the throughput `beta`, so c is stored relative to its first element.
 
-use std::ops::Range;
-
+use super::partition::Part;
 use super::{Channels, Column, channels, gather, vectors};
 
 /// Light side: no columns.
@@ -50,8 +49,9 @@ pub trait CarrierTable {
     /// The class of a row.
     fn class(&self, row: usize) -> usize;
 
-    /// Takes the rows `order[rows]` of `from`, all of one class, to `rows`.
-    fn gather(&mut self, from: &Self, order: &[u32], rows: Range<usize>, class: usize);
+    /// Takes the rows `order[part.rows]` of `from`, all of one class, to `part.rows`: of those that
+    /// meet a depolarizer, no more than what it leaves of them.
+    fn gather(&mut self, from: &Self, order: &[u32], part: &Part);
 }
 
 /// Scalar mode: no columns at all.
@@ -63,7 +63,7 @@ impl CarrierTable for () {
         0
     }
     #[inline(always)]
-    fn gather(&mut self, _from: &Self, _order: &[u32], _rows: Range<usize>, _class: usize) {}
+    fn gather(&mut self, _from: &Self, _order: &[u32], _part: &Part) {}
 }
 
 /// The light side's Stokes vectors, relative to the scalar throughput.
@@ -106,14 +106,19 @@ impl<const N: usize> CarrierTable for LightCarriers<N> {
         self.class[row] as usize
     }
 
-    fn gather(&mut self, from: &Self, order: &[u32], rows: Range<usize>, class: usize) {
-        self.class[rows.clone()].fill(class as u8);
-        if class == POLARIZED {
-            let order = &order[rows.clone()];
-            gather_group(&mut self.axis, &from.axis, order, rows.start);
-            for (to, from) in self.stokes.iter_mut().zip(&from.stokes) {
-                gather_group(to, from, order, rows.start);
-            }
+    fn gather(&mut self, from: &Self, order: &[u32], part: &Part) {
+        let rows = part.rows.clone();
+        self.class[rows.clone()].fill(part.class as u8);
+        if part.class != POLARIZED {
+            return;
+        }
+        let order = &order[rows.clone()];
+        if part.is_depolarized() {
+            return gather_group(&mut self.stokes[0], &from.stokes[0], order, rows.start);
+        }
+        gather_group(&mut self.axis, &from.axis, order, rows.start);
+        for (to, from) in self.stokes.iter_mut().zip(&from.stokes) {
+            gather_group(to, from, order, rows.start);
         }
     }
 }
@@ -136,10 +141,13 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         self.class[row] as usize
     }
 
-    fn gather(&mut self, from: &Self, order: &[u32], rows: Range<usize>, class: usize) {
+    fn gather(&mut self, from: &Self, order: &[u32], part: &Part) {
+        let (class, rows) = (part.class, part.rows.clone());
         self.class[rows.clone()].fill(class as u8);
         let order = &order[rows.clone()];
-        if matches!(class, ROW | RANK_ONE | FULL) {
+        // What is accepted after a depolarizer is intensity.
+        let accepted = if part.is_depolarized() { 1 } else { 4 };
+        if matches!(class, ROW | RANK_ONE | FULL) && accepted > 1 {
             gather_group(&mut self.axis, &from.axis, order, rows.start);
         }
         if matches!(class, COLUMN | RANK_ONE) {
@@ -148,14 +156,15 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
             }
         }
         if matches!(class, ROW | RANK_ONE) {
-            for (to, from) in self.row.iter_mut().zip(&from.row) {
+            for (to, from) in self.row[..accepted].iter_mut().zip(&from.row) {
                 gather_group(to, from, order, rows.start);
             }
         }
         if class == FULL {
-            let pairs = self.matrix.iter_mut().flatten().zip(from.matrix.iter().flatten());
-            for (to, from) in pairs {
-                gather_group(to, from, order, rows.start);
+            for (to, from) in self.matrix.iter_mut().zip(&from.matrix) {
+                for (to, from) in to[..accepted].iter_mut().zip(from) {
+                    gather_group(to, from, order, rows.start);
+                }
             }
         }
     }

@@ -1,32 +1,41 @@
 //! What the sensor has measured in this chunk.
 
-use super::{Channels, channels};
-
-/// Stokes values per slot: `components` (1 or 4) by wavelength.
+/// Stokes values per slot: `components` (1 or 4) by wavelength. What belongs to a slot lies
+/// together, as slots are added to one at a time and in any order.
 pub struct Measured<const N: usize> {
-    /// One group of columns per Stokes component.
-    pub stokes: Vec<Channels<N>>,
+    components: usize,
+    values: Vec<[f32; N]>,
 }
 
 impl<const N: usize> Measured<N> {
     /// A table for `capacity` slots.
     pub fn new(capacity: usize, components: usize) -> Self {
-        Self { stokes: (0..components).map(|_| channels(capacity)).collect() }
+        Self { components, values: vec![[0.0; N]; capacity * components] }
     }
 
     /// Sets everything to zero.
     pub fn clear(&mut self) {
-        for column in self.stokes.iter_mut().flatten() {
-            column.fill(0.0);
-        }
+        self.values.fill([0.0; N]);
+    }
+
+    /// The values of a slot, component by component.
+    #[inline(always)]
+    pub fn at(&mut self, slot: usize) -> &mut [[f32; N]] {
+        &mut self.values[slot * self.components..][..self.components]
     }
 
     /// Adds intensity to a slot.
     #[inline(always)]
     pub fn add_intensity(&mut self, slot: usize, value: [f32; N]) {
-        for (column, value) in self.stokes[0].iter_mut().zip(&value) {
-            column[slot] += value;
+        for (sum, value) in self.values[slot * self.components].iter_mut().zip(&value) {
+            *sum += value;
         }
+    }
+
+    /// The values of the first `slots` slots: all of a slot, component by component, then the
+    /// next.
+    pub fn values(&self, slots: usize) -> &[f32] {
+        self.values[..slots * self.components].as_flattened()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::scattering::Met;
-use crate::scattering::event::{END, Event};
+use crate::scattering::event::{END, Event, Form};
 
 /// The rows that one loop works on: one kind of event, one class of carrier.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,13 @@ pub struct Part {
     pub class: usize,
     /// The rows.
     pub rows: Range<usize>,
+}
+
+impl Part {
+    /// Whether the rows meet a depolarizer.
+    pub fn is_depolarized(&self) -> bool {
+        self.event.form == Form::Depolarizer
+    }
 }
 
 /// A stable grouping of rows by event, then carrier class.
@@ -108,7 +115,6 @@ impl Partition {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scattering::event::Form;
     use crate::scene::baked::MaterialKind;
 
     #[test]

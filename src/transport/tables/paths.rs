@@ -90,7 +90,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
         gather(&mut self.mis.d_vc, &from.mis.d_vc, order, 0);
         self.media.gather(&from.media, order);
         for part in &partition.parts {
-            self.carriers.gather(&from.carriers, order, part.rows.clone(), part.class);
+            self.carriers.gather(&from.carriers, order, part);
         }
     }
 }
