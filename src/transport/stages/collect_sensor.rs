@@ -10,7 +10,7 @@ use crate::polarization::{Rotation, Stokes, film_axis};
 use crate::scattering::event::Form;
 use crate::transport::tables::Channels;
 use crate::transport::tables::carriers::{
-    COLUMN, CarrierTable, FRESH, FULL, PLAIN, RANK_ONE, ROW, SensorCarriers,
+    COLUMN, COMMON, CarrierTable, FRESH, FULL, PLAIN, RANK_ONE, ROW, SensorCarriers,
 };
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::measured::Measured;
@@ -122,8 +122,8 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
                     fold(beta, &self.row[0], rows.clone());
                     COLUMN
                 }
-                _ => {
-                    first_column(self, beta, rows.clone());
+                class => {
+                    first_column(self, beta, rows.clone(), class);
                     COLUMN
                 }
             };
@@ -160,22 +160,22 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
         let class = self.class(row);
         let gain = match class {
             ROW | RANK_ONE => Some(&self.row[0]),
-            FULL => Some(&self.matrix[0][0]),
+            FULL | COMMON => Some(&self.matrix[0][0]),
             _ => None,
         };
         let accepted = match gain {
-            Some(gain) => std::array::from_fn(|channel| value[channel] * gain[channel][row]),
+            Some(gain) => std::array::from_fn(|n| value[n] * gain[channel_of(class, n)][row]),
             None => value,
         };
         measured.add_intensity(slot, accepted);
         let (columns, value) = match class {
             COLUMN | RANK_ONE => (self.column.each_ref(), accepted),
-            FULL => ([1, 2, 3].map(|component: usize| &self.matrix[component][0]), value),
+            FULL | COMMON => ([1, 2, 3].map(|component: usize| &self.matrix[component][0]), value),
             _ => return,
         };
         for (sums, columns) in measured.at(slot)[1..].iter_mut().zip(columns) {
-            for ((sum, column), value) in sums.iter_mut().zip(columns).zip(&value) {
-                *sum += value * column[row];
+            for (n, (sum, value)) in sums.iter_mut().zip(&value).enumerate() {
+                *sum += value * columns[channel_of(class, n)][row];
             }
         }
     }
@@ -195,7 +195,7 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
                 let up = Vector::new(film_up.x, film_up.y, film_up.z);
                 light.turned(film_axis(-k, up), k)
             }
-            FULL | ROW | RANK_ONE => {
+            FULL | COMMON | ROW | RANK_ONE => {
                 let [x, y, z] = &self.axis;
                 light.turned(Vector::new(x[row], y[row], z[row]), k)
             }
@@ -218,7 +218,8 @@ impl<const N: usize> SensorCarriers<N> {
         let Stokes(s) = stokes;
         match class {
             FRESH => s,
-            FULL => {
+            FULL | COMMON => {
+                let n = channel_of(class, n);
                 let mut measured = [0.0; 4];
                 for (measured, columns) in measured.iter_mut().zip(&self.matrix) {
                     *measured = columns.iter().zip(&s).map(|(m, s)| m[n][row] * s).sum();
@@ -245,6 +246,18 @@ impl<const N: usize> SensorCarriers<N> {
     }
 }
 
+/// Wavelengths whose matrices rows of a class have.
+#[inline(always)]
+fn wavelengths<const N: usize>(class: usize) -> usize {
+    if class == COMMON { 1 } else { N }
+}
+
+/// Where the matrix of a wavelength is.
+#[inline(always)]
+fn channel_of(class: usize, n: usize) -> usize {
+    if class == COMMON { 0 } else { n }
+}
+
 /// Extends the rows of a part; their class from then on.
 fn collect<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
@@ -253,13 +266,15 @@ fn collect<const N: usize, K: StoredKernel>(
     part: &Part,
 ) -> usize {
     match part.class {
-        FRESH => {
-            begin_matrix::<N, K>(carriers, kernels, direction, film_up, part);
-            FULL
-        }
-        FULL => {
-            extend_matrix::<N, K>(carriers, kernels, direction, part);
-            FULL
+        FRESH | FULL | COMMON => {
+            let is_common = N > 1 && part.class != FULL && part.event.achromatic;
+            let class = if is_common { COMMON } else { FULL };
+            if part.class == FRESH {
+                begin_matrix::<N, K>(carriers, kernels, direction, film_up, (part, class));
+            } else {
+                extend_matrix::<N, K>(carriers, kernels, direction, (part, class));
+            }
+            class
         }
         PLAIN => {
             begin_row(carriers, kernels, part);
@@ -288,36 +303,40 @@ fn first_column<const N: usize>(
     carriers: &mut SensorCarriers<N>,
     beta: &mut Channels<N>,
     rows: Range<usize>,
+    class: usize,
 ) {
     for channel in 0..N {
+        let from = channel_of(class, channel);
         for row in rows.clone().step_by(LANES) {
-            let c0 = lanes::load(&carriers.matrix[0][0][channel], row);
+            let c0 = lanes::load(&carriers.matrix[0][0][from], row);
             // Where no light can pass, the direction of nothing is nothing.
             let positive = Real::gt(c0, F32s::splat(0.0));
             let inverse = Real::select(positive, F32s::splat(1.0) / c0, F32s::splat(0.0));
             for component in 1..4 {
-                let c = lanes::load(&carriers.matrix[component][0][channel], row) * inverse;
+                let c = lanes::load(&carriers.matrix[component][0][from], row) * inverse;
                 lanes::store(&mut carriers.column[component - 1][channel], row, rows.end, c);
             }
         }
     }
-    fold(beta, &carriers.matrix[0][0], rows);
+    for (channel, beta) in beta.iter_mut().enumerate() {
+        multiply(beta, &carriers.matrix[0][0][channel_of(class, channel)], rows.clone());
+    }
 }
 
-/// `T = R B`.
+/// `T = R B`, of the class that is named.
 fn begin_matrix<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
     film_up: Vec3,
-    part: &Part,
+    (part, class): (&Part, usize),
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let ray = Vector::load(direction, row);
         let axis = Vector::load(&kernels.axis, row);
         let turn = Rotation::between(axis, film_axis(ray, splat(film_up)), -ray);
-        for channel in 0..N {
+        for channel in 0..wavelengths::<N>(class) {
             let kernel = K::load(kernels, part.event.channel(channel), row);
             store_matrix(carriers, channel, row, end, kernel.first_event(turn));
         }
@@ -325,21 +344,23 @@ fn begin_matrix<const N: usize, K: StoredKernel>(
     }
 }
 
-/// `T <- T R B`.
+/// `T <- T R B`, of the class that is named from now on.
 fn extend_matrix<const N: usize, K: StoredKernel>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     direction: &[Vec<f32>; 3],
-    part: &Part,
+    (part, class): (&Part, usize),
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let axis = Vector::load(&kernels.axis, row);
         let turn = turn_to_carrier(&carriers.axis, axis, direction, row);
-        for channel in 0..N {
+        // The first last, as the others may begin from it.
+        for channel in (0..wavelengths::<N>(class)).rev() {
             let kernel = K::load(kernels, part.event.channel(channel), row);
+            let from = channel_of(part.class, channel);
             let matrix = std::array::from_fn(|i| {
-                std::array::from_fn(|j| lanes::load(&carriers.matrix[i][j][channel], row))
+                std::array::from_fn(|j| lanes::load(&carriers.matrix[i][j][from], row))
             });
             let extended = kernel.collect_columns(turn.collect_matrix(matrix));
             store_matrix(carriers, channel, row, end, extended);

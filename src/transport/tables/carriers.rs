@@ -12,6 +12,7 @@
 //! | sensor | [`COLUMN`] | c | polarizing events, then a depolarizer |
 //! | sensor | [`RANK_ONE`] | c, r, axis | a `COLUMN` row that met polarizing events since |
 //! | sensor | [`FULL`] | T, axis | polarizing events, no depolarizer yet |
+//! | sensor | [`COMMON`] | T once, axis | the same, and no event has told wavelengths apart |
 //!
 //! After the first depolarizer T D = (T e0)(d e0^T) has rank one for ever: the column c is fixed
 //! and only the row r is extended. Depolarizers fold what scales the intensity (r0, or T00 and the
@@ -37,6 +38,9 @@ pub const COLUMN: usize = 3;
 pub const RANK_ONE: usize = 4;
 /// Sensor side: `matrix`.
 pub const FULL: usize = 5;
+/// Sensor side: the first wavelength's `matrix`, for all of them. With one wavelength it is
+/// [`FULL`].
+pub const COMMON: usize = 6;
 
 /// Columns of polarization that travel with the rows of a path table.
 pub trait CarrierTable {
@@ -124,7 +128,7 @@ impl<const N: usize> CarrierTable for LightCarriers<N> {
 }
 
 impl<const N: usize> CarrierTable for SensorCarriers<N> {
-    const CLASSES: usize = 6;
+    const CLASSES: usize = 7;
 
     fn new(capacity: usize) -> Self {
         Self {
@@ -147,7 +151,7 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         let order = &order[rows.clone()];
         // What is accepted after a depolarizer is intensity.
         let accepted = if part.is_depolarized() { 1 } else { 4 };
-        if matches!(class, ROW | RANK_ONE | FULL) && accepted > 1 {
+        if matches!(class, ROW | RANK_ONE | FULL | COMMON) && accepted > 1 {
             gather_group(&mut self.axis, &from.axis, order, rows.start);
         }
         if matches!(class, COLUMN | RANK_ONE) {
@@ -160,22 +164,18 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
                 gather_group(to, from, order, rows.start);
             }
         }
-        if class == FULL {
+        if matches!(class, FULL | COMMON) {
+            let wavelengths = if class == COMMON { 1 } else { N };
             for (to, from) in self.matrix.iter_mut().zip(&from.matrix) {
                 for (to, from) in to[..accepted].iter_mut().zip(from) {
-                    gather_group(to, from, order, rows.start);
+                    gather_group(&mut to[..wavelengths], from, order, rows.start);
                 }
             }
         }
     }
 }
 
-fn gather_group<const K: usize>(
-    to: &mut [Column; K],
-    from: &[Column; K],
-    order: &[u32],
-    start: usize,
-) {
+fn gather_group(to: &mut [Column], from: &[Column], order: &[u32], start: usize) {
     for (to, from) in to.iter_mut().zip(from) {
         gather(to, from, order, start);
     }
