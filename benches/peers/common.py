@@ -246,11 +246,12 @@ def agreement(theirs: Sequence[np.ndarray], ours: Sequence[np.ndarray]) -> Agree
     return Agreement(float(difference / np.mean(mean[1])), float(difference / error), rms)
 
 
-def require_agreement(what: str, found: Agreement, relative: float = 0.01) -> str:
-    """The sentence that two renderers agree, or a refusal to compare their times."""
-    if (abs(found.z) > 4.5 and abs(found.relative) > relative / 5) or (
-        abs(found.relative) > relative and abs(found.z) > 3
-    ):
+def require_agreement(what: str, found: Agreement, allowed: float = 0.002) -> str:
+    """The sentence that two renderers agree, or a refusal to compare their times.
+
+    Means may differ by the share `allowed`, and by more if noise explains it.
+    """
+    if abs(found.relative) > allowed and abs(found.z) > 5.0:
         reason = "their means differ"
     elif found.rms > 2.0:
         reason = "their images differ from block to block"
