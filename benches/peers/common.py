@@ -194,11 +194,23 @@ def variance_ratio(
     return Figure(name, float(value), float(value / spread), float(value * spread), "x", goal)
 
 
+def equal_error(name: str, candidates: Sequence[tuple[float, Figure]]) -> list[Figure]:
+    """How much longer theirs takes to the same error, by the best of (speed, variance) ratios.
+
+    Nothing if a variance is known to no better than a factor of two, as when one bright pixel in
+    one round makes up most of it.
+    """
+    if any(variance.high > 2 * variance.value for _, variance in candidates):
+        return []
+    value = min(speed / variance.value for speed, variance in candidates)
+    return [Figure(f"{name}.equal_error_ratio", value, unit="x")]
+
+
 # -- agreement ----------------------------------------------------------------------------------
 
 #: Edge of the blocks of pixels whose means are compared; smaller ones are too far from normal.
 BLOCK = 16
-#: What blocks may differ by, as a share of their intensity, besides noise: conversions of spectra,
+#: What blocks may differ by, as a share of each component, besides noise: conversions of spectra,
 #: tessellated spheres and images of few bits do not come nearer.
 TOLERANCE = 0.0025
 
@@ -238,7 +250,7 @@ def agreement(theirs: Sequence[np.ndarray], ours: Sequence[np.ndarray]) -> Agree
     variance = sum(x.var(axis=0, ddof=1) / len(x) for x in cells)
     # Where neither has noise (emitters, black) only rounding is left.
     noise = variance > 1e-12 * np.mean(mean[1]) ** 2
-    variance += (TOLERANCE * cells[1].mean(axis=0)[..., :1]) ** 2
+    variance += (TOLERANCE * cells[1].mean(axis=0)) ** 2
     squares = (cells[0].mean(axis=0) - cells[1].mean(axis=0))[noise] ** 2 / variance[noise]
     # z of an estimated error follows Student's t, whose variance is that of `degrees`.
     degrees = len(theirs) + len(ours) - 2

@@ -22,6 +22,7 @@ from common import (
     RaceError,
     Result,
     agreement,
+    equal_error,
     pixel_variance,
     ratio_figure,
     require_agreement,
@@ -129,13 +130,13 @@ def with_threads(scene: Path, threads: int, options: Options, result: Result) ->
 def figures(name: str, theirs: dict[str, Lap], ours: Lap) -> list[Figure]:
     plain = theirs[SAMPLERS[0]]
     result = [ratio_figure(f"{name}.speed_ratio", plain.seconds, ours.seconds, Goal(4.0, 6.0))]
-    advantages = []
+    candidates = []
     for sampler, lap in theirs.items():
         figure = f"{name}.variance_ratio_{sampler.lower()}"
         result.append(variance_ratio(figure, ours.sample_variance(), lap.sample_variance()))
         faster = statistics.median(a / b for a, b in zip(lap.seconds, ours.seconds))
-        advantages.append(faster / result[-1].value)
-    result.append(Figure(f"{name}.equal_error_ratio", min(advantages), unit="x"))
+        candidates.append((faster, result[-1]))
+    result += equal_error(name, candidates)
     for who, lap in (("luxcore", plain), ("sunstone", ours)):
         samples = 1 / statistics.median(lap.seconds)
         result.append(Figure(f"{name}.{who}_samples_per_cpu_second", samples))

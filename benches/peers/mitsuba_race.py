@@ -25,6 +25,7 @@ from common import (
     Render,
     Result,
     agreement,
+    equal_error,
     pixel_variance,
     ratio_figure,
     require_agreement,
@@ -209,7 +210,7 @@ def figures(name: str, variant: Variant, theirs: list[Lap], ours: Lap) -> list[F
         f"{name}.speed_ratio", plain.microseconds, ours.microseconds, variant.goal()
     )
     result = [speed]
-    advantages = []
+    candidates = []
     for sampler, lap in zip(SAMPLERS, theirs):
         # Ours must be no worse than plain samples.
         variance = variance_ratio(
@@ -220,8 +221,8 @@ def figures(name: str, variant: Variant, theirs: list[Lap], ours: Lap) -> list[F
         )
         result.append(variance)
         faster = statistics.median(a / b for a, b in zip(lap.microseconds, ours.microseconds))
-        advantages.append(faster / variance.value)
-    result.append(Figure(f"{name}.equal_error_ratio", min(advantages), unit="x"))
+        candidates.append((faster, variance))
+    result += equal_error(name, candidates)
     for who, lap in (("mitsuba", plain), ("sunstone", ours)):
         microseconds = statistics.median(lap.microseconds)
         result.append(Figure(f"{name}.{who}_us_per_sample", microseconds, unit="us"))

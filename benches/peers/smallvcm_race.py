@@ -21,6 +21,7 @@ from common import (
     RaceError,
     Result,
     agreement,
+    equal_error,
     pixel_variance,
     ratio_figure,
     require_agreement,
@@ -145,8 +146,7 @@ def figures(name: str, algorithm: Algorithm, theirs: Lap, ours: Lap) -> list[Fig
         variance = variance_ratio(
             f"{name}.variance_ratio", pixel_variance(ours.images), pixel_variance(theirs.images)
         )
-        equal_error = result[0].value / variance.value
-        result += [variance, Figure(f"{name}.equal_error_ratio", equal_error, unit="x")]
+        result += [variance, *equal_error(name, [(result[0].value, variance)])]
     for who, lap in (("smallvcm", theirs), ("sunstone", ours)):
         pairs = 1 / statistics.median(lap.seconds)
         result.append(Figure(f"{name}.{who}_pairs_per_cpu_second", pairs))
