@@ -180,11 +180,13 @@ def smallvcm(
 
 
 def read_hdr(path: Path) -> np.ndarray:
-    """A Radiance picture without run lengths, as SmallVCM writes them: truncated, so half a step
-    is added back."""
-    header, data = path.read_bytes().split(b"\n\n", 1)
+    """A Radiance picture without run lengths, as SmallVCM writes it.
+
+    It truncates to 8 bits, so half a step is added back but where there is no light at all.
+    """
+    _, data = path.read_bytes().split(b"\n\n", 1)
     size, data = data.split(b"\n", 1)
     _, height, _, width = size.split()
     rgbe = np.frombuffer(data, np.uint8).reshape(int(height), int(width), 4).astype(np.float64)
-    scale = np.where(rgbe[..., 3:] > 0, np.exp2(rgbe[..., 3:] - 136), 0.0)
-    return (rgbe[..., :3] + 0.5) * scale
+    steps = np.where(rgbe[..., :3] > 0, rgbe[..., :3] + 0.5, 0.0)
+    return steps * np.exp2(rgbe[..., 3:] - 136)
