@@ -172,9 +172,9 @@ impl SphereBlock {
         }
     }
 
-    /// One ray against the block.
+    /// One ray against the block, if it meets anything.
     #[inline(always)]
-    pub fn meet(&self, rays: &Rays) -> Candidates {
+    pub fn meet(&self, rays: &Rays) -> Option<Candidates> {
         rays.meet_spheres(self.center, self.radius_squared)
     }
 }

@@ -78,7 +78,7 @@ pub fn trace_closest(
     accelerator: &Accelerator,
 ) {
     if let Some(scene) = &accelerator.short {
-        return closest_in_short(hits, rays, rows, scene);
+        return closest_in_short(hits, rays, rows, (scene, accelerator.tree.reach));
     }
     hits.t[rows.clone()].fill(f32::INFINITY);
     hits.u[rows.clone()].fill(0.0);
@@ -107,7 +107,7 @@ pub fn trace_visibility(
     accelerator: &Accelerator,
 ) {
     if let Some(scene) = &accelerator.short {
-        return visibility_in_short(blocked, rays, t_max, rows, scene);
+        return visibility_in_short(blocked, rays, t_max, rows, (scene, accelerator.tree.reach));
     }
     blocked[rows.clone()].fill(0);
     let better = |row: usize, _: Hit| blocked[row] = u32::MAX;
@@ -118,35 +118,20 @@ pub fn trace_visibility(
     }
 }
 
-#[inline(always)]
-fn load_rays(rays: &RayColumns, row: usize) -> (Rays, Renaming) {
-    let (origin, direction) = rays.eight(row);
-    Rays::eight(origin, direction)
-}
-
 fn closest_in_short(
     hits: &mut HitColumns,
     columns: &RayColumns,
     rows: Range<usize>,
-    scene: &ShortScene,
+    (scene, reach): (&ShortScene, f32),
 ) {
     let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
-        let (rays, renaming) = load_rays(columns, row);
-        shear_corners(&mut corners, &rays, renaming, scene);
-        let mut nearest = Nearest::none(F32s::splat(f32::INFINITY));
-        let mut primitive = 0;
-        for triangle in &scene.triangles {
-            let [a, b, c] = *triangle;
-            let found = rays.meet_sheared(corners[a], corners[b], corners[c]);
-            nearest.offer_in_order(&found, primitive);
-            primitive += 1;
-        }
-        for &(center, radius_squared) in &scene.spheres {
-            let found = rays.meet_spheres(splat(center), F32s::splat(radius_squared));
-            nearest.offer_in_order(&found, primitive);
-            primitive += 1;
-        }
+        let (origin, direction) = columns.eight(row);
+        let nearest = if Rays::are_alike(origin, direction, reach) {
+            nearest_in_short::<false>(&mut corners, origin, direction, scene)
+        } else {
+            nearest_in_short::<true>(&mut corners, origin, direction, scene)
+        };
         lanes::store(&mut hits.t, row, rows.end, nearest.t);
         lanes::store(&mut hits.u, row, rows.end, nearest.u);
         lanes::store(&mut hits.v, row, rows.end, nearest.v);
@@ -154,30 +139,73 @@ fn closest_in_short(
     }
 }
 
+#[inline(always)]
+fn nearest_in_short<const HOPEFUL: bool>(
+    corners: &mut [Vector<F32s>; SHORT_CORNERS],
+    origin: Vector<F32s>,
+    direction: Vector<F32s>,
+    scene: &ShortScene,
+) -> Nearest {
+    let (rays, renaming) = Rays::eight(origin, direction);
+    shear_corners(corners, &rays, renaming, scene);
+    let mut nearest = Nearest::none(F32s::splat(f32::INFINITY));
+    let mut primitive = 0;
+    for &[a, b, c] in &scene.triangles {
+        if let Some(found) = rays.meet_sheared::<HOPEFUL>(corners[a], corners[b], corners[c]) {
+            nearest.offer_in_order(&found, primitive);
+        }
+        primitive += 1;
+    }
+    for &(center, radius_squared) in &scene.spheres {
+        if let Some(found) = rays.meet_spheres(splat(center), F32s::splat(radius_squared)) {
+            nearest.offer_in_order(&found, primitive);
+        }
+        primitive += 1;
+    }
+    nearest
+}
+
 fn visibility_in_short(
     blocked: &mut [u32],
     columns: &RayColumns,
     t_max: &[f32],
     rows: Range<usize>,
-    scene: &ShortScene,
+    (scene, reach): (&ShortScene, f32),
 ) {
     let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
-        let (rays, renaming) = load_rays(columns, row);
-        shear_corners(&mut corners, &rays, renaming, scene);
+        let (origin, direction) = columns.eight(row);
         let t_max = lanes::load(t_max, row);
-        let mut mask = F32s::ZERO;
-        for triangle in &scene.triangles {
-            let [a, b, c] = *triangle;
-            let found = rays.meet_sheared(corners[a], corners[b], corners[c]);
-            mask |= found.mask & found.t.simd_lt(t_max);
-        }
-        for &(center, radius_squared) in &scene.spheres {
-            let found = rays.meet_spheres(splat(center), F32s::splat(radius_squared));
-            mask |= found.mask & found.t.simd_lt(t_max);
-        }
+        let mask = if Rays::are_alike(origin, direction, reach) {
+            blocked_in_short::<false>(&mut corners, (origin, direction), t_max, scene)
+        } else {
+            blocked_in_short::<true>(&mut corners, (origin, direction), t_max, scene)
+        };
         store_u32(blocked, row, rows.end, mask.to_bits());
     }
+}
+
+#[inline(always)]
+fn blocked_in_short<const HOPEFUL: bool>(
+    corners: &mut [Vector<F32s>; SHORT_CORNERS],
+    (origin, direction): (Vector<F32s>, Vector<F32s>),
+    t_max: F32s,
+    scene: &ShortScene,
+) -> F32s {
+    let (rays, renaming) = Rays::eight(origin, direction);
+    shear_corners(corners, &rays, renaming, scene);
+    let mut mask = F32s::ZERO;
+    for &[a, b, c] in &scene.triangles {
+        if let Some(found) = rays.meet_sheared::<HOPEFUL>(corners[a], corners[b], corners[c]) {
+            mask |= found.mask & found.t.simd_lt(t_max);
+        }
+    }
+    for &(center, radius_squared) in &scene.spheres {
+        if let Some(found) = rays.meet_spheres(splat(center), F32s::splat(radius_squared)) {
+            mask |= found.mask & found.t.simd_lt(t_max);
+        }
+    }
+    mask
 }
 
 /// The corners of all triangles as eight rays see them.

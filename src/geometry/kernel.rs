@@ -4,6 +4,11 @@
 use crate::math::{F32s, U32s, Vector};
 use crate::scene::baked::NONE;
 
+/// Origins that are alike differ by less than this, relative to the scene.
+const ALIKE_ORIGINS: f32 = 0.02;
+/// Directions that are alike differ by less than this.
+const ALIKE_DIRECTIONS: f32 = 0.1;
+
 /// Eight rays, or eight times the same, prepared for the kernels.
 ///
 /// The triangle test is that of Woop, Benthin and Wald 2013, "Watertight Ray/Triangle
@@ -95,10 +100,30 @@ impl Rays {
         sides.inside.any().then(|| self.cross(&sides))
     }
 
-    /// [`Rays::meet_triangles`] to the end, with corners from [`Rays::sheared`].
+    /// [`Rays::meet_triangles`] with corners from [`Rays::sheared`]. With `HOPEFUL` it does not
+    /// stop early, as that costs more than it saves if something mostly is inside.
     #[inline(always)]
-    pub fn meet_sheared(&self, a: Vector<F32s>, b: Vector<F32s>, c: Vector<F32s>) -> Candidates {
-        self.cross(&Sides::new(a, b, c))
+    pub fn meet_sheared<const HOPEFUL: bool>(
+        &self,
+        a: Vector<F32s>,
+        b: Vector<F32s>,
+        c: Vector<F32s>,
+    ) -> Option<Candidates> {
+        let sides = Sides::new(a, b, c);
+        (HOPEFUL || sides.inside.any()).then(|| self.cross(&sides))
+    }
+
+    /// Whether the rays start close to each other and run alike, within a scene of coordinates up
+    /// to `reach`, so that most primitives are met by all or by none.
+    #[inline(always)]
+    pub fn are_alike(origin: Vector<F32s>, direction: Vector<F32s>, reach: f32) -> bool {
+        let deviation = |vector: Vector<F32s>| {
+            let of = |lanes: F32s| (lanes - F32s::splat(lanes.as_array()[0])).abs();
+            of(vector.x).fast_max(of(vector.y)).fast_max(of(vector.z))
+        };
+        let near = deviation(origin).simd_le(F32s::splat(ALIKE_ORIGINS * reach));
+        let along = deviation(direction).simd_le(F32s::splat(ALIKE_DIRECTIONS));
+        (near & along).all()
     }
 
     /// A point with its axes renamed as the rays see it, along themselves.
@@ -123,25 +148,31 @@ impl Rays {
         Candidates { t, u: b * inverse, v: c * inverse, mask }
     }
 
-    /// Tests spheres: the discriminant from the distance of the ray to the center (Haines et al.
-    /// 2019, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7). From
-    /// inside the far root counts.
+    /// Tests spheres, and stops early where none is near: the discriminant from the distance of
+    /// the ray to the center (Haines et al. 2019, "Precision Improvements for Ray/Sphere
+    /// Intersection", Ray Tracing Gems 7). From inside the far root counts.
     #[inline(always)]
-    pub fn meet_spheres(&self, center: Vector<F32s>, radius_squared: F32s) -> Candidates {
+    pub fn meet_spheres(&self, center: Vector<F32s>, radius_squared: F32s) -> Option<Candidates> {
         let from = self.origin - center;
         let length_squared = self.direction.length_squared();
+        // The same for all spheres, so that it is divided by once.
+        let inverse = F32s::ONE / length_squared;
         let towards = -from.dot(self.direction);
-        let closest = self.direction.mul_add(towards / length_squared, from);
+        let closest = self.direction.mul_add(towards * inverse, from);
         let discriminant = length_squared * (radius_squared - closest.length_squared());
+        let is_near = discriminant.simd_ge(F32s::ZERO);
+        if !is_near.any() {
+            return None;
+        }
         let root = discriminant.sqrt();
         let q = towards + towards.simd_ge(F32s::ZERO).select(root, -root);
         let first = (from.length_squared() - radius_squared) / q;
-        let second = q / length_squared;
+        let second = q * inverse;
         let near = first.fast_min(second);
         let far = first.fast_max(second);
         let t = near.simd_gt(F32s::ZERO).select(near, far);
-        let mask = discriminant.simd_ge(F32s::ZERO) & t.simd_gt(F32s::ZERO);
-        Candidates { t, u: F32s::ZERO, v: F32s::ZERO, mask }
+        let mask = is_near & t.simd_gt(F32s::ZERO);
+        Some(Candidates { t, u: F32s::ZERO, v: F32s::ZERO, mask })
     }
 }
 

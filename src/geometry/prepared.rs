@@ -16,11 +16,6 @@ const PADDING: f32 = 8.0 * f32::EPSILON;
 /// that moves a ray by within the scene is far below [`PADDING`].
 const SMALLEST_COMPONENT: f32 = 1e-8;
 
-/// Origins that are alike differ by less than this, relative to the scene.
-const ALIKE_ORIGINS: f32 = 0.02;
-/// Directions that are alike differ by less than this.
-const ALIKE_DIRECTIONS: f32 = 0.1;
-
 pub(super) type Column = [f32; BATCH];
 
 /// Rays in the forms of the tests.
@@ -95,20 +90,15 @@ impl Prepared {
         self.main_axis[first..first + LANES].copy_from_slice(main_axis.as_array());
     }
 
-    /// Whether the eight rays from `first` on start close to each other and run alike, within a
-    /// scene of coordinates up to `reach`: then one way through the tree serves all.
+    /// [`Rays::are_alike`] of the eight rays from `first` on.
     #[inline(always)]
     pub fn are_alike(&self, first: usize, reach: f32) -> bool {
-        let deviation = |columns: &[Column; 3]| {
-            let of = |axis: usize| {
-                let column = &columns[axis];
-                (get(column, first) - F32s::splat(column[first])).abs()
-            };
-            of(0).fast_max(of(1)).fast_max(of(2))
+        let vector = |[x, y, z]: &[Column; 3]| Vector {
+            x: get(x, first),
+            y: get(y, first),
+            z: get(z, first),
         };
-        let near = deviation(&self.origin).simd_le(F32s::splat(ALIKE_ORIGINS * reach));
-        let along = deviation(&self.direction).simd_le(F32s::splat(ALIKE_DIRECTIONS));
-        (near & along).all()
+        Rays::are_alike(vector(&self.origin), vector(&self.direction), reach)
     }
 
     /// Where each of the eight rays from `first` on enters the child in `lane`, and which of them

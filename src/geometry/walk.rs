@@ -112,7 +112,9 @@ impl Walk {
         let rays = prepared.rays(ray);
         if self.next.is_of_spheres() {
             for block in &tree.sphere_blocks[self.next.blocks()] {
-                self.offer(&block.meet(&rays), block.primitives.as_array(), better);
+                if let Some(found) = block.meet(&rays) {
+                    self.offer(&found, block.primitives.as_array(), better);
+                }
             }
             return;
         }

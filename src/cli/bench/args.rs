@@ -58,7 +58,7 @@ repeated until they take a tenth of a second. Times are of everything that a ren
 scene is baked.
 
 threads: from 1 to all processors. samples: 1 to 32 per pixel. photons: 10 thousand to 4 million, \
-with ppm on a film of 64 x 64. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, and \
+with ppm on a film of 16 x 16. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, and \
 RGB. Each series takes a minute or so.";
 
 const ERROR_NOTES: &str = "\

@@ -25,7 +25,7 @@ const PHOTONS: [u32; 7] = [10_000, 30_000, 100_000, 300_000, 1_000_000, 2_000_00
 /// Edges of films in pixels.
 const EDGES: [u32; 5] = [64, 128, 256, 512, 1024];
 /// Edge of the film on which photons are merged: small, for their time to be that of photons.
-const EDGE_OF_PHOTONS: u32 = 64;
+const EDGE_OF_PHOTONS: u32 = 16;
 /// What renders are repeated to in a round, in seconds of all cores together.
 const SECONDS_MIN: f64 = 0.1;
 /// Most repetitions in a round.
@@ -120,7 +120,7 @@ fn points(
         SeriesName::Samples => SAMPLES.map(|samples| at(f64::from(samples), samples)).into(),
         SeriesName::Photons => PHOTONS
             .map(|per_iteration| {
-                let mut point = at(f64::from(per_iteration), samples(1));
+                let mut point = at(f64::from(per_iteration), samples(4));
                 point.settings.integrator = Integrator::Ppm;
                 point.settings.photons = Photons { per_iteration, ..settings.photons };
                 let edge = |typed: Option<u32>| typed.unwrap_or(EDGE_OF_PHOTONS);
