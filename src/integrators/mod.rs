@@ -37,7 +37,7 @@ const WAVE: u32 = 16;
 
 /// Tiles between two updates of the film: what they found waits in memory until then. Fixed, so
 /// that the order of all sums is.
-const TILES: usize = 256;
+const TILES: usize = 64;
 
 /// How light is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,8 +224,8 @@ fn wave<const N: usize, M: LightModel<N>>(
     (first, count, seed): (u32, u32, u32),
     maps: Option<&PhotonMaps<N>>,
 ) {
-    for tiles in tiles(scene.sensor.width, scene.sensor.height).chunks(TILES) {
-        let results: Vec<TileResult<N>> = tiles
+    let render = |tiles: &[[u32; 4]]| -> Vec<TileResult<N>> {
+        tiles
             .par_iter()
             .map(|&[x, y, width, height]| {
                 let chunk = |first_iteration: u32, iterations: u32| Chunk {
@@ -242,18 +242,37 @@ fn wave<const N: usize, M: LightModel<N>>(
                 };
                 pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
             })
-            .collect();
+            .collect()
+    };
+    let mut add = |tiles: &[[u32; 4]], results: &[TileResult<N>]| {
         profile.time(Stage::Film, || {
-            for (&tile, result) in tiles.iter().zip(&results) {
-                add_sums(film, &result.sums, tile, scene.sensor.width);
-                for splat in &result.splats.unpolarized {
-                    film.add(splat.pixel as usize, &splat.value);
-                }
-                for splat in &result.splats.polarized {
-                    film.add(splat.pixel as usize, splat.stokes.as_flattened());
-                }
+            for (&tile, result) in tiles.iter().zip(results) {
+                add_result(film, tile, result, scene.sensor.width);
             }
         });
+    };
+    // While some tiles are added, by one thread as sums have an order, the next are rendered.
+    let all = tiles(scene.sensor.width, scene.sensor.height);
+    let (mut rendered, mut results): (&[[u32; 4]], _) = (&[], Vec::new());
+    for tiles in all.chunks(TILES) {
+        let (next, ()) = rayon::join(|| render(tiles), || add(rendered, &results));
+        (rendered, results) = (tiles, next);
+    }
+    add(rendered, &results);
+}
+
+fn add_result<const N: usize>(
+    film: &mut Film,
+    tile: [u32; 4],
+    result: &TileResult<N>,
+    film_width: u32,
+) {
+    add_sums(film, &result.sums, tile, film_width);
+    for splat in &result.splats.unpolarized {
+        film.add(splat.pixel as usize, &splat.value);
+    }
+    for splat in &result.splats.polarized {
+        film.add(splat.pixel as usize, splat.stokes.as_flattened());
     }
 }
 
