@@ -19,7 +19,12 @@ pub(super) fn build_binary(triangles: &[Triangle], spheres: &[Sphere]) -> Bvh2 {
     let preset = if bounds.len() <= CAREFUL_BUILD {
         BvhBuildParams::slow_build()
     } else {
-        BvhBuildParams::medium_build()
+        // A second round of reinsertions takes a third of the time and makes tracing faster by
+        // nothing that can be measured; less of the first costs shadow rays 5 %.
+        BvhBuildParams {
+            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+            ..BvhBuildParams::medium_build()
+        }
     };
     let parameters = BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..preset };
     build_bvh2(&bounds, parameters, &mut Duration::default())
