@@ -132,8 +132,8 @@ def one_scene(
 def require_bias(what: str, found: Agreement) -> str:
     """Like `require_agreement`, for photon mapping.
 
-    SmallVCM drops what it would merge at points that rounding puts outside the bounding box of its
-    photons, so walls of the box come out up to an eighth too dark. In an image that is 1 to 3 %.
+    Walls of the box come out up to an eighth too dark in SmallVCM, an image by 1 to 3 %; README.md
+    says what may be the cause.
     """
     if abs(found.relative) > 0.05:
         raise RaceError(f"{what}: no times are reported, for {found.text()}: is it the same scene?")

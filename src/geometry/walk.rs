@@ -9,7 +9,6 @@ use std::array;
 use std::ops::Range;
 
 use prefetch_index::prefetch_index;
-use wide::i32x8 as I32s;
 
 use crate::math::{F32s, LANES, Vector};
 use crate::scene::baked::NONE;
@@ -46,8 +45,8 @@ pub(super) struct Stacks {
 impl Stacks {
     /// Room for the way of `rays` rays through `tree`.
     pub fn new(tree: &Tree, rays: usize) -> Self {
-        // A node takes its own entry and leaves at most eight; without nodes nothing is pushed.
-        let each = tree.depth as usize * LANES;
+        // A node takes its own entry and leaves at most eight; a root alone takes one.
+        let each = (tree.depth as usize * LANES).max(1);
         let entries = vec![(0.0, Reference::NONE); each * rays];
         Self { entries, each, alike: vec![(F32s::ZERO, Reference::NONE); each] }
     }
@@ -240,10 +239,7 @@ fn fly<const FLIGHT: usize, const ANY: bool>(
     }
 }
 
-/// Pushes the children that are in with the nearest on top; returns the new top.
-///
-/// Each goes to its rank at once, and the others to ranks beyond, as a loop over so few
-/// of so unforeseeable a number costs more in wrong guesses of the processor than it saves.
+/// Pushes the children that are in, with the nearest on top; returns the new top.
 #[inline(always)]
 fn push_sorted(
     stack: &mut [(f32, Reference)],
@@ -252,18 +248,20 @@ fn push_sorted(
     node: &Node,
     is_in: F32s,
 ) -> usize {
-    const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
-    let slots: &mut [_; LANES] = (&mut stack[base..base + LANES]).try_into().expect("eight");
-    // Unlike each other, and below all others those that are not in.
-    let near = enter.to_bits().cast_signed() & I32s::splat(!7);
-    let is_in = is_in.to_bits().cast_signed();
-    let keys = is_in.select(near, I32s::splat(-8)) | I32s::from(NUMBERS);
-    let (each, enter) = (keys.to_array(), enter.to_array());
-    for lane in 0..LANES {
-        let farther = keys.simd_gt(I32s::splat(each[lane])).to_bitmask();
-        slots[farther.count_ones() as usize & 7] = (enter[lane], node.children[lane]);
+    let (mut lanes, mut top) = (is_in.to_bitmask(), base);
+    while lanes != 0 {
+        let lane = (lanes.trailing_zeros() & 7) as usize;
+        lanes &= lanes - 1;
+        let entry = (enter.as_array()[lane], node.children[lane]);
+        let mut slot = top;
+        while slot > base && stack[slot - 1].0 < entry.0 {
+            stack[slot] = stack[slot - 1];
+            slot -= 1;
+        }
+        stack[slot] = entry;
+        top += 1;
     }
-    base + is_in.to_bitmask().count_ones() as usize
+    top
 }
 
 /// Pushes the children in `lanes` in any order; returns the new top.
