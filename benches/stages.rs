@@ -5,7 +5,9 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::geometry::{HitColumns, SurfaceColumns, resolve_surfaces, trace_closest};
+use sunstone::geometry::{
+    HitColumns, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
+};
 use sunstone::scattering::Scene;
 use sunstone::scene::{bake, load};
 use sunstone::spectrum::Color;
@@ -69,7 +71,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let scene = cornell();
     let mut paths = PathTable::<N, M::Sensor>::new(ROWS, false);
     let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
-    let mut flights = FlightTable::new(ROWS);
+    let (mut flights, mut scratch) = (FlightTable::new(ROWS), TraceScratch::default());
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
@@ -83,7 +85,9 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene, 0.0));
     });
     group.bench_function("trace_closest", |bench| {
-        bench.iter(|| trace_closest(&mut hits, &paths.rays, 0..rows, &scene.accelerator));
+        bench.iter(|| {
+            trace_closest(&mut hits, &mut scratch, &paths.rays, 0..rows, &scene.accelerator);
+        });
     });
     group.bench_function("partition_paths", |bench| {
         bench.iter(|| {
@@ -105,7 +109,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("trace_connections", |bench| {
-        bench.iter(|| trace_connections(&mut connections, &mut flights, &scene));
+        bench.iter(|| trace_connections(&mut connections, (&mut flights, &mut scratch), &scene));
     });
     group.bench_function("scatter_diffuse", |bench| {
         bench.iter(|| {

@@ -3,10 +3,11 @@
 use glam::Vec3;
 
 use crate::scene::baked::{NONE, Sphere, Triangle};
+use crate::scene::instanced::Instanced;
 
 use super::collapse::Tree;
 use super::kernel::splat;
-use super::walk::walk;
+use super::walk::{TraceScratch, walk};
 
 /// Scenes of at most so many primitives are traced eight rays at a time through all of them.
 pub const SHORT_SCENE: usize = 48;
@@ -73,11 +74,15 @@ impl Hit {
 /// What an accelerator is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Statistics {
-    /// Triangles of the scene.
+    /// Triangles of the scene, without those of instances.
     pub triangles: usize,
     /// Spheres of the scene.
     pub spheres: usize,
-    /// Nodes with up to eight children.
+    /// Meshes that are instanced.
+    pub objects: usize,
+    /// Their instances.
+    pub instances: usize,
+    /// Nodes with up to eight children; like the next three, without those of objects.
     pub nodes: usize,
     /// Blocks of up to eight triangles.
     pub triangle_blocks: usize,
@@ -85,16 +90,27 @@ pub struct Statistics {
     pub sphere_blocks: usize,
     /// Nodes on the longest way to a leaf.
     pub depth: usize,
-    /// Memory in bytes.
+    /// Memory in bytes, with that of objects.
     pub bytes: usize,
 }
 
 impl Accelerator {
     /// Builds the tree, with all threads; the same input gives the same tree, bit for bit.
     pub fn build(triangles: &[Triangle], spheres: &[Sphere]) -> Self {
+        Self::with_instances(triangles, spheres, &Instanced::default())
+    }
+
+    /// [`Accelerator::build`] for a scene that holds instances too. Their primitives have numbers
+    /// behind those of the triangles and spheres.
+    pub fn with_instances(
+        triangles: &[Triangle],
+        spheres: &[Sphere],
+        instanced: &Instanced,
+    ) -> Self {
         let is_short = triangles.len() + spheres.len() <= SHORT_SCENE;
+        let is_short = is_short && instanced.instances().is_empty();
         Self {
-            tree: Tree::build(triangles, spheres),
+            tree: Tree::build(triangles, spheres, instanced),
             short: is_short.then(|| ShortScene::new(triangles, spheres)),
             triangle_count: triangles.len(),
             sphere_count: spheres.len(),
@@ -125,7 +141,8 @@ impl Accelerator {
     ) {
         let eight = |v: Vec3| splat(v.to_array());
         let load = |_| (eight(origin), eight(direction));
-        walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, |_, hit| better(hit));
+        let scratch = &mut TraceScratch::default();
+        walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, |_, hit| better(hit));
     }
 
     /// Counts and memory.
@@ -134,6 +151,8 @@ impl Accelerator {
         Statistics {
             triangles: self.triangle_count,
             spheres: self.sphere_count,
+            objects: tree.objects.len(),
+            instances: tree.instances.len(),
             nodes: tree.nodes.len(),
             triangle_blocks: tree.triangle_blocks.len(),
             sphere_blocks: tree.sphere_blocks.len(),

@@ -11,14 +11,16 @@ use super::kernel::{Candidates, Rays};
 
 /// Says of a reference that it is a leaf.
 const LEAF: u32 = 1 << 31;
-/// Says of a leaf that its blocks are of spheres.
-const SPHERES: u32 = 1 << 30;
+/// Says of a leaf that it is not of triangles.
+const OTHER: u32 = 1 << 30;
 /// Where the number of blocks of a leaf, less one, begins.
 const COUNT_SHIFT: u32 = 28;
+/// Says of such a leaf that it is an instance, and not of spheres.
+const INSTANCE: u32 = 1 << 27;
 /// Most blocks of a leaf.
 pub(super) const LEAF_BLOCKS: u32 = 4;
 
-/// What a child of a node is: a row of the nodes, or a few blocks of one kind.
+/// What a child of a node is: a row of the nodes, a few blocks of one kind, or an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Reference(u32);
@@ -43,18 +45,26 @@ impl Reference {
 
     /// The leaf of `count` blocks from row `first`.
     pub fn leaf(first: usize, count: u32, of_spheres: bool) -> Self {
-        debug_assert!(first < 1 << COUNT_SHIFT && (1..=LEAF_BLOCKS).contains(&count));
-        let kind = if of_spheres { SPHERES } else { 0 };
+        let rows = if of_spheres { INSTANCE } else { 1 << COUNT_SHIFT };
+        debug_assert!(first < rows as usize && (1..=LEAF_BLOCKS).contains(&count));
+        let kind = if of_spheres { OTHER } else { 0 };
         Self(LEAF | kind | ((count - 1) << COUNT_SHIFT) | first as u32)
+    }
+
+    /// The instance in row `row`.
+    pub fn instance(row: usize) -> Self {
+        debug_assert!(row < INSTANCE as usize);
+        Self(LEAF | OTHER | INSTANCE | row as u32)
     }
 
     /// The same when the tables that it refers to are appended to others of `base` rows.
     pub fn moved(self, base: Rows) -> Self {
-        let rows = match (self == Self::NONE, self.is_leaf(), self.is_of_spheres()) {
-            (true, ..) => 0,
-            (_, false, _) => base.nodes,
-            (_, true, false) => base.triangle_blocks,
-            (_, true, true) => base.sphere_blocks,
+        let rows = match self.is_leaf() {
+            false => base.nodes,
+            true if self.is_of_triangles() => base.triangle_blocks,
+            true if self.as_instance().is_none() => base.sphere_blocks,
+            // Instances have a table for all, and no child has none.
+            true => 0,
         };
         Self(self.0 + rows as u32)
     }
@@ -64,10 +74,16 @@ impl Reference {
         self.0 & LEAF != 0
     }
 
-    /// Of a leaf: whether its blocks are of spheres.
+    /// Of a leaf: whether its blocks are of triangles.
     #[inline(always)]
-    pub fn is_of_spheres(self) -> bool {
-        self.0 & SPHERES != 0
+    pub fn is_of_triangles(self) -> bool {
+        self.0 & OTHER == 0
+    }
+
+    /// Of a leaf not of triangles: the row of an instance.
+    #[inline(always)]
+    pub fn as_instance(self) -> Option<usize> {
+        (self.0 & INSTANCE != 0).then_some((self.0 & (INSTANCE - 1)) as usize)
     }
 
     /// Of a node: its row.
@@ -76,7 +92,7 @@ impl Reference {
         self.0 as usize
     }
 
-    /// Of a leaf: the rows of its blocks.
+    /// Of a leaf but an instance: the rows of its blocks.
     #[inline(always)]
     pub fn blocks(self) -> Range<usize> {
         let first = (self.0 & ((1 << COUNT_SHIFT) - 1)) as usize;

@@ -7,15 +7,15 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 
-use crate::scene::baked::{Sphere, Triangle};
+use super::collapse::Shapes;
 
 /// Up to so many primitives are worth the slower, better build.
 const CAREFUL_BUILD: usize = 200_000;
 
-/// A binary tree with one primitive a leaf over all primitives, triangles first. The same input
-/// gives the same tree, with any number of threads.
-pub(super) fn build_binary(triangles: &[Triangle], spheres: &[Sphere]) -> Bvh2 {
-    let bounds = primitive_bounds(triangles, spheres);
+/// A binary tree with one shape a leaf over all shapes. The same input gives the same tree, with
+/// any number of threads.
+pub(super) fn build_binary(shapes: &Shapes) -> Bvh2 {
+    let bounds = bounds_of(shapes);
     let preset = if bounds.len() <= CAREFUL_BUILD {
         BvhBuildParams::slow_build()
     } else {
@@ -30,16 +30,20 @@ pub(super) fn build_binary(triangles: &[Triangle], spheres: &[Sphere]) -> Bvh2 {
     build_bvh2(&bounds, parameters, &mut Duration::default())
 }
 
-fn primitive_bounds(triangles: &[Triangle], spheres: &[Sphere]) -> Vec<Aabb> {
-    let of_triangle = |triangle: &Triangle| {
+fn bounds_of(shapes: &Shapes) -> Vec<Aabb> {
+    let of_triangles = shapes.triangles.iter().map(|triangle| {
         let [a, b, c] = triangle.corners.map(Vec3A::from);
         Aabb::new(a.min(b).min(c), a.max(b).max(c))
-    };
-    let of_sphere = |sphere: &Sphere| {
+    });
+    let of_spheres = shapes.spheres.iter().map(|sphere| {
         let (center, radius) = (Vec3A::from(sphere.center), Vec3A::splat(sphere.radius));
         Aabb::new(center - radius, center + radius)
-    };
-    triangles.iter().map(of_triangle).chain(spheres.iter().map(of_sphere)).collect()
+    });
+    let of_instances = shapes.instances.iter().map(|instance| {
+        let [low, high] = instance.bounds.map(Vec3A::from);
+        Aabb::new(low, high)
+    });
+    of_triangles.chain(of_spheres).chain(of_instances).collect()
 }
 
 /// Roots of the largest subtrees of at most `most` primitives each, depth first.
@@ -86,10 +90,11 @@ fn subtree(binary: &Bvh2, index: u32, most: u32, forks: u32) -> Subtree {
     Subtree::Large(parts)
 }
 
-/// The largest magnitude of any coordinate of a primitive.
-pub(super) fn largest_coordinate(triangles: &[Triangle], spheres: &[Sphere]) -> f32 {
-    let of_triangles = triangles.iter().flat_map(|triangle| triangle.corners);
-    let of_triangles = of_triangles.map(|corner| corner.abs().max_element());
-    let of_spheres = spheres.iter().map(|s| s.center.abs().max_element() + s.radius);
-    of_triangles.chain(of_spheres).fold(0.0, f32::max)
+/// The largest magnitude of any coordinate of a shape.
+pub(super) fn largest_coordinate(shapes: &Shapes) -> f32 {
+    let of_triangles = shapes.triangles.iter().flat_map(|triangle| triangle.corners);
+    let of_instances = shapes.instances.iter().flat_map(|instance| instance.bounds);
+    let of_points = of_triangles.chain(of_instances).map(|point| point.abs().max_element());
+    let of_spheres = shapes.spheres.iter().map(|s| s.center.abs().max_element() + s.radius);
+    of_points.chain(of_spheres).fold(0.0, f32::max)
 }

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::math::LANES;
 use crate::scene::baked::{NONE, Sphere, Triangle};
+use crate::scene::instanced::{Instance, Instanced};
 
 use super::block::{LEAF_BLOCKS, Node, Reference, Rows, SphereBlock, TriangleBlock};
 use super::builder::{build_binary, largest_coordinate, parts_of};
@@ -32,11 +33,15 @@ pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub triangle_blocks: Vec<TriangleBlock>,
     pub sphere_blocks: Vec<SphereBlock>,
+    /// Trees of their own for what is instanced.
+    pub objects: Vec<Tree>,
+    /// Where these stand.
+    pub instances: Vec<Instance>,
     /// Where every ray starts.
     pub root: Reference,
     /// Nodes on the longest way from the root to a leaf, at most.
     pub depth: u32,
-    /// Largest coordinate of any primitive.
+    /// Largest coordinate of any shape.
     pub reach: f32,
 }
 
@@ -51,6 +56,7 @@ struct Plan {
     part: u32,
     triangles: u32,
     spheres: u32,
+    instances: u32,
     /// Least cost given 1 to 7 slots, times area.
     cost: [f32; LANES - 1],
     /// Given 2 to 8 slots: how many the left child gets, or 0 to make do with one slot less.
@@ -58,11 +64,18 @@ struct Plan {
     is_leaf: bool,
 }
 
+/// What a tree is built over. Shapes are counted in this order.
+#[derive(Clone, Copy)]
+pub(super) struct Shapes<'a> {
+    pub triangles: &'a [Triangle],
+    pub spheres: &'a [Sphere],
+    pub instances: &'a [Instance],
+}
+
 /// What is collapsed.
 struct Source<'a> {
     binary: &'a Bvh2,
-    triangles: &'a [Triangle],
-    spheres: &'a [Sphere],
+    shapes: Shapes<'a>,
 }
 
 /// A subtree of the binary tree on its way into a tree of its own.
@@ -84,21 +97,30 @@ struct Part {
 
 impl Tree {
     /// Builds the tree, with all threads; the same input gives the same tree, bit for bit.
-    pub fn build(triangles: &[Triangle], spheres: &[Sphere]) -> Self {
-        let reach = largest_coordinate(triangles, spheres);
-        let count = triangles.len() + spheres.len();
-        let is_of_one_kind = triangles.is_empty() || spheres.is_empty();
-        let tree = if count <= LANES && is_of_one_kind {
-            let binary = &Bvh2::default();
-            let all: Vec<u32> = (0..count as u32).collect();
-            let mut tree = Self::empty();
-            tree.root = tree.push_leaf(&all, &Source { binary, triangles, spheres });
-            tree
-        } else {
-            let binary = &build_binary(triangles, spheres);
-            collapse(&Source { binary, triangles, spheres })
-        };
-        Self { reach, ..tree }
+    pub fn build(triangles: &[Triangle], spheres: &[Sphere], instanced: &Instanced) -> Self {
+        let instances = instanced.instances();
+        let shapes = Shapes { triangles, spheres, instances };
+        let none = Instanced::default();
+        let objects = instanced.objects().iter();
+        Self {
+            reach: largest_coordinate(&shapes),
+            objects: objects.map(|object| Self::build(&object.triangles, &[], &none)).collect(),
+            instances: instances.to_vec(),
+            ..Self::over(shapes)
+        }
+    }
+
+    fn over(shapes: Shapes) -> Self {
+        let counts = [shapes.triangles.len(), shapes.spheres.len(), shapes.instances.len()];
+        let count = counts.iter().sum();
+        let is_of_one_kind = counts.contains(&count);
+        if count > 1 && !(is_of_one_kind && shapes.instances.is_empty() && count <= LANES) {
+            return collapse(&Source { binary: &build_binary(&shapes), shapes });
+        }
+        let all: Vec<u32> = (0..count as u32).collect();
+        let mut tree = Self::empty();
+        tree.root = tree.push_leaf(&all, &Source { binary: &Bvh2::default(), shapes });
+        tree
     }
 
     /// Whether the tree is much larger than the caches, so that most steps wait for memory.
@@ -111,6 +133,8 @@ impl Tree {
         size_of_val(self.nodes.as_slice())
             + size_of_val(self.triangle_blocks.as_slice())
             + size_of_val(self.sphere_blocks.as_slice())
+            + size_of_val(self.instances.as_slice())
+            + self.objects.iter().map(Self::bytes).sum::<usize>()
     }
 
     fn empty() -> Self {
@@ -118,6 +142,8 @@ impl Tree {
             nodes: Vec::new(),
             triangle_blocks: Vec::new(),
             sphere_blocks: Vec::new(),
+            objects: Vec::new(),
+            instances: Vec::new(),
             root: Reference::NONE,
             depth: 0,
             reach: 0.0,
@@ -126,19 +152,26 @@ impl Tree {
 
     /// Appends a leaf of `primitives`, all of one kind; without any it is a block of no spheres.
     fn push_leaf(&mut self, primitives: &[u32], source: &Source) -> Reference {
-        let triangle_count = source.triangles.len() as u32;
+        let Shapes { triangles, spheres, .. } = source.shapes;
+        let triangle_count = triangles.len() as u32;
         let count = primitives.len().div_ceil(LANES).max(1) as u32;
         if primitives.first().is_some_and(|first| *first < triangle_count) {
             let first = self.triangle_blocks.len();
             let eights = primitives.chunks(LANES);
-            let blocks = eights.map(|eight| TriangleBlock::new(eight, source.triangles));
+            let blocks = eights.map(|eight| TriangleBlock::new(eight, triangles));
             self.triangle_blocks.extend(blocks);
             return Reference::leaf(first, count, false);
+        }
+        let before_instances = triangles.len() + spheres.len();
+        if let Some(row) =
+            primitives.first().and_then(|it| (*it as usize).checked_sub(before_instances))
+        {
+            return Reference::instance(row);
         }
         let first = self.sphere_blocks.len();
         for block in 0..count as usize {
             let rows = block * LANES..primitives.len().min((block + 1) * LANES);
-            let block = SphereBlock::new(&primitives[rows], source.spheres, triangle_count);
+            let block = SphereBlock::new(&primitives[rows], spheres, triangle_count);
             self.sphere_blocks.push(block);
         }
         Reference::leaf(first, count, true)
@@ -240,10 +273,13 @@ impl<'a> Collapse<'a> {
     }
 
     fn plan_primitives(&self, mut plan: Plan) -> Plan {
+        let Shapes { triangles, spheres, .. } = self.source.shapes;
         for primitive in self.source.primitives(plan.index) {
-            let is_triangle = (*primitive as usize) < self.source.triangles.len();
-            plan.triangles += u32::from(is_triangle);
-            plan.spheres += u32::from(!is_triangle);
+            match *primitive as usize {
+                it if it < triangles.len() => plan.triangles += 1,
+                it if it < triangles.len() + spheres.len() => plan.spheres += 1,
+                _ => plan.instances += 1,
+            }
         }
         plan.is_leaf = true;
         plan.cost = [leaf_cost(&plan) * self.source.half_area(plan.index); LANES - 1];
@@ -257,6 +293,7 @@ impl<'a> Collapse<'a> {
             size: 1 + left.size + right.size,
             triangles: left.triangles.saturating_add(right.triangles),
             spheres: left.spheres.saturating_add(right.spheres),
+            instances: left.instances.saturating_add(right.instances),
             ..self.plans[position]
         };
         // The cheapest way to divide `slots` among the two children.
@@ -387,9 +424,12 @@ impl Source<'_> {
 
 /// Cost of all primitives of a subtree as one leaf, infinite if they are too many or of two kinds.
 fn leaf_cost(plan: &Plan) -> f32 {
-    let blocks = plan.triangles.max(plan.spheres).div_ceil(LANES as u32);
-    if blocks > LEAF_BLOCKS || plan.triangles.min(plan.spheres) > 0 {
-        return f32::INFINITY;
+    match [plan.triangles, plan.spheres, plan.instances] {
+        [count, 0, 0] | [0, count, 0] if count <= LEAF_BLOCKS * LANES as u32 => {
+            count.div_ceil(LANES as u32) as f32
+        }
+        // Whatever it is: no plan can do without.
+        [0, 0, 1] => 1.0,
+        _ => f32::INFINITY,
     }
-    blocks as f32
 }

@@ -7,7 +7,7 @@ use crate::scene::baked::NONE;
 
 use super::accelerator::{Accelerator, Hit, SHORT_CORNERS, ShortScene};
 use super::kernel::{Nearest, Rays, Renaming, splat};
-use super::walk::walk;
+use super::walk::{TraceScratch, walk};
 
 /// Marks, in the place of a primitive, that a ray ended in a medium before it met one; the row of
 /// the medium is added. Smaller than [`NONE`].
@@ -73,6 +73,7 @@ impl HitColumns {
 /// Finds the nearest hit of each ray in `rows`.
 pub fn trace_closest(
     hits: &mut HitColumns,
+    scratch: &mut TraceScratch,
     rays: &RayColumns,
     rows: Range<usize>,
     accelerator: &Accelerator,
@@ -91,9 +92,10 @@ pub fn trace_closest(
         hits.primitive[row] = hit.primitive;
     };
     let load = |row: usize| rays.eight(row);
-    match accelerator.tree.is_large() {
-        false => walk::<1, false>(&accelerator.tree, rows, load, |_| f32::INFINITY, better),
-        true => walk::<FLIGHT, false>(&accelerator.tree, rows, load, |_| f32::INFINITY, better),
+    let (tree, t_max) = (&accelerator.tree, |_| f32::INFINITY);
+    match tree.is_large() {
+        false => walk::<1, false>(tree, rows, load, t_max, scratch, better),
+        true => walk::<FLIGHT, false>(tree, rows, load, t_max, scratch, better),
     }
 }
 
@@ -101,6 +103,7 @@ pub fn trace_closest(
 /// `u32::MAX`, that of the others 0. `t_max` is padded by [`LANES`] like the rays.
 pub fn trace_visibility(
     blocked: &mut [u32],
+    scratch: &mut TraceScratch,
     rays: &RayColumns,
     t_max: &[f32],
     rows: Range<usize>,
@@ -112,9 +115,10 @@ pub fn trace_visibility(
     blocked[rows.clone()].fill(0);
     let better = |row: usize, _: Hit| blocked[row] = u32::MAX;
     let load = |row: usize| rays.eight(row);
-    match accelerator.tree.is_large() {
-        false => walk::<1, true>(&accelerator.tree, rows, load, |row| t_max[row], better),
-        true => walk::<FLIGHT, true>(&accelerator.tree, rows, load, |row| t_max[row], better),
+    let (tree, t_max) = (&accelerator.tree, |row: usize| t_max[row]);
+    match tree.is_large() {
+        false => walk::<1, true>(tree, rows, load, t_max, scratch, better),
+        true => walk::<FLIGHT, true>(tree, rows, load, t_max, scratch, better),
     }
 }
 

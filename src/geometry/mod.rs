@@ -1,7 +1,7 @@
 //! Floor 3: what a ray meets.
 //!
 //! ```text
-//! triangles, spheres -> obvhs (binary tree) -> collapse -> Accelerator (eight-wide tree, blocks)
+//! triangles, spheres, instances -> obvhs (binary tree) -> collapse -> Accelerator
 //! RayColumns -> trace_closest -> HitColumns -> resolve_surfaces -> SurfaceColumns
 //! RayColumns, t_max -> trace_visibility -> blocked
 //! ```
@@ -9,7 +9,8 @@
 //! Four ways to trace, with the same kernels and the same bits: a scene of at most
 //! [`SHORT_SCENE`] primitives is a list that eight rays at a time walk through; eight rays that
 //! run alike take one way through the tree; others go alone, against eight children or primitives
-//! at a time; and in trees that exceed the caches, several of those are on their way at once.
+//! at a time; and in trees that exceed the caches, several of those are on their way at once. What
+//! is instanced has a tree of its own, below a leaf of the scene's.
 
 mod accelerator;
 mod block;
@@ -27,3 +28,4 @@ pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
 pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};
 pub use offset::{offset_distance, offset_origin, reach};
 pub use surface::{SurfaceColumns, resolve_surfaces};
+pub use walk::TraceScratch;

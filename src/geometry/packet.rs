@@ -42,9 +42,10 @@ pub(super) fn walk_alike<const ANY: bool>(
             let walk = &mut walks[lane];
             walk.next = next;
             if next.is_leaf() {
-                walk.meet_leaf(tree, prepared, better);
+                walk.meet_leaf::<ANY>(tree, prepared, &mut stacks.inside, better);
             } else {
-                while walk.step::<ANY>(tree, prepared, &mut stacks.entries, better) {}
+                let Stacks { entries, inside, .. } = &mut *stacks;
+                while walk.step::<ANY>(tree, prepared, entries, inside, better) {}
             }
             let is_over = ANY && walk.has_hit();
             t_max[lane] = if is_over { f32::NEG_INFINITY } else { walk.t_max };

@@ -19,6 +19,7 @@ const SMALLEST_COMPONENT: f32 = 1e-8;
 pub(super) type Column = [f32; BATCH];
 
 /// Rays in the forms of the tests.
+#[derive(Clone, Debug)]
 pub(super) struct Prepared {
     origin: [Column; 3],
     direction: [Column; 3],
@@ -37,8 +38,8 @@ pub(super) struct Prepared {
     pub main_axis: [u32; BATCH],
 }
 
-impl Prepared {
-    pub fn new() -> Self {
+impl Default for Prepared {
+    fn default() -> Self {
         let none = [0.0; BATCH];
         Self {
             origin: [none; 3],
@@ -53,7 +54,9 @@ impl Prepared {
             main_axis: [0; BATCH],
         }
     }
+}
 
+impl Prepared {
     /// Prepares eight rays in the places from `first` on. Directions have any length but zero.
     #[inline(always)]
     pub fn prepare(
@@ -131,6 +134,13 @@ impl Prepared {
         let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(F32s::ZERO));
         let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(F32s::splat(t_max)));
         (enter, enter.simd_le(leave))
+    }
+
+    /// Origin and direction of a ray.
+    #[inline(always)]
+    pub fn world_ray(&self, ray: usize) -> [[f32; 3]; 2] {
+        let at = |columns: &[Column; 3]| [columns[0][ray], columns[1][ray], columns[2][ray]];
+        [at(&self.origin), at(&self.direction)]
     }
 
     /// One ray in all lanes.

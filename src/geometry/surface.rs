@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use glam::{Vec3, Vec3A};
+
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scene::baked::{BakedScene, NONE, Triangle};
+use crate::scene::baked::{BakedScene, LEAST_COSINE, NONE, Triangle};
+use crate::scene::instanced::Instance;
 
 use super::columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, store_u32};
 
@@ -54,14 +57,14 @@ pub fn resolve_surfaces<const N: usize>(
     scene: &BakedScene<N>,
 ) {
     let triangle_count = scene.triangles.len() as u32;
+    let own_count = triangle_count + scene.spheres.len() as u32;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let mut primitive = [NONE; LANES];
         primitive[..live].copy_from_slice(&hits.primitive[row..row + live]);
-        let surface = lanes::each(|lane| {
-            scene.surface_of_primitive.get(primitive[lane] as usize).copied().unwrap_or(NONE)
-        });
-        let is_sphere = primitive.map(|p| p >= triangle_count && p < IN_MEDIUM);
+        let surface = lanes::each(|lane| scene.surface_of(primitive[lane]));
+        let is_sphere = primitive.map(|p| p >= triangle_count && p < own_count);
+        let is_instanced = primitive.map(|p| p >= own_count && p < IN_MEDIUM);
         let is_particle = primitive.map(|p| medium_met(p).is_some());
         let mut points = if primitive.iter().any(|&p| p < triangle_count) {
             on_triangles(&primitive, hits, row, scene)
@@ -71,6 +74,10 @@ pub fn resolve_surfaces<const N: usize>(
         if is_sphere.contains(&true) {
             let on_spheres = on_spheres(&primitive, hits, rays, row, scene);
             points = select(mask_of(is_sphere), on_spheres, points);
+        }
+        if is_instanced.contains(&true) {
+            let on_instances = on_instances(&primitive, hits, row, scene);
+            points = select(mask_of(is_instanced), on_instances, points);
         }
         if is_particle.contains(&true) {
             let in_media = along_rays(hits, rays, row);
@@ -127,28 +134,104 @@ fn on_triangles<const N: usize>(
     row: usize,
     scene: &BakedScene<N>,
 ) -> Points {
-    let corners = lanes::each(|lane| match scene.triangles.get(primitive[lane] as usize) {
+    let weights = [lanes::load(&hits.u, row), lanes::load(&hits.v, row)];
+    let triangle_in = |lane: usize| scene.triangles.get(primitive[lane] as usize);
+    let mut points = interpolate(triangle_in, weights);
+    if !scene.shading_normals.is_empty() {
+        let normals_in = |lane: usize| scene.shading_normals.get(primitive[lane] as usize);
+        points.shading_normal = interpolate_normals(normals_in, weights, points.geometric_normal);
+    }
+    points
+}
+
+/// Only lanes that hit a triangle of an instance count.
+#[inline(never)]
+fn on_instances<const N: usize>(
+    primitive: &[u32; LANES],
+    hits: &HitColumns,
+    row: usize,
+    scene: &BakedScene<N>,
+) -> Points {
+    let weights = [lanes::load(&hits.u, row), lanes::load(&hits.v, row)];
+    let found = lanes::each(|lane| scene.instanced.find(primitive[lane]));
+    let triangle_in =
+        |lane: usize| found[lane].and_then(|(_, object, row)| object.triangles.get(row));
+    let own = interpolate(triangle_in, weights);
+    let column = |of: fn(&Instance) -> Vec3A| {
+        Vector::gather(|lane| {
+            found[lane].map_or([0.0; 3], |(instance, ..)| of(instance).to_array())
+        })
+    };
+    let columns = [
+        column(|it| it.to_world.matrix3.x_axis),
+        column(|it| it.to_world.matrix3.y_axis),
+        column(|it| it.to_world.matrix3.z_axis),
+    ];
+    let [x, y, z] = columns;
+    let moved = z.mul_add(own.position.z, column(|it| it.to_world.translation));
+    let position = x.mul_add(own.position.x, y.mul_add(own.position.y, moved));
+    // Normals take the transposed inverse, which leaves them on their side even in a reflection.
+    let rows = [
+        column(|it| it.to_object.x_axis),
+        column(|it| it.to_object.y_axis),
+        column(|it| it.to_object.z_axis),
+    ];
+    let turned = |n: Vector<F32s>| {
+        normalize_or_zero(Vector::new(rows[0].dot(n), rows[1].dot(n), rows[2].dot(n)))
+    };
+    let geometric_normal = turned(own.geometric_normal);
+    let mut shading_normal = geometric_normal;
+    if scene.instanced.has_shading_normals() {
+        let normals_in =
+            |lane: usize| found[lane].and_then(|(_, object, row)| object.shading_normals.get(row));
+        let smooth = interpolate_normals(normals_in, weights, own.geometric_normal);
+        shading_normal = to_front(turned(smooth), geometric_normal);
+    }
+    Points { position, geometric_normal, shading_normal }
+}
+
+/// The shading normal itself where it is on the side of the geometric one, else the nearest that
+/// is: what [`crate::scene::bake`] sees to may be lost when a place stretches its object.
+#[inline(always)]
+fn to_front(shading: Vector<F32s>, geometric: Vector<F32s>) -> Vector<F32s> {
+    let least = F32s::splat(LEAST_COSINE);
+    let cosine = shading.dot(geometric);
+    let raised = normalize_or_zero(geometric.mul_add(least - cosine, shading));
+    Vector::select(cosine.simd_lt(least), raised, shading)
+}
+
+/// Points on triangles that are flat.
+#[inline(always)]
+fn interpolate<'a>(
+    triangle_in: impl Fn(usize) -> Option<&'a Triangle>,
+    [u, v]: [F32s; 2],
+) -> Points {
+    let corners = lanes::each(|lane| match triangle_in(lane) {
         Some(Triangle { corners: [a, b, c] }) => [a.to_array(), b.to_array(), c.to_array()],
         None => [[0.0; 3]; 3],
     });
     let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| corners[lane][corner]));
-    let (u, v) = (lanes::load(&hits.u, row), lanes::load(&hits.v, row));
     let (edge_b, edge_c) = (b - a, c - a);
     let position = edge_b.mul_add(u, edge_c.mul_add(v, a));
     let geometric_normal = normalize_or_zero(edge_b.cross(edge_c));
-    let mut shading_normal = geometric_normal;
-    if !scene.shading_normals.is_empty() {
-        let normals =
-            lanes::each(|lane| match scene.shading_normals.get(primitive[lane] as usize) {
-                Some([a, b, c]) => [a.to_array(), b.to_array(), c.to_array()],
-                None => [[0.0; 3]; 3],
-            });
-        let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| normals[lane][corner]));
-        let sum = b.mul_add(u, c.mul_add(v, a * (F32s::ONE - u - v)));
-        let has_length = sum.length_squared().gt(F32s::ZERO);
-        shading_normal = Vector::select(has_length, normalize_or_zero(sum), geometric_normal);
-    }
-    Points { position, geometric_normal, shading_normal }
+    Points { position, geometric_normal, shading_normal: geometric_normal }
+}
+
+/// Unit normals between those of the corners; `geometric` where there are none.
+#[inline(always)]
+fn interpolate_normals<'a>(
+    normals_in: impl Fn(usize) -> Option<&'a [Vec3; 3]>,
+    [u, v]: [F32s; 2],
+    geometric: Vector<F32s>,
+) -> Vector<F32s> {
+    let normals = lanes::each(|lane| match normals_in(lane) {
+        Some([a, b, c]) => [a.to_array(), b.to_array(), c.to_array()],
+        None => [[0.0; 3]; 3],
+    });
+    let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| normals[lane][corner]));
+    let sum = b.mul_add(u, c.mul_add(v, a * (F32s::ONE - u - v)));
+    let has_length = sum.length_squared().gt(F32s::ZERO);
+    Vector::select(has_length, normalize_or_zero(sum), geometric)
 }
 
 /// Only lanes that hit a sphere count.

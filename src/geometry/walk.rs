@@ -8,6 +8,7 @@
 use std::array;
 use std::ops::Range;
 
+use glam::Vec3A;
 use prefetch_index::prefetch_index;
 
 use crate::math::{F32s, LANES, Vector};
@@ -16,7 +17,7 @@ use crate::scene::baked::NONE;
 use super::accelerator::Hit;
 use super::block::{Node, Reference};
 use super::collapse::Tree;
-use super::kernel::{Candidates, renamed};
+use super::kernel::{Candidates, renamed, splat};
 use super::packet::walk_alike;
 use super::prepared::{BATCH, Prepared};
 
@@ -27,6 +28,8 @@ pub(super) struct Walk {
     /// Where the search ends: at the nearest hit so far.
     pub t_max: f32,
     nearest: u32,
+    /// What is added to the primitives of the tree.
+    first_primitive: u32,
     /// What is visited next.
     pub next: Reference,
     /// First and first free entry of this ray's stack.
@@ -34,21 +37,39 @@ pub(super) struct Walk {
     top: usize,
 }
 
-/// What is still to be visited by the rays under way, nearest on top.
-pub(super) struct Stacks {
-    pub entries: Vec<(f32, Reference)>,
-    each: usize,
-    /// Those of eight rays that go together.
-    pub alike: Vec<(F32s, Reference)>,
+/// What rays under way need beside the tree. It can be used again and again, for any tree, so that
+/// tracing allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct TraceScratch {
+    prepared: Prepared,
+    stacks: Stacks,
 }
 
+/// What is still to be visited by the rays under way, nearest on top.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stacks {
+    pub entries: Vec<(f32, Reference)>,
+    /// Those of eight rays that go together.
+    pub alike: Vec<(F32s, Reference)>,
+    pub inside: Inside,
+}
+
+/// What a ray needs inside an instance; the one around it waits meanwhile.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Inside(Option<Box<TraceScratch>>);
+
 impl Stacks {
-    /// Room for the way of `rays` rays through `tree`.
-    pub fn new(tree: &Tree, rays: usize) -> Self {
+    /// Makes room for the way of `rays` rays through `tree`; how much each has.
+    fn make_room(&mut self, tree: &Tree, rays: usize) -> usize {
         // A node takes its own entry and leaves at most eight; a root alone takes one.
         let each = (tree.depth as usize * LANES).max(1);
-        let entries = vec![(0.0, Reference::NONE); each * rays];
-        Self { entries, each, alike: vec![(F32s::ZERO, Reference::NONE); each] }
+        if self.alike.len() < each {
+            self.alike.resize(each, (F32s::ZERO, Reference::NONE));
+        }
+        if self.entries.len() < each * rays {
+            self.entries.resize(each * rays, (0.0, Reference::NONE));
+        }
+        each
     }
 }
 
@@ -67,11 +88,12 @@ impl Walk {
         tree: &Tree,
         prepared: &Prepared,
         stack: &mut [(f32, Reference)],
+        inside: &mut Inside,
         better: &mut impl FnMut(usize, Hit),
     ) -> bool {
         let ray = self.ray & (BATCH - 1);
         if self.next.is_leaf() {
-            self.meet_leaf(tree, prepared, better);
+            self.meet_leaf::<ANY>(tree, prepared, inside, better);
             if ANY && self.has_hit() {
                 return false;
             }
@@ -101,15 +123,19 @@ impl Walk {
     }
 
     #[inline(always)]
-    pub fn meet_leaf(
+    pub fn meet_leaf<const ANY: bool>(
         &mut self,
         tree: &Tree,
         prepared: &Prepared,
+        inside: &mut Inside,
         better: &mut impl FnMut(usize, Hit),
     ) {
         let ray = self.ray & (BATCH - 1);
         let rays = prepared.rays(ray);
-        if self.next.is_of_spheres() {
+        if !self.next.is_of_triangles() {
+            if let Some(row) = self.next.as_instance() {
+                return self.enter_instance::<ANY>(tree, row, prepared, inside, better);
+            }
             for block in &tree.sphere_blocks[self.next.blocks()] {
                 if let Some(found) = block.meet(&rays) {
                     self.offer(&found, block.primitives.as_array(), better);
@@ -125,6 +151,34 @@ impl Walk {
         }
     }
 
+    /// Goes through the tree of an instance, in the space of its object, where distances are the
+    /// same as the direction keeps its length in the world.
+    #[inline(never)]
+    fn enter_instance<const ANY: bool>(
+        &mut self,
+        tree: &Tree,
+        row: usize,
+        prepared: &Prepared,
+        inside: &mut Inside,
+        better: &mut impl FnMut(usize, Hit),
+    ) {
+        let instance = &tree.instances[row];
+        let object = &tree.objects[instance.object as usize];
+        let [origin, direction] = prepared.world_ray(self.ray & (BATCH - 1));
+        let from_middle = Vec3A::from(origin) - instance.to_world.translation;
+        let origin = (instance.to_object * from_middle).to_array();
+        let direction = (instance.to_object * Vec3A::from(direction)).to_array();
+        let TraceScratch { prepared, stacks } = &mut **inside.0.get_or_insert_default();
+        stacks.make_room(object, 1);
+        let eight = self.ray & (BATCH - 1) & !(LANES - 1);
+        prepared.prepare(eight, splat(origin), splat(direction), F32s::splat(object.reach));
+        let first_primitive = instance.first_primitive;
+        let mut walk = Walk { next: object.root, first_primitive, base: 0, top: 0, ..*self };
+        let Stacks { entries, inside, .. } = stacks;
+        while walk.step::<ANY>(object, prepared, entries, inside, better) {}
+        (self.t_max, self.nearest) = (walk.t_max, walk.nearest);
+    }
+
     /// Takes over what is nearer, or as near with a smaller primitive.
     #[inline(always)]
     fn offer(
@@ -137,7 +191,8 @@ impl Walk {
         while lanes != 0 {
             let lane = (lanes.trailing_zeros() & 7) as usize;
             lanes &= lanes - 1;
-            let (t, primitive) = (found.t.as_array()[lane], primitives[lane]);
+            let t = found.t.as_array()[lane];
+            let primitive = primitives[lane] + self.first_primitive;
             let is_first_of_equals = self.nearest != NONE && primitive < self.nearest;
             if t < self.t_max || t == self.t_max && is_first_of_equals {
                 let (u, v) = (found.u.as_array()[lane], found.v.as_array()[lane]);
@@ -153,7 +208,7 @@ impl Walk {
         if !self.next.is_leaf() {
             let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.nodes);
             (0..4).for_each(|line| prefetch_index(lines, self.next.row() * 4 + line));
-        } else if !self.next.is_of_spheres() {
+        } else if self.next.is_of_triangles() {
             let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.triangle_blocks);
             (0..5).for_each(|line| prefetch_index(lines, self.next.blocks().start * 5 + line));
         }
@@ -169,10 +224,11 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
     rows: Range<usize>,
     load: impl Fn(usize) -> (Vector<F32s>, Vector<F32s>),
     t_max: impl Fn(usize) -> f32,
+    scratch: &mut TraceScratch,
     mut better: impl FnMut(usize, Hit),
 ) {
-    let mut prepared = Prepared::new();
-    let mut stacks = Stacks::new(tree, FLIGHT);
+    let TraceScratch { prepared, stacks } = scratch;
+    let room = stacks.make_room(tree, FLIGHT);
     for first in rows.clone().step_by(BATCH) {
         let batch = first..rows.end.min(first + BATCH);
         for row in batch.clone().step_by(LANES) {
@@ -183,6 +239,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
             ray,
             t_max: t_max(first + ray),
             nearest: NONE,
+            first_primitive: 0,
             next: tree.root,
             base: 0,
             top: 0,
@@ -192,7 +249,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
         for ray in (0..batch.len()).step_by(LANES) {
             if ray + LANES <= batch.len() && prepared.are_alike(ray, tree.reach) {
                 let walks = array::from_fn(|lane| start(ray + lane));
-                walk_alike::<ANY>(tree, &prepared, walks, &mut stacks, &mut better);
+                walk_alike::<ANY>(tree, prepared, walks, stacks, &mut better);
                 continue;
             }
             for ray in ray..batch.len().min(ray + LANES) {
@@ -201,38 +258,43 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
             }
         }
         let mut walks = alone[..count].iter().map(|ray| start(*ray));
+        let Stacks { entries, inside, .. } = &mut *stacks;
         if FLIGHT == 1 {
             for mut walk in walks {
-                while walk.step::<ANY>(tree, &prepared, &mut stacks.entries, &mut better) {}
+                while walk.step::<ANY>(tree, prepared, entries, inside, &mut better) {}
             }
-        } else {
-            fly::<FLIGHT, ANY>(tree, &prepared, &mut walks, &mut stacks, &mut better);
+            continue;
         }
+        let mut next = |base: usize| walks.next().map(|walk| Walk { base, top: base, ..walk });
+        let mut flight = array::from_fn(|slot| next(slot * room));
+        fly::<FLIGHT, ANY>(
+            tree,
+            prepared,
+            (&mut flight, &mut next),
+            (entries, inside),
+            &mut better,
+        );
     }
 }
 
-/// Takes rays to their ends, `FLIGHT` of them at a time.
+/// Takes rays to their ends, `FLIGHT` of them at a time: those in flight and all that `next` finds
+/// for the part of the stack that one leaves.
 #[inline(always)]
 fn fly<const FLIGHT: usize, const ANY: bool>(
     tree: &Tree,
     prepared: &Prepared,
-    walks: &mut impl Iterator<Item = Walk>,
-    stacks: &mut Stacks,
+    (flight, next): (&mut [Option<Walk>; FLIGHT], &mut impl FnMut(usize) -> Option<Walk>),
+    (stack, inside): (&mut [(f32, Reference)], &mut Inside),
     better: &mut impl FnMut(usize, Hit),
 ) {
-    let mut start = |base: usize| walks.next().map(|walk| Walk { base, top: base, ..walk });
-    let mut flight = [None; FLIGHT];
-    for (slot, walk) in flight.iter_mut().enumerate() {
-        *walk = start(slot * stacks.each);
-    }
     let mut flying = flight.iter().flatten().count();
     while flying > 0 {
-        for slot in &mut flight {
+        for slot in &mut *flight {
             let Some(walk) = slot else { continue };
-            if walk.step::<ANY>(tree, prepared, &mut stacks.entries, better) {
+            if walk.step::<ANY>(tree, prepared, stack, inside, better) {
                 walk.prefetch(tree);
             } else {
-                *slot = start(walk.base);
+                *slot = next(walk.base);
                 flying -= usize::from(slot.is_none());
             }
         }

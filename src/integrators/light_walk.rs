@@ -78,11 +78,13 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
     let [paths, sorted] = &mut w.light;
     w.profile.rays_closest += paths.len as u64;
     w.profile.time(Stage::Trace, || {
-        trace_closest(&mut w.hits[0], &paths.rays, 0..paths.len, &scene.accelerator);
+        let rows = 0..paths.len;
+        trace_closest(&mut w.hits[0], &mut w.scratch, &paths.rays, rows, &scene.accelerator);
     });
     if scene.has_media() {
         w.profile.time(Stage::Flight, || {
-            fly_through_media(&mut w.hits[0], paths, &mut w.flights, scene, path_length);
+            let working = (&mut w.flights, &mut w.scratch);
+            fly_through_media(&mut w.hits[0], paths, working, scene, path_length);
         });
     }
     w.profile.time(Stage::Sort, || {
@@ -150,7 +152,7 @@ pub fn splat_vertices<const N: usize, M: LightModel<N>>(
 fn splat<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
     w.profile.rays_visibility += w.connections.len as u64;
     w.profile.time(Stage::Visibility, || {
-        trace_connections(&mut w.connections, &mut w.flights, scene);
+        trace_connections(&mut w.connections, (&mut w.flights, &mut w.scratch), scene);
     });
     w.profile.time(Stage::Gather, || splat_connections(&mut w.splats, &w.connections));
 }

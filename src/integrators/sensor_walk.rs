@@ -45,11 +45,13 @@ pub fn trace<const N: usize, M: LightModel<N>>(
     let paths = &mut w.sensor[0];
     w.profile.rays_closest += paths.len as u64;
     w.profile.time(Stage::Trace, || {
-        trace_closest(&mut w.hits[0], &paths.rays, 0..paths.len, &scene.accelerator);
+        let rows = 0..paths.len;
+        trace_closest(&mut w.hits[0], &mut w.scratch, &paths.rays, rows, &scene.accelerator);
     });
     if scene.has_media() {
         w.profile.time(Stage::Flight, || {
-            fly_through_media(&mut w.hits[0], paths, &mut w.flights, scene, path_length);
+            let working = (&mut w.flights, &mut w.scratch);
+            fly_through_media(&mut w.hits[0], paths, working, scene, path_length);
         });
     }
     w.profile.time(Stage::Emission, || {
@@ -130,7 +132,7 @@ pub fn measure_connections<const N: usize, M: LightModel<N>>(
 ) {
     w.profile.rays_visibility += w.connections.len as u64;
     w.profile.time(Stage::Visibility, || {
-        trace_connections(&mut w.connections, &mut w.flights, scene);
+        trace_connections(&mut w.connections, (&mut w.flights, &mut w.scratch), scene);
     });
     w.profile.time(Stage::Gather, || {
         let (connections, paths) = (&w.connections, &w.sensor[1]);

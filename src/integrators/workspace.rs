@@ -1,6 +1,6 @@
 //! All tables that a chunk needs, allocated once and reused.
 
-use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
@@ -33,6 +33,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub kernels: KernelColumns<N>,
     /// Rays on their way through boundaries of media.
     pub flights: FlightTable<N>,
+    /// What tracing needs.
+    pub scratch: TraceScratch,
     /// Vertices that look for photons.
     pub queries: QueryOrder,
     /// Connections under test.
@@ -62,6 +64,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             kernels: KernelColumns::new(ROWS),
             queries: QueryOrder::default(),
             flights: FlightTable::new(ROWS),
+            scratch: TraceScratch::default(),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),

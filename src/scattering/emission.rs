@@ -101,7 +101,7 @@ pub fn met_emission<const N: usize>(
             cos_at_light: 1.0,
         });
     }
-    let cosine = -direction.dot(scene.geometric_normal(primitive, position));
+    let cosine = -direction.dot(scene.tables.geometric_normal(primitive, position));
     let cos_at_light = facing(emitter, cosine)?;
     Some(MetEmission {
         radiance: emitter.radiance,

@@ -61,8 +61,7 @@ impl<'a, const N: usize> Immersion<'a, N> {
     }
 
     fn of_primitive(&self, primitive: u32) -> [u32; 2] {
-        let surface = self.tables.surface_of_primitive[primitive as usize];
-        let surface = &self.tables.surfaces[surface as usize];
+        let surface = &self.tables.surfaces[self.tables.surface_of(primitive) as usize];
         let index = primitive as usize;
         let (point, normal) = match self.tables.triangles.get(index) {
             Some(triangle) => {
@@ -87,10 +86,9 @@ impl<'a, const N: usize> Immersion<'a, N> {
             if hit.primitive == NONE {
                 break;
             }
-            let surface = self.tables.surface_of_primitive[hit.primitive as usize];
-            let surface = &self.tables.surfaces[surface as usize];
+            let surface = &self.tables.surfaces[self.tables.surface_of(hit.primitive) as usize];
             let position = origin + direction * hit.t;
-            let normal = self.normal(hit.primitive, position);
+            let normal = self.tables.geometric_normal(hit.primitive, position);
             let near =
                 if direction.dot(normal) < 0.0 { surface.exterior } else { surface.interior };
             if near != KEEP {
@@ -99,16 +97,5 @@ impl<'a, const N: usize> Immersion<'a, N> {
             origin = position + direction * (STEP * self.tables.bounds.radius);
         }
         self.tables.scene_medium
-    }
-
-    fn normal(&self, primitive: u32, position: Vec3) -> Vec3 {
-        let index = primitive as usize;
-        match self.tables.triangles.get(index) {
-            Some(triangle) => {
-                let [a, b, c] = triangle.corners;
-                (b - a).cross(c - a)
-            }
-            None => position - self.tables.spheres[index - self.tables.triangles.len()].center,
-        }
     }
 }

@@ -1,9 +1,7 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
-use glam::Vec3;
-
 use crate::geometry::{self, Accelerator, medium_met};
-use crate::scene::baked::{BakedScene, MaterialKind, NONE};
+use crate::scene::baked::{BakedScene, Material, MaterialKind, NONE};
 
 use super::Sensor;
 use super::direct::DirectTable;
@@ -19,11 +17,11 @@ pub struct Scene<const N: usize> {
     pub accelerator: Accelerator,
     /// The camera with its film.
     pub sensor: Sensor,
-    /// For every primitive, its row in `tables.materials`.
-    pub material_of_primitive: Vec<u32>,
+    /// For every triangle and sphere, its row in `tables.materials`.
+    material_of_primitive: Vec<u32>,
     /// All kinds of events.
     pub events: Vec<Event>,
-    /// Nothing, then for every primitive, its kind of event.
+    /// Nothing, then for every triangle and sphere, its kind of event.
     event_of_hit: Vec<u8>,
     /// For every material, the probability with which roulette lets a path go on.
     survival_of_material: Vec<f32>,
@@ -31,6 +29,8 @@ pub struct Scene<const N: usize> {
     media: Vec<Medium<N>>,
     /// Whether there are surfaces that are nothing but boundaries of media.
     pub has_null_boundaries: bool,
+    /// Whether any shading normal differs from the geometric one.
+    pub has_shading_normals: bool,
     /// Bound of the coordinates of all primitives, which scales the offsets of rays.
     pub reach: f32,
     /// The emitters as connections see them.
@@ -56,7 +56,8 @@ impl<const N: usize> Scene<N> {
             std::iter::once(END).chain(kinds.map(event_of_kind)).map(|event| event as u8).collect();
         let survival_of_material = tables.materials.iter().map(super::specular::survival).collect();
         let media = tables.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
-        let accelerator = Accelerator::build(&tables.triangles, &tables.spheres);
+        let BakedScene { triangles, spheres, instanced, .. } = &tables;
+        let accelerator = Accelerator::with_instances(triangles, spheres, instanced);
         let immersion = Immersion::new(&tables, &accelerator);
         Self {
             sensor_medium: immersion.at(tables.camera.position),
@@ -67,6 +68,7 @@ impl<const N: usize> Scene<N> {
             emitter_cdf: running_sum(tables.emitters.iter().map(|emitter| emitter.probability)),
             events: events(&tables),
             has_null_boundaries: tables.materials.iter().any(|m| m.kind == MaterialKind::Null),
+            has_shading_normals: tables.has_shading_normals(),
             media,
             accelerator,
             tables,
@@ -74,6 +76,24 @@ impl<const N: usize> Scene<N> {
             event_of_hit,
             survival_of_material,
         }
+    }
+
+    /// The row of a primitive's material in `tables.materials`.
+    #[inline(always)]
+    pub fn material_row(&self, primitive: u32) -> usize {
+        match self.material_of_primitive.get(primitive as usize) {
+            Some(row) => *row as usize,
+            None => {
+                let surface = self.tables.surface_of(primitive);
+                self.tables.surfaces[surface as usize].material as usize
+            }
+        }
+    }
+
+    /// A primitive's material.
+    #[inline(always)]
+    pub fn material_at(&self, primitive: u32) -> &Material<N> {
+        &self.tables.materials[self.material_row(primitive)]
     }
 
     /// The emitter that the random number `u` in [0, 1) chooses, by its probability.
@@ -86,7 +106,10 @@ impl<const N: usize> Scene<N> {
     pub fn event_hit(&self, primitive: u32) -> usize {
         match medium_met(primitive) {
             Some(medium) => event_of_medium(medium),
-            None => self.event_of_hit[primitive.wrapping_add(1) as usize] as usize,
+            None => match self.event_of_hit.get(primitive.wrapping_add(1) as usize) {
+                Some(event) => *event as usize,
+                None => event_of_kind(self.material_at(primitive).kind),
+            },
         }
     }
 
@@ -111,10 +134,7 @@ impl<const N: usize> Scene<N> {
     pub fn survival(&self, primitive: u32) -> f32 {
         match medium_met(primitive) {
             Some(medium) => self.medium(medium).survival,
-            None => {
-                let material = self.material_of_primitive[primitive as usize];
-                self.survival_of_material[material as usize]
-            }
+            None => self.survival_of_material[self.material_row(primitive)],
         }
     }
 
@@ -125,18 +145,6 @@ impl<const N: usize> Scene<N> {
             self.tables.environment
         } else {
             self.tables.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
-        }
-    }
-
-    /// The geometric normal of a primitive at a point on it, to its front.
-    pub fn geometric_normal(&self, primitive: u32, position: Vec3) -> Vec3 {
-        let primitive = primitive as usize;
-        match primitive.checked_sub(self.tables.triangles.len()) {
-            None => {
-                let [a, b, c] = self.tables.triangles[primitive].corners;
-                (b - a).cross(c - a).normalize()
-            }
-            Some(sphere) => (position - self.tables.spheres[sphere].center).normalize(),
         }
     }
 }

@@ -5,17 +5,23 @@
 
 use glam::Vec3;
 
+use super::instanced::Instanced;
+
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
 
 /// In place of a medium: what crosses the surface to this side stays in the medium it is in.
 pub const KEEP: u32 = u32::MAX - 1;
 
+/// Least cosine between a shading normal and the geometric one.
+pub const LEAST_COSINE: f32 = 1e-3;
+
 /// The whole scene for `N` wavelengths. Primitive `p` is triangle `p` while
-/// `p < triangles.len()`, and sphere `p - triangles.len()` from there on.
+/// `p < triangles.len()`, then sphere `p - triangles.len()`, and behind the spheres a triangle of
+/// an instance.
 #[derive(Clone, Debug)]
 pub struct BakedScene<const N: usize> {
-    /// World-space triangles of all mesh instances.
+    /// World-space triangles of all meshes but those that are instanced.
     pub triangles: Vec<Triangle>,
     /// Shading normals at the three corners, world space, unit length, on the side of the
     /// geometric normal; empty when no mesh has normals that differ from the geometric ones,
@@ -23,9 +29,11 @@ pub struct BakedScene<const N: usize> {
     pub shading_normals: Vec<[Vec3; 3]>,
     /// Analytic spheres.
     pub spheres: Vec<Sphere>,
-    /// For every primitive, its row in `surfaces`.
+    /// Meshes that stand in several places, kept once. None emits.
+    pub instanced: Instanced,
+    /// For every triangle and sphere, its row in `surfaces`.
     pub surface_of_primitive: Vec<u32>,
-    /// For every primitive, its row in `emitters`, or [`NONE`].
+    /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Vec<u32>,
     /// One row per mesh primitive of a node, or sphere.
     pub surfaces: Vec<Surface>,
@@ -45,6 +53,36 @@ pub struct BakedScene<const N: usize> {
     /// Sphere about the bounding box of all primitives and of the punctual lights, larger than
     /// the smallest one by no more than rounding needs. The camera may be outside.
     pub bounds: Bounds,
+}
+
+impl<const N: usize> BakedScene<N> {
+    /// The row of a primitive in `surfaces`, or [`NONE`] if there is no such primitive.
+    #[inline(always)]
+    pub fn surface_of(&self, primitive: u32) -> u32 {
+        match self.surface_of_primitive.get(primitive as usize) {
+            Some(surface) => *surface,
+            None => self.instanced.instance_of(primitive).map_or(NONE, |it| it.surface),
+        }
+    }
+
+    /// Whether any shading normal differs from the geometric one.
+    pub fn has_shading_normals(&self) -> bool {
+        !self.shading_normals.is_empty() || self.instanced.has_shading_normals()
+    }
+
+    /// The unit geometric normal of a primitive at a point on it, to its front.
+    pub fn geometric_normal(&self, primitive: u32, position: Vec3) -> Vec3 {
+        if let Some(normal) = self.instanced.geometric_normal(primitive) {
+            return normal;
+        }
+        match (primitive as usize).checked_sub(self.triangles.len()) {
+            None => {
+                let [a, b, c] = self.triangles[primitive as usize].corners;
+                (b - a).cross(c - a).normalize()
+            }
+            Some(sphere) => (position - self.spheres[sphere].center).normalize(),
+        }
+    }
 }
 
 /// A triangle; its geometric normal is `(b - a) x (c - a)`, counter-clockwise from the front.

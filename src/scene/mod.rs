@@ -9,6 +9,7 @@ pub mod baked;
 mod describe;
 mod error;
 mod gltf;
+pub mod instanced;
 pub mod world;
 
 pub use self::bake::bake;

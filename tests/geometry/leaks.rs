@@ -1,7 +1,7 @@
 //! Closed meshes are tight, also for rays aimed at edges and corners.
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, trace_closest, trace_visibility};
+use sunstone::geometry::{Accelerator, TraceScratch, trace_closest, trace_visibility};
 use sunstone::scene::baked::{NONE, Triangle};
 
 use super::fixtures::{Random, closed_box, columns, icosphere, limits, no_hits};
@@ -29,10 +29,17 @@ fn nothing_escapes(mesh: &[Triangle], inside: impl Fn(&mut Random) -> Vec3) {
     let rays: Vec<_> = (0..count).map(ray).collect();
     let columns = columns(&rays);
     let mut hits = no_hits(count);
-    trace_closest(&mut hits, &columns, 0..count, &accelerator);
+    trace_closest(&mut hits, &mut TraceScratch::default(), &columns, 0..count, &accelerator);
     let mut blocked = vec![0; count];
     let t_max = limits(count, f32::INFINITY);
-    trace_visibility(&mut blocked, &columns, &t_max, 0..count, &accelerator);
+    trace_visibility(
+        &mut blocked,
+        &mut TraceScratch::default(),
+        &columns,
+        &t_max,
+        0..count,
+        &accelerator,
+    );
     for (row, &(origin, direction)) in rays.iter().enumerate() {
         assert_ne!(hits.primitive[row], NONE, "ray {row} escapes: {:?}", rays[row]);
         assert_ne!(blocked[row], 0, "ray {row} escapes: {:?}", rays[row]);

@@ -1,6 +1,7 @@
 //! The tree against brute force, and what must never happen: leaks and self-intersections.
 
 mod fixtures;
+mod instances;
 mod leaks;
 mod offsets;
 mod profile;

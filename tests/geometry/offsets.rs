@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use sunstone::geometry::{Accelerator, SurfaceColumns, offset_origin, resolve_surfaces};
-use sunstone::geometry::{reach, trace_closest};
+use sunstone::geometry::{TraceScratch, reach, trace_closest};
 use sunstone::math::Vector;
 use sunstone::scene::baked::{NONE, Sphere, Triangle};
 
@@ -41,7 +41,7 @@ fn no_self_intersection(triangles: &[Triangle], spheres: &[Sphere], random: &mut
     };
     let rays: Vec<_> = (0..count).map(ray).collect();
     let (columns, mut hits) = (columns(&rays), no_hits(count));
-    trace_closest(&mut hits, &columns, 0..count, &accelerator);
+    trace_closest(&mut hits, &mut TraceScratch::default(), &columns, 0..count, &accelerator);
     let mut surfaces = SurfaceColumns::new(count);
     resolve_surfaces(&mut surfaces, &hits, &columns, 0..count, &scene);
     for row in (0..count).filter(|&row| hits.primitive[row] != NONE) {
@@ -96,7 +96,13 @@ fn walks_stay_inside(triangles: &[Triangle], spheres: &[Sphere], start: Vec3, sc
     let mut escaped = 0;
     for _ in 0..10 {
         let (columns, mut hits) = (columns(&rays), no_hits(rays.len()));
-        trace_closest(&mut hits, &columns, 0..rays.len(), &accelerator);
+        trace_closest(
+            &mut hits,
+            &mut TraceScratch::default(),
+            &columns,
+            0..rays.len(),
+            &accelerator,
+        );
         let mut surfaces = SurfaceColumns::new(rays.len());
         resolve_surfaces(&mut surfaces, &hits, &columns, 0..rays.len(), &scene);
         let mut next = Vec::new();

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 use sunstone::geometry::{Accelerator, SurfaceColumns, resolve_surfaces};
-use sunstone::geometry::{RayColumns, trace_closest, trace_visibility};
+use sunstone::geometry::{RayColumns, TraceScratch, trace_closest, trace_visibility};
 use sunstone::math::LANES;
 use sunstone::scene::baked::{NONE, Sphere, Triangle};
 
@@ -59,11 +59,21 @@ fn report(name: &str, accelerator: &Accelerator, rays: &[(Vec3, Vec3)], t_max: f
     let count = rays.len();
     let columns: RayColumns = columns(rays);
     let mut hits = no_hits(count);
-    let closest = time(count, |rows| trace_closest(&mut hits, &columns, rows, accelerator));
+    let closest = time(count, |rows| {
+        trace_closest(&mut hits, &mut TraceScratch::default(), &columns, rows, accelerator)
+    });
     let mut blocked = vec![0; count];
     let limits = vec![t_max; count + LANES];
-    let occluded =
-        time(count, |rows| trace_visibility(&mut blocked, &columns, &limits, rows, accelerator));
+    let occluded = time(count, |rows| {
+        trace_visibility(
+            &mut blocked,
+            &mut TraceScratch::default(),
+            &columns,
+            &limits,
+            rows,
+            accelerator,
+        )
+    });
     let mut sum = 0.0;
     let single = time(count, |rows| {
         for row in rows {
@@ -91,7 +101,7 @@ fn profile(name: &str, triangles: &[Triangle], spheres: &[Sphere], eye: Vec3) {
     report("  diffuse, second bounce", &accelerator, &second, 0.8);
     let scene = scene_of(triangles, spheres);
     let (columns, mut hits) = (columns(&second), no_hits(second.len()));
-    trace_closest(&mut hits, &columns, 0..second.len(), &accelerator);
+    trace_closest(&mut hits, &mut TraceScratch::default(), &columns, 0..second.len(), &accelerator);
     let mut surfaces = SurfaceColumns::new(second.len());
     let resolve = time(second.len(), |rows| {
         resolve_surfaces(&mut surfaces, &hits, &columns, rows, &scene);

@@ -1,10 +1,13 @@
 //! Points on surfaces.
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, SurfaceColumns, resolve_surfaces, trace_closest};
+use sunstone::geometry::{
+    Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
+};
 use sunstone::scene::baked::{
     BakedScene, Bounds, Camera, KEEP, Material, NONE, Projection, Sphere, Surface, Triangle,
 };
+use sunstone::scene::instanced::Instanced;
 
 use super::fixtures::{Random, columns, no_hits, soup};
 
@@ -23,6 +26,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> BakedScene<3> {
         triangles: triangles.to_vec(),
         shading_normals: Vec::new(),
         spheres: spheres.to_vec(),
+        instanced: Instanced::default(),
         surface_of_primitive: (0..count).rev().collect(),
         emitter_of_primitive: vec![NONE; count as usize],
         surfaces: vec![surface; count as usize],
@@ -56,7 +60,7 @@ fn points_lie_on_what_was_hit() {
     let accelerator = Accelerator::build(&triangles, &spheres);
     let rays: Vec<_> = (0..5003).map(|_| (random.in_cube(), random.direction())).collect();
     let (columns, mut hits) = (columns(&rays), no_hits(rays.len()));
-    trace_closest(&mut hits, &columns, 0..rays.len(), &accelerator);
+    trace_closest(&mut hits, &mut TraceScratch::default(), &columns, 0..rays.len(), &accelerator);
     for normals in [Vec::new(), shading] {
         scene.shading_normals = normals;
         let mut surfaces = SurfaceColumns::new(rays.len());

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use sunstone::geometry::{
-    Accelerator, Hit, RayColumns, SHORT_SCENE, trace_closest, trace_visibility,
+    Accelerator, Hit, RayColumns, SHORT_SCENE, TraceScratch, trace_closest, trace_visibility,
 };
 use sunstone::scene::baked::{NONE, Sphere, Triangle};
 
@@ -10,7 +10,7 @@ use super::fixtures::{Random, columns, cornell, icosphere, limits, no_hits, quad
 
 fn trace(accelerator: &Accelerator, rays: &RayColumns, count: usize) -> Vec<Hit> {
     let mut hits = no_hits(count);
-    trace_closest(&mut hits, rays, 0..count, accelerator);
+    trace_closest(&mut hits, &mut TraceScratch::default(), rays, 0..count, accelerator);
     let hit = |row: usize| Hit {
         t: hits.t[row],
         u: hits.u[row],
@@ -173,7 +173,14 @@ fn occluded_is_closest_below_t_max() {
         }
         let mut blocked = vec![7; rays.len()];
         let columns = columns(&rays);
-        trace_visibility(&mut blocked, &columns, &t_max, 0..rays.len(), &accelerator);
+        trace_visibility(
+            &mut blocked,
+            &mut TraceScratch::default(),
+            &columns,
+            &t_max,
+            0..rays.len(),
+            &accelerator,
+        );
         for (row, &(origin, direction)) in rays.iter().enumerate() {
             let limit = t_max[row];
             let expected = accelerator.closest(origin, direction, f32::INFINITY).t < limit;
@@ -193,9 +200,22 @@ fn a_range_leaves_the_other_rows_alone() {
         let mut hits = no_hits(50);
         hits.t.fill(-1.0);
         let mut blocked = vec![7; 50];
-        trace_closest(&mut hits, &columns(&rays), 11..30, &accelerator);
+        trace_closest(
+            &mut hits,
+            &mut TraceScratch::default(),
+            &columns(&rays),
+            11..30,
+            &accelerator,
+        );
         let t_max = limits(50, 9.0);
-        trace_visibility(&mut blocked, &columns(&rays), &t_max, 11..30, &accelerator);
+        trace_visibility(
+            &mut blocked,
+            &mut TraceScratch::default(),
+            &columns(&rays),
+            &t_max,
+            11..30,
+            &accelerator,
+        );
         for (row, &blocked) in blocked.iter().enumerate() {
             assert_eq!(hits.t[row] == -1.0, !(11..30).contains(&row));
             assert_eq!(blocked == 7, !(11..30).contains(&row));
@@ -360,7 +380,14 @@ fn equals_one_at_a_time(triangles: &[Triangle], spheres: &[Sphere], rays: &[(Vec
     let t_max: Vec<f32> =
         limits(rays.len(), 1.0).iter().map(|_| random.between(0.0, 3.0)).collect();
     let mut blocked = vec![7; rays.len()];
-    trace_visibility(&mut blocked, &columns, &t_max, 0..rays.len(), &accelerator);
+    trace_visibility(
+        &mut blocked,
+        &mut TraceScratch::default(),
+        &columns,
+        &t_max,
+        0..rays.len(),
+        &accelerator,
+    );
     assert!(hits.iter().any(|hit| hit.primitive != NONE));
     for (row, &(origin, direction)) in rays.iter().enumerate() {
         let alone = accelerator.closest(origin, direction, f32::INFINITY);

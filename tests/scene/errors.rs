@@ -484,6 +484,69 @@ fn a_small_file_cannot_ask_for_billions_of_triangles() {
     assert!(error.contains("vertices and corners"), "{error}");
 }
 
+/// Nodes that all show mesh 0, which is a grid of 128 x 128 quads.
+fn grids(count: usize) -> Value {
+    let mut document = good();
+    let edge = 129_u32;
+    let positions = (0..edge * edge).flat_map(|at| [(at % edge) as f32, (at / edge) as f32, 0.0]);
+    let mut bytes: Vec<u8> = positions.flat_map(f32::to_le_bytes).collect();
+    let indices = (0..edge * edge).filter(|at| at % edge + 1 < edge && at / edge + 1 < edge);
+    let quad = |at: u32| [at, at + 1, at + edge + 1, at, at + edge + 1, at + edge];
+    let indices: Vec<u8> = indices.flat_map(quad).flat_map(u32::to_le_bytes).collect();
+    let (views, accessors) = (bytes.len(), indices.len() / 4);
+    bytes.extend(&indices);
+    document["bufferViews"] = json!([
+        {"buffer": 0, "byteOffset": 0, "byteLength": views},
+        {"buffer": 0, "byteOffset": views, "byteLength": indices.len()},
+    ]);
+    document["buffers"] = json!([{"byteLength": bytes.len(), "uri": data_uri(&bytes)}]);
+    document["accessors"] = json!([
+        {"bufferView": 0, "componentType": 5126, "count": edge * edge, "type": "VEC3",
+         "min": [0.0, 0.0, 0.0], "max": [128.0, 128.0, 0.0]},
+        {"bufferView": 1, "componentType": 5125, "count": accessors, "type": "SCALAR"},
+    ]);
+    let part = json!({"attributes": {"POSITION": 0}, "indices": 1, "material": 0});
+    document["meshes"] = json!([{"name": "grid", "primitives": [part]}]);
+    document["nodes"][2] = json!({"name": "grids", "children": []});
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    let first = nodes.len();
+    nodes.extend((0..count).map(|at| json!({"mesh": 0, "translation": [0.0, 0.0, at]})));
+    document["nodes"][2]["children"] = (first..first + count).collect::<Vec<_>>().into();
+    document
+}
+
+#[test]
+fn instances_are_kept_once_unless_they_emit_or_are_stretched() {
+    let counts = |document: &Value| {
+        let scene = bake::<3>(&load_json(document).unwrap(), Color::Rgb).unwrap();
+        (scene.instanced.instances().len(), scene.triangles.len() >> 15)
+    };
+    // Node 1 shows the mesh too.
+    let mut document = grids(3);
+    assert_eq!(counts(&document), (0, 4), "what emits");
+    document["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    assert_eq!(counts(&document), (4, 0));
+    document["nodes"][5]["scale"] = json!([1, 1, 40]);
+    assert_eq!(counts(&document), (3, 1), "what is stretched");
+    document["nodes"][6]["scale"] = json!([1, 1, -40]);
+    assert_eq!(counts(&document), (0, 4), "what would save little");
+}
+
+#[test]
+fn copies_without_end_are_refused_and_instances_are_not() {
+    let mut document = grids(2100);
+    let world = load_json(&document).unwrap();
+    let error = bake::<3>(&world, Color::Rgb).unwrap_err().to_string();
+    assert!(error.contains("triangles in copies"), "{error}");
+    document["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    let scene = bake::<3>(&load_json(&document).unwrap(), Color::Rgb).unwrap();
+    assert_eq!(scene.instanced.instances().len(), 2101);
+    let last = scene.instanced.instances().last().unwrap();
+    assert_eq!(scene.surface_of(last.first_primitive + 32_767), last.surface);
+    let normal = scene.geometric_normal(last.first_primitive, last.bounds[0]);
+    assert_eq!(normal, glam::Vec3::Z);
+}
+
 #[test]
 fn what_only_the_bake_can_see() {
     let mut dark = good();

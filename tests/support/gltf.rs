@@ -12,6 +12,15 @@ use sunstone::scene::World;
 
 use super::rendering::world;
 
+/// How meshes that are alike are told to the renderer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flock {
+    /// As one mesh.
+    Instances,
+    /// As many meshes.
+    Copies,
+}
+
 /// A document in the making. Indices that its methods return are those of the file.
 #[derive(Default)]
 pub struct Document {
@@ -124,6 +133,25 @@ impl Document {
             }
         }
         self.mesh(&positions, &normals, &indices, material);
+    }
+
+    /// Balls about the given points, turned and stretched: one mesh in many places, or many
+    /// meshes that are alike. Every other one is mirrored.
+    pub fn flock(&mut self, centers: &[Vec3], radius: f32, rings: u16, material: usize, of: Flock) {
+        for (index, center) in centers.iter().enumerate() {
+            let first = self.nodes.len();
+            if of == Flock::Copies || index == 0 {
+                self.ball(Vec3::ZERO, 1.0, rings, material);
+            } else {
+                self.nodes.push(json!({"mesh": self.meshes.len() - 1}));
+            }
+            let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), index as f32);
+            let mirror = if index % 2 == 0 { 1.0 } else { -1.0 };
+            let scale = Vec3::new(mirror, 1.0, 1.5) * radius;
+            self.nodes[first]["translation"] = json!(center.to_array());
+            self.nodes[first]["rotation"] = json!(turn.to_array());
+            self.nodes[first]["scale"] = json!(scale.to_array());
+        }
     }
 
     /// A mesh with world-space positions.

@@ -8,7 +8,7 @@ use sunstone::film::StokesImage;
 use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
 use sunstone::math::{F32s, LANES, Vector};
 use sunstone::scattering::Scene;
-use sunstone::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE};
+use sunstone::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE, Surface};
 use sunstone::scene::{World, bake, load};
 use sunstone::spectrum::Color;
 
@@ -101,7 +101,7 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     if emitters.any(immersed) {
         return false;
     }
-    if !(0..scene.material_of_primitive.len()).any(|primitive| is_specular(scene, primitive)) {
+    if !scene.tables.surfaces.iter().any(|surface| is_specular(scene, surface)) {
         return true;
     }
     let tables = &scene.tables;
@@ -120,10 +120,9 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     areas.iter().all(|&area| area == 0.0 || area / all >= CHANCE_MIN)
 }
 
-/// Whether connections to a primitive have nothing to find.
-fn is_specular<const N: usize>(scene: &Scene<N>, primitive: usize) -> bool {
-    let material = scene.material_of_primitive[primitive] as usize;
-    let kind = scene.tables.materials[material].kind;
+/// Whether connections to a surface have nothing to find.
+fn is_specular<const N: usize>(scene: &Scene<N>, surface: &Surface) -> bool {
+    let kind = scene.tables.materials[surface.material as usize].kind;
     !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
 }
 
@@ -170,7 +169,7 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
                 // Parallel rays have no direction to share with an environment.
                 return scene.tables.environment == NONE || scene.sensor.is_finite();
             }
-            !is_specular(scene, hit as usize)
+            !is_specular(scene, &scene.tables.surfaces[scene.tables.surface_of(hit) as usize])
         })
     })
 }
@@ -179,10 +178,8 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
 fn first_in_the_way<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
     loop {
         let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-        let passes = hit.primitive != NONE && {
-            let material = scene.material_of_primitive[hit.primitive as usize];
-            scene.tables.materials[material as usize].kind == MaterialKind::Null
-        };
+        let passes =
+            hit.primitive != NONE && scene.material_at(hit.primitive).kind == MaterialKind::Null;
         if !passes {
             return hit.primitive;
         }

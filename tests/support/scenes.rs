@@ -5,13 +5,13 @@ use glam::Vec3;
 use serde_json::json;
 use sunstone::scene::World;
 
-use super::gltf::Document;
+use super::gltf::{Document, Flock};
 
 /// A scene by name.
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 31] = [
+pub const SCENES: [Named; 32] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -43,6 +43,7 @@ pub const SCENES: [Named; 31] = [
     ("thin air between polarizers", thin_air_between_polarizers),
     ("milk and a mirror", milk_and_mirror),
     ("bottle of milk", bottle_of_milk),
+    ("flock of instances", || flock(Flock::Instances)),
 ];
 
 const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
@@ -195,6 +196,23 @@ fn smooth_shaded(ball: Ball) -> World {
     let material = ball.add_to(&mut scene);
     scene.ball(v(-0.1, -0.2, 0.1), 0.5, 6, material);
     pinhole(scene).load("smooth-shaded ball")
+}
+
+/// Glass and diffuse balls on two grids, each of one mesh, large enough to be worth sharing; the
+/// glass keeps a thin fog inside.
+pub fn flock(of: Flock) -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let grid = |height: f32| -> Vec<Vec3> {
+        let at = |index: usize| v((index % 4) as f32, height, (index / 4) as f32);
+        (0..16).map(|index| (at(index) - v(1.5, 0.0, 1.5)) * v(0.45, 1.0, 0.45)).collect()
+    };
+    let diffuse = scene.diffuse(0.6);
+    scene.flock(&grid(-0.6), 0.12, 32, diffuse, of);
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.4}));
+    let fog = scene.medium(json!({"sigma_s": 1.0, "sigma_a": 0.2, "phase": "rayleigh"}));
+    scene.around(Some(fog), None, |scene| scene.flock(&grid(0.0), 0.12, 32, glass, of));
+    pinhole(scene).load("flock")
 }
 
 /// Normals that all lean the same way: what light paths forget to correct for does not average

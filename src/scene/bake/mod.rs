@@ -10,6 +10,7 @@ mod media;
 mod optics;
 mod phase;
 mod primitives;
+mod sharing;
 
 use std::collections::HashMap;
 
@@ -47,6 +48,7 @@ fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene
         triangles: primitives.triangles,
         shading_normals: primitives.shading_normals,
         spheres: primitives.spheres,
+        instanced: primitives.instanced,
         surface_of_primitive: primitives.surface_of_primitive,
         emitter_of_primitive: emitters.emitter_of_primitive,
         surfaces: primitives.surfaces,
@@ -178,6 +180,9 @@ fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, 
         triangle.corners.iter().for_each(|corner| add(*corner, 0.0));
     }
     primitives.spheres.iter().for_each(|sphere| add(sphere.center, sphere.radius));
+    for instance in primitives.instanced.instances() {
+        instance.bounds.iter().for_each(|corner| add(*corner, 0.0));
+    }
     emitters::positions(world).into_iter().for_each(|position| add(position, 0.0));
     if low.x > high.x {
         // Nothing but an environment or directional light.

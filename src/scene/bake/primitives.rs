@@ -1,18 +1,24 @@
 //! Triangles and spheres in world space.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
 use super::media::Media;
+use super::sharing::{instanced, shared};
 use super::{Materials, check_range};
-use crate::scene::baked::{Sphere, Surface, Triangle};
+use crate::scene::baked::{LEAST_COSINE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
+use crate::scene::instanced::Instanced;
 use crate::scene::world::{Ball, Boundary, Geometry, MadeOf, Mesh, Name, Transform, World};
 
 /// Shading normals that are this close to the geometric one are the geometric one.
 const FLAT_TOLERANCE: f32 = 1e-4;
-/// Least cosine between a shading normal and the geometric one.
-const LEAST_COSINE: f32 = 1e-3;
+
+/// Most triangles that a scene holds one by one: what a file of a few kilobytes can ask for must
+/// not fill the memory.
+const TRIANGLES_MAX: usize = 1 << 26;
 
 /// The tables of primitives and their surfaces: see `BakedScene`.
 #[derive(Default)]
@@ -20,11 +26,29 @@ pub struct Primitives {
     pub triangles: Vec<Triangle>,
     pub shading_normals: Vec<[Vec3; 3]>,
     pub spheres: Vec<Sphere>,
+    pub instanced: Instanced,
     pub surface_of_primitive: Vec<u32>,
     pub surfaces: Vec<Surface>,
 }
 
-/// Flattens all instances.
+/// The part of a mesh that has one material, in one place.
+pub struct Part {
+    pub name: String,
+    pub geometry: Arc<Geometry>,
+    pub to_world: DAffine3,
+    pub surface: Surface,
+    pub emits: bool,
+}
+
+/// Triangles and the shading normals of their corners.
+#[derive(Default)]
+pub struct Triangles {
+    pub rows: Vec<Triangle>,
+    /// Those of flat triangles are zero until [`Triangles::finish_normals`].
+    pub shading_normals: Vec<[Vec3; 3]>,
+}
+
+/// Places all meshes and spheres.
 pub fn primitives<const N: usize>(
     world: &World,
     materials: &Materials<N>,
@@ -44,19 +68,13 @@ pub fn primitives<const N: usize>(
             exterior,
         }
     };
-    let meshes = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
-        (name.clone(), mesh.clone(), at.0, surface(&of.0, &at.0, boundary))
+    let parts = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
+        let surface = surface(&of.0, &at.0, boundary);
+        let emits = materials.radiance.get(surface.material as usize) != Some(&[0.0; N]);
+        let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
+        Part { name, geometry, to_world: at.0, surface, emits }
     });
-    for (name, mesh, to_world, surface) in meshes {
-        let surface = tables.add_surface(surface);
-        tables.add_mesh(&mesh.0, &to_world, &name.0)?;
-        tables.surface_of_primitive.resize(tables.triangles.len(), surface);
-    }
-    if tables.shading_normals.iter().all(|corners| *corners == [Vec3::ZERO; 3]) {
-        tables.shading_normals = Vec::new();
-    } else {
-        tables.fill_flat_normals();
-    }
+    let instances = tables.add_parts(parts)?;
     let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
         (name.clone(), ball.radius, at.0, surface(&of.0, &at.0, boundary))
     });
@@ -70,6 +88,7 @@ pub fn primitives<const N: usize>(
         }
         tables.spheres.push(Sphere { center: to_world.translation.as_vec3(), radius });
     }
+    tables.instanced = instanced(&instances, tables.surface_of_primitive.len())?;
     Ok(tables)
 }
 
@@ -79,24 +98,58 @@ impl Primitives {
         (self.surfaces.len() - 1) as u32
     }
 
-    /// Appends the triangles of an instance and their shading normals; those of flat triangles
-    /// are zero for now.
-    fn add_mesh(
+    /// Adds the surfaces of all parts, and the triangles of those that are not shared; returns
+    /// the others with the rows of their surfaces.
+    fn add_parts(&mut self, parts: Vec<Part>) -> Result<Vec<(Part, u32)>, SceneError> {
+        let mut triangles = Triangles::default();
+        let mut instances = Vec::new();
+        let is_shared = shared(&parts);
+        check_count(parts.iter().zip(&is_shared).filter(|(_, is_shared)| !**is_shared))?;
+        for (part, is_shared) in parts.into_iter().zip(is_shared) {
+            let surface = self.add_surface(part.surface);
+            if is_shared {
+                instances.push((part, surface));
+                continue;
+            }
+            let normal_to_world = normal_matrix(&part.to_world.matrix3);
+            triangles.add(&part, |p| part.to_world.transform_point3(p), normal_to_world)?;
+            self.surface_of_primitive.resize(triangles.rows.len(), surface);
+        }
+        triangles.finish_normals();
+        (self.triangles, self.shading_normals) = (triangles.rows, triangles.shading_normals);
+        Ok(instances)
+    }
+}
+
+/// Refuses, before anything is placed, what would fill the memory.
+fn check_count<'a>(parts: impl Iterator<Item = (&'a Part, &'a bool)>) -> Result<(), SceneError> {
+    let mut triangles = 0;
+    for (part, _) in parts {
+        triangles += part.geometry.triangles.len();
+        if triangles > TRIANGLES_MAX {
+            let problem = format!("brings the scene above {TRIANGLES_MAX} triangles in copies");
+            let remedy = "use smaller or fewer meshes; what emits or is stretched is not shared";
+            return Err(SceneError::new(&part.name, problem, remedy));
+        }
+    }
+    Ok(())
+}
+
+impl Triangles {
+    /// Appends a part, its positions and the directions of its normals transformed.
+    pub fn add(
         &mut self,
-        geometry: &Geometry,
-        to_world: &DAffine3,
-        name: &str,
+        part: &Part,
+        transform: impl Fn(DVec3) -> DVec3,
+        normals: DMat3,
     ) -> Result<(), SceneError> {
-        let mirrored = to_world.matrix3.determinant() < 0.0;
-        let normal_to_world = normal_matrix(&to_world.matrix3);
-        let positions: Vec<Vec3> = geometry
-            .positions
-            .iter()
-            .map(|position| to_world.transform_point3(position.as_dvec3()).as_vec3())
-            .collect();
+        let Part { name, geometry, .. } = part;
+        let positions: Vec<Vec3> =
+            geometry.positions.iter().map(|p| transform(p.as_dvec3()).as_vec3()).collect();
         for position in &positions {
             check_range(position.as_dvec3(), position.as_dvec3(), name)?;
         }
+        let mirrored = normals.determinant() < 0.0;
         for (index, triangle) in geometry.triangles.iter().enumerate() {
             // A reflection turns the winding round; the front stays the front.
             let [a, b, c] = *triangle;
@@ -107,19 +160,23 @@ impl Primitives {
                 let remedy = "dissolve it, or scale the scene or move it towards the origin";
                 return Err(SceneError::new(name, problem, remedy));
             };
-            self.triangles.push(Triangle { corners });
-            let normals = triangle.map(|vertex| {
+            self.rows.push(Triangle { corners });
+            let own = triangle.map(|vertex| {
                 let own = geometry.normals.get(vertex as usize).copied().unwrap_or_default();
-                shading_normal((normal_to_world * own.as_dvec3()).as_vec3(), normal)
+                shading_normal((normals * own.as_dvec3()).as_vec3(), normal)
             });
-            let flat = normals.iter().all(|own| (*own - normal).length() < FLAT_TOLERANCE);
-            self.shading_normals.push(if flat { [Vec3::ZERO; 3] } else { normals });
+            let flat = own.iter().all(|own| (*own - normal).length() < FLAT_TOLERANCE);
+            self.shading_normals.push(if flat { [Vec3::ZERO; 3] } else { own });
         }
         Ok(())
     }
 
-    fn fill_flat_normals(&mut self) {
-        for (triangle, normals) in self.triangles.iter().zip(&mut self.shading_normals) {
+    /// Drops the shading normals if all triangles are flat; else the flat ones get theirs.
+    pub fn finish_normals(&mut self) {
+        if self.shading_normals.iter().all(|corners| *corners == [Vec3::ZERO; 3]) {
+            self.shading_normals = Vec::new();
+        }
+        for (triangle, normals) in self.rows.iter().zip(&mut self.shading_normals) {
             if *normals == [Vec3::ZERO; 3] {
                 *normals = [geometric_normal(triangle.corners).unwrap_or_default(); 3];
             }

@@ -11,8 +11,9 @@ use super::{Import, accessors};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Boundary, Geometry, MadeOf, Mesh, Transform};
 
-/// Most vertices and corners that all instances of a scene together may have: what a file of a
-/// few kilobytes can ask for must not fill the memory.
+/// Most vertices and corners that the meshes of a scene may have together: what a file of a few
+/// kilobytes can ask for must not fill the memory. (Copies of a mesh are counted where they are
+/// made.)
 const ELEMENTS_MAX: u64 = 1 << 27;
 /// What a part of a mesh instance counts for beside its vertices and corners.
 const ELEMENTS_OF_PART: u64 = 1 << 8;
@@ -52,27 +53,32 @@ impl Import<'_> {
         primitive: &Primitive,
         place: &str,
     ) -> Result<Arc<Geometry>, SceneError> {
+        self.count_elements(ELEMENTS_OF_PART, place)?;
+        if let Some(geometry) = self.geometries.get(&key) {
+            return Ok(Arc::clone(geometry));
+        }
         let Some(&positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions))
         else {
             let remedy = "export the mesh with vertex positions";
             return Err(SceneError::new(place, "has no POSITION", remedy));
         };
-        // Counted before anything is read, and again for each instance.
+        // Counted before anything is read.
         let corners = primitive.indices.unwrap_or(positions).value();
         let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
-        self.elements = claims
-            .iter()
-            .fold(self.elements + ELEMENTS_OF_PART, |sum, &claim| sum.saturating_add(claim));
+        self.count_elements(claims[0].saturating_add(claims[1]), place)?;
+        let geometry = Arc::new(self.read_geometry(primitive, positions.value(), place)?);
+        self.geometries.insert(key, Arc::clone(&geometry));
+        Ok(geometry)
+    }
+
+    /// Adds to the vertices and corners so far; refuses what is too much.
+    fn count_elements(&mut self, more: u64, place: &str) -> Result<(), SceneError> {
+        self.elements = self.elements.saturating_add(more);
         if self.elements > ELEMENTS_MAX {
             let problem = format!("brings the scene above {ELEMENTS_MAX} vertices and corners");
             return Err(SceneError::new(place, problem, "use smaller or fewer meshes"));
         }
-        if let Some(geometry) = self.geometries.get(&key) {
-            return Ok(Arc::clone(geometry));
-        }
-        let geometry = Arc::new(self.read_geometry(primitive, positions.value(), place)?);
-        self.geometries.insert(key, Arc::clone(&geometry));
-        Ok(geometry)
+        Ok(())
     }
 
     fn read_geometry(

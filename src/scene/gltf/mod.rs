@@ -90,7 +90,7 @@ struct Import<'a> {
     materials: BTreeMap<Option<usize>, Entity>,
     /// Triangles, by mesh and primitive.
     geometries: BTreeMap<(usize, usize), Arc<Geometry>>,
-    /// Triangles and vertices that all instances together ask for.
+    /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
 }
 

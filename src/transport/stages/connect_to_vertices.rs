@@ -178,8 +178,7 @@ pub(super) fn on_surface<'a, const N: usize>(
     normal: Vec3,
     row: usize,
 ) -> VertexLanes<'a, N> {
-    let primitive = surfaces.primitive[row] as usize;
-    let material = &scene.tables.materials[scene.material_of_primitive[primitive] as usize];
+    let material = scene.material_at(surfaces.primitive[row]);
     let two_sided = F32s::splat(if material.two_sided { 1.0 } else { 0.0 });
     let mut brdf = [F32s::splat(0.0); N];
     for (brdf, &reflectance) in brdf.iter_mut().zip(&material.reflectance) {

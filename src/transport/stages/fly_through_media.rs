@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::{HitColumns, IN_MEDIUM, offset_distance, trace_closest};
+use crate::geometry::{HitColumns, IN_MEDIUM, TraceScratch, offset_distance, trace_closest};
 use crate::math::{F32s, LANES, Real, U32s, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{KEEP, MaterialKind, NONE};
@@ -19,7 +19,7 @@ use crate::transport::tables::paths::{IdentityColumns, PathTable};
 pub fn fly_through_media<const N: usize, C>(
     hits: &mut HitColumns,
     paths: &mut PathTable<N, C>,
-    flights: &mut FlightTable<N>,
+    (flights, scratch): (&mut FlightTable<N>, &mut TraceScratch),
     scene: &Scene<N>,
     path_length: u32,
 ) {
@@ -27,7 +27,7 @@ pub fn fly_through_media<const N: usize, C>(
     first_pieces(hits, paths, flights, scene, path_length);
     while flights.len > 0 {
         let rows = 0..flights.len;
-        trace_closest(&mut flights.hits, &flights.rays, rows, &scene.accelerator);
+        trace_closest(&mut flights.hits, scratch, &flights.rays, rows, &scene.accelerator);
         later_pieces(hits, paths, flights, scene);
     }
     for row in (0..paths.len).step_by(LANES) {
@@ -151,10 +151,9 @@ fn fly<const N: usize>(
 }
 
 fn is_null_boundary<const N: usize>(scene: &Scene<N>, primitive: u32) -> bool {
-    scene.has_null_boundaries && primitive != NONE && {
-        let material = scene.material_of_primitive[primitive as usize];
-        scene.tables.materials[material as usize].kind == MaterialKind::Null
-    }
+    scene.has_null_boundaries
+        && primitive != NONE
+        && scene.material_at(primitive).kind == MaterialKind::Null
 }
 
 /// Moves the flight at `index`, which has reached a boundary, behind it and to the end of the
@@ -172,7 +171,7 @@ pub(super) fn step_over<const N: usize>(
     let (origin, direction) = (of(&flights.rays.origin), of(&flights.rays.direction));
     let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
     let position = origin + direction * t;
-    let normal = scene.geometric_normal(primitive, position);
+    let normal = scene.tables.geometric_normal(primitive, position);
     let skipped = offset_distance(scene.reach);
     let after = position + direction * skipped;
     let to = flights.len;
@@ -195,8 +194,7 @@ pub(super) fn beyond<const N: usize>(
     to_front: bool,
     before: u32,
 ) -> u32 {
-    let surface = scene.tables.surface_of_primitive[primitive as usize];
-    let surface = &scene.tables.surfaces[surface as usize];
+    let surface = &scene.tables.surfaces[scene.tables.surface_of(primitive) as usize];
     match if to_front { surface.exterior } else { surface.interior } {
         KEEP => before,
         medium => medium,

@@ -178,7 +178,7 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
         let zero = F32s::splat(0.0);
         let geometric = direction.dot(state.geometric);
         let arrives = within & geometric.simd_lt(zero);
-        if self.0.scene.tables.shading_normals.is_empty() {
+        if !self.0.scene.has_shading_normals {
             return add_powers(&mut state.sums, photons, row, arrives);
         }
         // Photons count by the geometric normal, and the integral asks for the shading normal.

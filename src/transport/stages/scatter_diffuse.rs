@@ -30,11 +30,9 @@ pub(super) struct MaterialLanes<const N: usize> {
 impl<const N: usize> MaterialLanes<N> {
     #[inline(always)]
     pub fn gather(scene: &Scene<N>, surfaces: &SurfaceColumns, row: usize, live: usize) -> Self {
-        let material = lanes::each(|lane| {
-            let primitive = surfaces.primitive[row + lane.min(live - 1)];
-            scene.material_of_primitive[primitive as usize]
-        });
-        let of = |lane: usize| &scene.tables.materials[material[lane] as usize];
+        let material =
+            lanes::each(|lane| scene.material_row(surfaces.primitive[row + lane.min(live - 1)]));
+        let of = |lane: usize| &scene.tables.materials[material[lane]];
         let two_sided = lanes::each(|lane| if of(lane).two_sided { 1.0 } else { 0.0 });
         let mut reflectance = [F32s::splat(0.0); N];
         for (n, reflectance) in reflectance.iter_mut().enumerate() {

@@ -99,7 +99,7 @@ struct RowLanes<'a, const N: usize> {
     /// Mask of the rows that come from the front.
     front: F32s,
     scene: &'a Scene<N>,
-    material: [u32; LANES],
+    material: [usize; LANES],
 }
 
 impl<'a, const N: usize> RowLanes<'a, N> {
@@ -114,10 +114,8 @@ impl<'a, const N: usize> RowLanes<'a, N> {
         let direction = Vector::load(&paths.rays.direction, row);
         let geometric = Vector::load(&surfaces.geometric_normal, row);
         let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
-        let material = lanes::each(|lane| {
-            let primitive = surfaces.primitive[row + lane.min(live - 1)];
-            scene.material_of_primitive[primitive as usize]
-        });
+        let material =
+            lanes::each(|lane| scene.material_row(surfaces.primitive[row + lane.min(live - 1)]));
         Self {
             direction,
             geometric,
@@ -132,7 +130,7 @@ impl<'a, const N: usize> RowLanes<'a, N> {
     #[inline(always)]
     fn field(&self, of: impl Fn(&Material<N>) -> f32) -> F32s {
         let materials = &self.scene.tables.materials;
-        F32s::from(lanes::each(|lane| of(&materials[self.material[lane] as usize])))
+        F32s::from(lanes::each(|lane| of(&materials[self.material[lane]])))
     }
 }
 

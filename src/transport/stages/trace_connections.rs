@@ -1,6 +1,6 @@
 //! Tests connections for visibility, and lets media take their share.
 
-use crate::geometry::{trace_closest, trace_visibility};
+use crate::geometry::{TraceScratch, trace_closest, trace_visibility};
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{MaterialKind, NONE};
@@ -15,14 +15,14 @@ use super::fly_through_media::step_over;
 /// Writes: connections (blocked, value), flights. Reads: connections.rays, scene.
 pub fn trace_connections<const N: usize>(
     connections: &mut ConnectionTable<N>,
-    flights: &mut FlightTable<N>,
+    (flights, scratch): (&mut FlightTable<N>, &mut TraceScratch),
     scene: &Scene<N>,
 ) {
     if scene.has_null_boundaries {
-        return cross_boundaries(connections, flights, scene);
+        return cross_boundaries(connections, (flights, scratch), scene);
     }
     let ConnectionTable { len, rays, t_max, blocked, .. } = connections;
-    trace_visibility(blocked, rays, t_max, 0..*len, &scene.accelerator);
+    trace_visibility(blocked, scratch, rays, t_max, 0..*len, &scene.accelerator);
     if scene.has_media() {
         attenuate(connections, scene);
     }
@@ -53,7 +53,7 @@ fn attenuate<const N: usize>(connections: &mut ConnectionTable<N>, scene: &Scene
 /// Follows every connection through boundaries that do not bend it, piece by piece.
 fn cross_boundaries<const N: usize>(
     connections: &mut ConnectionTable<N>,
-    flights: &mut FlightTable<N>,
+    (flights, scratch): (&mut FlightTable<N>, &mut TraceScratch),
     scene: &Scene<N>,
 ) {
     flights.clear(connections.len);
@@ -64,8 +64,8 @@ fn cross_boundaries<const N: usize>(
     }
     connections.blocked[..connections.len].fill(0);
     while flights.len > 0 {
-        let rows = 0..flights.len;
-        trace_closest(&mut flights.hits, &flights.rays, rows.clone(), &scene.accelerator);
+        let FlightTable { hits, rays, len, .. } = &mut *flights;
+        trace_closest(hits, scratch, rays, 0..*len, &scene.accelerator);
         let len = flights.len;
         flights.len = 0;
         for index in 0..len {
@@ -81,8 +81,7 @@ fn cross_boundaries<const N: usize>(
             if arrives || primitive == NONE {
                 continue;
             }
-            let material = scene.material_of_primitive[primitive as usize] as usize;
-            if scene.tables.materials[material].kind == MaterialKind::Null {
+            if scene.material_at(primitive).kind == MaterialKind::Null {
                 step_over(flights, index, scene);
             } else {
                 connections.blocked[row] = u32::MAX;

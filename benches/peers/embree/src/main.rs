@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use sunstone::geometry::{Accelerator, HitColumns, trace_closest, trace_visibility};
+use sunstone::geometry::{Accelerator, HitColumns, TraceScratch, trace_closest, trace_visibility};
 use sunstone::math::LANES;
 use sunstone::transport::chunk::ROWS;
 
@@ -86,10 +86,11 @@ fn race(arguments: &Arguments) -> Result<(), String> {
 
 /// One ray at a time for Embree, chunks as the renderer has them for Sunstone.
 fn single(scene: &Scene, set: &Set, tree: &Accelerator, peer: &mut Embree, rounds: usize) -> Raced {
+    let scratch = &mut TraceScratch::default();
     if set.far.is_empty() {
         let mut results = [HitColumns::new(set.count), HitColumns::new(set.count)];
         let nanoseconds = interleave(rounds, set.count, &mut results, |who, hits| match who {
-            0 => in_chunks(set.count, |rows| trace_closest(hits, &set.rays, rows, tree)),
+            0 => in_chunks(set.count, |rows| trace_closest(hits, scratch, &set.rays, rows, tree)),
             _ => intersect(hits, set, peer),
         });
         let differing = differing(&results, set.count);
@@ -98,7 +99,7 @@ fn single(scene: &Scene, set: &Set, tree: &Accelerator, peer: &mut Embree, round
     let mut results = [vec![0; set.count + LANES], vec![0; set.count + LANES]];
     let nanoseconds = interleave(rounds, set.count, &mut results, |who, blocked| match who {
         0 => in_chunks(set.count, |rows| {
-            trace_visibility(blocked, &set.rays, &set.far, rows, tree);
+            trace_visibility(blocked, scratch, &set.rays, &set.far, rows, tree);
         }),
         _ => occlude(blocked, set, peer),
     });
@@ -115,9 +116,10 @@ fn coherent(
     peer: &mut Embree,
     rounds: usize,
 ) -> Raced {
+    let scratch = &mut TraceScratch::default();
     let mut results = [HitColumns::new(set.count), HitColumns::new(set.count)];
     let nanoseconds = interleave(rounds, set.count, &mut results, |who, hits| match who {
-        0 => in_chunks(set.count, |rows| trace_closest(hits, &set.rays, rows, tree)),
+        0 => in_chunks(set.count, |rows| trace_closest(hits, scratch, &set.rays, rows, tree)),
         _ => intersect_coherent(hits, set, peer),
     });
     let differing = differing(&results, set.count);

@@ -1,7 +1,9 @@
 //! The sets of rays that a renderer of paths traces.
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, HitColumns, RayColumns, offset_origin, trace_closest};
+use sunstone::geometry::{
+    Accelerator, HitColumns, RayColumns, TraceScratch, offset_origin, trace_closest,
+};
 use sunstone::math::Vector;
 use sunstone::scene::baked::{NONE, Triangle};
 
@@ -132,7 +134,7 @@ fn set_row(columns: &mut RayColumns, row: usize, origin: Vec3, direction: Vec3) 
 /// What the rays of a set meet; those that meet nothing have no vertex.
 fn vertices(set: &Set, scene: &Scene, tree: &Accelerator) -> Vec<Vertex> {
     let mut hits = HitColumns::new(set.count);
-    trace_closest(&mut hits, &set.rays, 0..set.count, tree);
+    trace_closest(&mut hits, &mut TraceScratch::default(), &set.rays, 0..set.count, tree);
     let vertex = |row: usize| {
         let triangle: &Triangle = scene.triangles.get(hits.primitive[row] as usize)?;
         let [a, b, c] = triangle.corners;

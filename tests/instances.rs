@@ -1,0 +1,93 @@
+//! Scenes with instances look as if they held copies.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use sunstone::film::StokesImage;
+use sunstone::integrators::{Integrator, Mode, Photons, Settings};
+use sunstone::scattering::Scene;
+use sunstone::spectrum::Color;
+
+use support::evidence;
+use support::gltf::Flock;
+use support::rendering::{replicates, scene, settings};
+use support::scenes::flock;
+use support::statistics::{Estimate, cells, rms, rms_limits, worst};
+
+const SIZE: [u32; 2] = [24, 24];
+const REPLICATES: u32 = 32;
+/// About 3,000 numbers are compared, of which a normal one exceeds this with a chance of 4e-8.
+const LIMIT: f64 = 5.5;
+
+fn flock_of(kind: Flock) -> Scene<3> {
+    scene::<3>(&flock(kind), Color::Rgb, SIZE)
+}
+
+#[test]
+fn one_mesh_in_many_places_is_kept_once() {
+    let [shared, copied] = [Flock::Instances, Flock::Copies].map(flock_of);
+    let [ours, theirs] = [&shared, &copied].map(|scene| scene.accelerator.statistics());
+    assert_eq!((ours.objects, ours.instances), (2, 32));
+    assert_eq!((theirs.objects, theirs.instances), (0, 0));
+    let of_objects: usize =
+        shared.tables.instanced.objects().iter().map(|o| o.triangles.len()).sum();
+    assert_eq!(theirs.triangles, ours.triangles + 16 * of_objects);
+    assert!(ours.bytes < theirs.bytes / 12, "{} {}", ours.bytes, theirs.bytes);
+    let [a, b] = [&shared, &copied].map(|scene| scene.tables.bounds);
+    assert!((a.center - b.center).length() < 1e-5 && (a.radius - b.radius).abs() < 1e-5);
+}
+
+/// Differences of images with the same seeds: their means are zero but for noise, and far less
+/// noisy than with other seeds, since all but few of the paths are the same.
+#[test]
+fn instances_render_as_copies_do() {
+    let [shared, copied] = [Flock::Instances, Flock::Copies].map(flock_of);
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
+        let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 6);
+        let photons = Photons { per_iteration: 10_000, samples: 4, ..settings.photons };
+        let settings = Settings { photons, ..settings };
+        let ours = replicates(&shared, &settings, REPLICATES);
+        let theirs = replicates(&copied, &settings, REPLICATES);
+        let others = replicates(&copied, &Settings { seed: 1 << 20, ..settings }, REPLICATES);
+        let [same, other] = [&theirs, &others].map(|reference| differences(&ours, reference));
+        let scores: Vec<f64> = same.iter().filter_map(score).collect();
+        let [low, high] = rms_limits(scores.len() / 3);
+        let (rms, worst) = (rms(&scores), worst(&scores));
+        let noise = |all: &[Estimate]| all.iter().map(|it| it.variance).sum::<f64>();
+        let gain = noise(&other) / noise(&same);
+        println!(
+            "{integrator:?}: rms {rms:.2} ({low:.2} to {high:.2}), worst {worst:.2}, {gain:.0}"
+        );
+        // Photons that rattle about in glass with smooth normals are seldom and much, and no two of
+        // them the same once they differ in the last bit.
+        let gain_least = if integrator == Integrator::Ppm { 0.0 } else { 100.0 };
+        if !(rms < high && worst < LIMIT && gain > gain_least) {
+            let test = format!("instances/{integrator:?}");
+            let [ours, theirs] = [&ours, &theirs].map(|images| evidence::mean(images));
+            panic!("see {}", evidence::keep(&test, &ours, &theirs).display());
+        }
+    }
+}
+
+/// Of all planes and cells of 4 x 4 pixels.
+fn differences(ours: &[StokesImage], theirs: &[StokesImage]) -> Vec<Estimate> {
+    let image = &ours[0];
+    let cells = cells(image.width, image.height, 4, &vec![true; image.width * image.height]);
+    let mean = |image: &StokesImage, plane: usize, cell: &[usize]| {
+        cell.iter().map(|&pixel| f64::from(image.planes[plane][pixel])).sum::<f64>()
+            / cell.len() as f64
+    };
+    let mut all = Vec::new();
+    for plane in 0..image.planes.len() {
+        for cell in &cells {
+            let pairs = ours.iter().zip(theirs);
+            let of_pairs = pairs.map(|(a, b)| mean(a, plane, cell) - mean(b, plane, cell));
+            all.push(Estimate::of(&of_pairs.collect::<Vec<f64>>()));
+        }
+    }
+    all
+}
+
+fn score(difference: &Estimate) -> Option<f64> {
+    difference.score(&Estimate::exact(0.0), 1.0)
+}
