@@ -9,7 +9,7 @@ use super::accelerator::Hit;
 use super::block::{Node, Reference};
 use super::collapse::Tree;
 use super::prepared::Prepared;
-use super::walk::{Stacks, Walk};
+use super::walk::{Inside, Walk};
 
 /// Up to so many rays go on alone.
 const FEW: u32 = 2;
@@ -21,30 +21,29 @@ pub(super) fn walk_alike<const ANY: bool>(
     tree: &Tree,
     prepared: &Prepared,
     mut walks: [Walk; LANES],
-    stacks: &mut Stacks,
+    (alike, entries, inside): (&mut [(F32s, Reference)], &mut [(f32, Reference)], &mut Inside),
     better: &mut impl FnMut(usize, Hit),
 ) {
     let first = walks[0].ray;
     let mut t_max: [f32; LANES] = std::array::from_fn(|lane| walks[lane].t_max);
     let mut top = 1;
-    stacks.alike[0] = (F32s::ZERO, tree.root);
+    alike[0] = (F32s::ZERO, tree.root);
     while top > 0 {
         top -= 1;
-        let (enter, next) = stacks.alike[top];
+        let (enter, next) = alike[top];
         let limit = lanes::load(&t_max, 0);
         let is_in = enter.simd_le(limit).to_bitmask();
         if !next.is_leaf() && is_in.count_ones() > FEW {
             let node = &tree.nodes[next.row()];
-            top = push_alike(&mut stacks.alike, top, prepared, first, node, limit);
+            top = push_alike(alike, top, prepared, first, node, limit);
             continue;
         }
         for lane in (0..LANES).filter(|lane| is_in >> lane & 1 == 1) {
             let walk = &mut walks[lane];
             walk.next = next;
             if next.is_leaf() {
-                walk.meet_leaf::<ANY>(tree, prepared, &mut stacks.inside, better);
+                walk.meet_leaf::<ANY>(tree, prepared, inside, better);
             } else {
-                let Stacks { entries, inside, .. } = &mut *stacks;
                 while walk.step::<ANY>(tree, prepared, entries, inside, better) {}
             }
             let is_over = ANY && walk.has_hit();

@@ -20,6 +20,7 @@ pub(super) type Column = [f32; BATCH];
 
 /// Rays in the forms of the tests.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Prepared {
     origin: [Column; 3],
     direction: [Column; 3],

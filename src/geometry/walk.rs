@@ -134,7 +134,8 @@ impl Walk {
         let rays = prepared.rays(ray);
         if !self.next.is_of_triangles() {
             if let Some(row) = self.next.as_instance() {
-                return self.enter_instance::<ANY>(tree, row, prepared, inside, better);
+                *self = enter_instance::<ANY>(*self, (tree, row), prepared, inside, better);
+                return;
             }
             for block in &tree.sphere_blocks[self.next.blocks()] {
                 if let Some(found) = block.meet(&rays) {
@@ -149,34 +150,6 @@ impl Walk {
                 self.offer(&found, block.primitives.as_array(), better);
             }
         }
-    }
-
-    /// Goes through the tree of an instance, in the space of its object, where distances are the
-    /// same as the direction keeps its length in the world.
-    #[inline(never)]
-    fn enter_instance<const ANY: bool>(
-        &mut self,
-        tree: &Tree,
-        row: usize,
-        prepared: &Prepared,
-        inside: &mut Inside,
-        better: &mut impl FnMut(usize, Hit),
-    ) {
-        let instance = &tree.instances[row];
-        let object = &tree.objects[instance.object as usize];
-        let [origin, direction] = prepared.world_ray(self.ray & (BATCH - 1));
-        let from_middle = Vec3A::from(origin) - instance.to_world.translation;
-        let origin = (instance.to_object * from_middle).to_array();
-        let direction = (instance.to_object * Vec3A::from(direction)).to_array();
-        let TraceScratch { prepared, stacks } = &mut **inside.0.get_or_insert_default();
-        stacks.make_room(object, 1);
-        let eight = self.ray & (BATCH - 1) & !(LANES - 1);
-        prepared.prepare(eight, splat(origin), splat(direction), F32s::splat(object.reach));
-        let first_primitive = instance.first_primitive;
-        let mut walk = Walk { next: object.root, first_primitive, base: 0, top: 0, ..*self };
-        let Stacks { entries, inside, .. } = stacks;
-        while walk.step::<ANY>(object, prepared, entries, inside, better) {}
-        (self.t_max, self.nearest) = (walk.t_max, walk.nearest);
     }
 
     /// Takes over what is nearer, or as near with a smaller primitive.
@@ -215,6 +188,34 @@ impl Walk {
     }
 }
 
+/// Takes a walk through the tree of an instance, in the space of its object; distances are the same
+/// there, as the direction keeps its length in the world. The walk goes by value: one that
+/// functions point to is not kept in registers, which made all rays 5 % slower.
+#[inline(never)]
+fn enter_instance<const ANY: bool>(
+    outside: Walk,
+    (tree, row): (&Tree, usize),
+    prepared: &Prepared,
+    inside: &mut Inside,
+    better: &mut impl FnMut(usize, Hit),
+) -> Walk {
+    let instance = &tree.instances[row];
+    let object = &tree.objects[instance.object as usize];
+    let ray = outside.ray & (BATCH - 1);
+    let [origin, direction] = prepared.world_ray(ray).map(Vec3A::from);
+    let origin = instance.to_object * (origin - instance.to_world.translation);
+    let direction = instance.to_object * direction;
+    let TraceScratch { prepared, stacks } = &mut **inside.0.get_or_insert_default();
+    stacks.make_room(object, 1);
+    let [origin, direction] = [origin, direction].map(|vector| splat(vector.to_array()));
+    prepared.prepare(ray & !(LANES - 1), origin, direction, F32s::splat(object.reach));
+    let first_primitive = instance.first_primitive;
+    let mut walk = Walk { next: object.root, first_primitive, base: 0, top: 0, ..outside };
+    let Stacks { entries, inside, .. } = stacks;
+    while walk.step::<ANY>(object, prepared, entries, inside, better) {}
+    Walk { t_max: walk.t_max, nearest: walk.nearest, ..outside }
+}
+
 /// Takes rays to their ends, up to `FLIGHT` of them at a time. `load` gives origins and directions
 /// of the eight rays from a row on, `t_max` where a row's search ends; `better` is told of each
 /// hit of a row that is nearer than all before.
@@ -229,6 +230,9 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
 ) {
     let TraceScratch { prepared, stacks } = scratch;
     let room = stacks.make_room(tree, FLIGHT);
+    // Slices by value: pointers behind a pointer would be read again in every step.
+    let (entries, alike) = (stacks.entries.as_mut_slice(), stacks.alike.as_mut_slice());
+    let inside = &mut stacks.inside;
     for first in rows.clone().step_by(BATCH) {
         let batch = first..rows.end.min(first + BATCH);
         for row in batch.clone().step_by(LANES) {
@@ -249,7 +253,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
         for ray in (0..batch.len()).step_by(LANES) {
             if ray + LANES <= batch.len() && prepared.are_alike(ray, tree.reach) {
                 let walks = array::from_fn(|lane| start(ray + lane));
-                walk_alike::<ANY>(tree, prepared, walks, stacks, &mut better);
+                walk_alike::<ANY>(tree, prepared, walks, (alike, entries, inside), &mut better);
                 continue;
             }
             for ray in ray..batch.len().min(ray + LANES) {
@@ -258,7 +262,6 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
             }
         }
         let mut walks = alone[..count].iter().map(|ray| start(*ray));
-        let Stacks { entries, inside, .. } = &mut *stacks;
         if FLIGHT == 1 {
             for mut walk in walks {
                 while walk.step::<ANY>(tree, prepared, entries, inside, &mut better) {}
