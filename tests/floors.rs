@@ -23,10 +23,11 @@ const STAGES: &str = "src/transport/stages/";
 const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 /// Outside crates that only some modules may know.
-const CONFINED: [(&str, &[&str]); 7] = [
+const CONFINED: [(&str, &[&str]); 8] = [
     ("hecs", &["scene"]),
     ("gltf", &["scene"]),
     ("obvhs", &["geometry"]),
+    ("memmap2", &["geometry"]),
     ("exr", &["output", "scene"]),
     ("plotters", &["output"]),
     ("clap", &["cli"]),

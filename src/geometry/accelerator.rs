@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::scene::baked::{NONE, Sphere, Triangle};
 use crate::scene::instanced::Instanced;
 
-use super::collapse::Tree;
 use super::kernel::splat;
+use super::tree::Tree;
 use super::walk::{TraceScratch, walk};
 
 /// Scenes of at most so many primitives are traced eight rays at a time through all of them.

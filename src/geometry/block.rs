@@ -33,6 +33,12 @@ pub(super) struct Rows {
     pub sphere_blocks: usize,
 }
 
+impl Default for Reference {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 impl Reference {
     /// No child.
     pub const NONE: Self = Self(u32::MAX);

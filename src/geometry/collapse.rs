@@ -8,41 +8,34 @@
 //! Subtrees of a few thousand primitives are collapsed apart, all threads at a time; only that
 //! their roots are nodes is settled beforehand, which the optimum hardly ever disagrees with.
 
-use bytemuck::zeroed_vec;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use rayon::prelude::*;
 
 use crate::math::LANES;
 use crate::scene::baked::{NONE, Sphere, Triangle};
-use crate::scene::instanced::{Instance, Instanced};
+use crate::scene::instanced::Instance;
 
 use super::block::{LEAF_BLOCKS, Node, Reference, Rows, SphereBlock, TriangleBlock};
-use super::builder::{build_binary, largest_coordinate, parts_of};
+use super::builder::parts_of;
+use super::table::Table;
+use super::tree::Tree;
 
 /// Cost of testing and sorting the eight children of a node, relative to a block.
 /// Of 1, 1.5 and 2.2 the fastest by a few per cent on 82k triangles; no difference on small scenes.
 const NODE_COST: f32 = 1.5;
-/// Trees beyond this are large.
-const LARGE_BYTES: usize = 64 << 20;
 /// Most primitives of a subtree that is collapsed apart.
 const PART_PRIMITIVES: u32 = 4096;
 
-/// The eight-wide tree.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tree {
+/// An eight-wide tree that grows.
+#[derive(Default)]
+pub(super) struct Growth {
     pub nodes: Vec<Node>,
     pub triangle_blocks: Vec<TriangleBlock>,
     pub sphere_blocks: Vec<SphereBlock>,
-    /// Trees of their own for what is instanced.
-    pub objects: Vec<Tree>,
-    /// Where these stand.
-    pub instances: Vec<Instance>,
     /// Where every ray starts.
     pub root: Reference,
     /// Nodes on the longest way from the root to a leaf, at most.
     pub depth: u32,
-    /// Largest coordinate of any shape.
-    pub reach: f32,
 }
 
 /// The plan for one node of the binary tree. Plans lie depth first, left before right.
@@ -84,7 +77,7 @@ struct Collapse<'a> {
     /// Subtrees that are collapsed already, depth first.
     parts: &'a [Part],
     plans: Vec<Plan>,
-    tree: Tree,
+    tree: Growth,
 }
 
 /// A subtree that is collapsed.
@@ -92,67 +85,20 @@ struct Part {
     /// Its root in the binary tree.
     index: u32,
     cost: f32,
-    tree: Tree,
+    tree: Growth,
 }
 
-impl Tree {
-    /// Builds the tree, with all threads; the same input gives the same tree, bit for bit.
-    pub fn build(triangles: &[Triangle], spheres: &[Sphere], instanced: &Instanced) -> Self {
-        let instances = instanced.instances();
-        let shapes = Shapes { triangles, spheres, instances };
-        let none = Instanced::default();
-        let objects = instanced.objects().iter();
-        Self {
-            reach: largest_coordinate(&shapes),
-            objects: objects.map(|object| Self::build(&object.triangles, &[], &none)).collect(),
-            instances: instances.to_vec(),
-            ..Self::over(shapes)
-        }
-    }
-
-    fn over(shapes: Shapes) -> Self {
-        let counts = [shapes.triangles.len(), shapes.spheres.len(), shapes.instances.len()];
-        let count = counts.iter().sum();
-        let is_of_one_kind = counts.contains(&count);
-        if count > 1 && !(is_of_one_kind && shapes.instances.is_empty() && count <= LANES) {
-            return collapse(&Source { binary: &build_binary(&shapes), shapes });
-        }
-        let all: Vec<u32> = (0..count as u32).collect();
-        let mut tree = Self::empty();
-        tree.root = tree.push_leaf(&all, &Source { binary: &Bvh2::default(), shapes });
+impl Growth {
+    /// A leaf and nothing else.
+    pub fn leaf(primitives: &[u32], shapes: Shapes) -> Self {
+        let mut tree = Self::default();
+        tree.root = tree.push_leaf(primitives, &shapes);
         tree
     }
 
-    /// Whether the tree is much larger than the caches, so that most steps wait for memory.
-    pub fn is_large(&self) -> bool {
-        self.bytes() > LARGE_BYTES
-    }
-
-    /// Memory in bytes.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
-            + size_of_val(self.triangle_blocks.as_slice())
-            + size_of_val(self.sphere_blocks.as_slice())
-            + size_of_val(self.instances.as_slice())
-            + self.objects.iter().map(Self::bytes).sum::<usize>()
-    }
-
-    fn empty() -> Self {
-        Self {
-            nodes: Vec::new(),
-            triangle_blocks: Vec::new(),
-            sphere_blocks: Vec::new(),
-            objects: Vec::new(),
-            instances: Vec::new(),
-            root: Reference::NONE,
-            depth: 0,
-            reach: 0.0,
-        }
-    }
-
     /// Appends a leaf of `primitives`, all of one kind; without any it is a block of no spheres.
-    fn push_leaf(&mut self, primitives: &[u32], source: &Source) -> Reference {
-        let Shapes { triangles, spheres, .. } = source.shapes;
+    fn push_leaf(&mut self, primitives: &[u32], shapes: &Shapes) -> Reference {
+        let Shapes { triangles, spheres, .. } = *shapes;
         let triangle_count = triangles.len() as u32;
         let count = primitives.len().div_ceil(LANES).max(1) as u32;
         if primitives.first().is_some_and(|first| *first < triangle_count) {
@@ -178,8 +124,10 @@ impl Tree {
     }
 }
 
-/// Collapses the parts, then what is above them, and puts all together.
-fn collapse(source: &Source) -> Tree {
+/// Collapses the parts of a binary tree over `shapes`, then what is above them, and puts all
+/// together.
+pub(super) fn collapse(binary: &Bvh2, shapes: Shapes) -> Tree {
+    let source = &Source { binary, shapes };
     let parts: Vec<Part> = parts_of(source.binary, PART_PRIMITIVES)
         .into_par_iter()
         .map(|index| {
@@ -189,7 +137,7 @@ fn collapse(source: &Source) -> Tree {
         })
         .collect();
     if let [Part { index: 0, .. }] = parts.as_slice() {
-        return parts.into_iter().map(|part| part.tree).next().unwrap_or_else(Tree::empty);
+        return parts.into_iter().map(|part| part.tree).next().unwrap_or_default().into();
     }
     let mut top = Collapse::new(source, &parts, 0);
     top.emit();
@@ -197,13 +145,13 @@ fn collapse(source: &Source) -> Tree {
 }
 
 /// The tables of all parts, one after the other, and behind them the nodes of the top.
-fn join(top: Tree, parts: &[Part]) -> Tree {
+fn join(top: Growth, parts: &[Part]) -> Tree {
     let tables = || parts.iter().map(|part| &part.tree);
-    let count = |of: fn(&Tree) -> usize| tables().map(of).sum::<usize>();
+    let count = |of: fn(&Growth) -> usize| tables().map(of).sum::<usize>();
     let node_count = count(|tree| tree.nodes.len()) + top.nodes.len();
-    let mut nodes: Vec<Node> = zeroed_vec(node_count);
-    let mut blocks: Vec<TriangleBlock> = zeroed_vec(count(|tree| tree.triangle_blocks.len()));
-    let (mut nodes_left, mut blocks_left) = (nodes.as_mut_slice(), blocks.as_mut_slice());
+    let mut nodes = Table::zeroed(node_count);
+    let mut blocks = Table::zeroed(count(|tree| tree.triangle_blocks.len()));
+    let (mut nodes_left, mut blocks_left) = (&mut *nodes, &mut *blocks);
     let mut copies = Vec::with_capacity(parts.len());
     for (tree, base) in tables().zip(bases(parts)) {
         let to_nodes = nodes_left.split_off_mut(..tree.nodes.len()).unwrap_or_default();
@@ -223,7 +171,7 @@ fn join(top: Tree, parts: &[Part]) -> Tree {
         triangle_blocks: blocks,
         sphere_blocks: tables().flat_map(|tree| tree.sphere_blocks.iter().cloned()).collect(),
         depth: top.depth + tables().map(|tree| tree.depth).max().unwrap_or(0),
-        ..top
+        ..Tree::from(top)
     }
 }
 
@@ -241,7 +189,7 @@ fn bases(parts: &[Part]) -> impl Iterator<Item = Rows> {
 impl<'a> Collapse<'a> {
     /// The plans for the subtree at `root`, down to `parts`, which lie in it depth first.
     fn new(source: &'a Source<'a>, parts: &'a [Part], root: u32) -> Self {
-        let mut collapse = Self { source, parts, plans: Vec::new(), tree: Tree::empty() };
+        let mut collapse = Self { source, parts, plans: Vec::new(), tree: Growth::default() };
         collapse.lay_out(root);
         for position in (0..collapse.plans.len()).rev() {
             let plan = &collapse.plans[position];
@@ -370,7 +318,7 @@ impl<'a> Collapse<'a> {
                 .copied()
                 .collect();
             primitives.sort_unstable();
-            return self.tree.push_leaf(&primitives, self.source);
+            return self.tree.push_leaf(&primitives, &self.source.shapes);
         }
         let row = self.tree.nodes.len();
         self.tree.nodes.push(Node::vacant());

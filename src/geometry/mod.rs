@@ -22,6 +22,8 @@ mod offset;
 mod packet;
 mod prepared;
 mod surface;
+mod table;
+mod tree;
 mod walk;
 
 pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};

