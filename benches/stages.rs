@@ -82,7 +82,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     group.throughput(Throughput::Elements(rows as u64));
 
     group.bench_function("generate_sensor_paths", |bench| {
-        bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene, 0.0));
+        bench.iter(|| generate_sensor_paths(&mut paths, &CHUNK, &scene, 0.0, 4));
     });
     group.bench_function("trace_closest", |bench| {
         bench.iter(|| {

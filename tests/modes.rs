@@ -113,6 +113,36 @@ fn modes_share_their_noise() {
     }
 }
 
+/// A film of intensities measures S0 of the polarized film: the same paths, and of every sum of
+/// products those terms that reach the first row.
+#[test]
+fn intensity_is_the_first_stokes_component() {
+    for name in ["cornell", "mirror", "tank", "rayleigh", "polarizers"] {
+        let scene = scene::<3>(&reference_scene(name), Color::Rgb, [40, 24]);
+        for integrator in INTEGRATORS {
+            let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 8);
+            let polarized = image(&scene, &settings);
+            let intensity = image(&scene, &Settings { mode: Mode::Intensity, ..settings });
+            assert_eq!((intensity.components, intensity.planes.len()), (1, 3));
+            let scalar = image(&scene, &Settings { mode: Mode::Scalar, ..settings });
+            let brightest = polarized.planes[..3].iter().flatten().fold(0.0, |a: f32, b| a.max(*b));
+            let mut effect = 0.0_f32;
+            for plane in 0..3 {
+                let pixels = polarized.planes[plane].iter().zip(&intensity.planes[plane]);
+                for ((a, b), c) in pixels.zip(&scalar.planes[plane]) {
+                    // Rounding: relative to the pixel, and to what cancels in it.
+                    let most = 1e-5 * a.abs() + 1e-7 * brightest;
+                    assert!((a - b).abs() <= most, "{name}, {integrator:?}: {a} {b}");
+                    effect = effect.max((a - c).abs() / brightest);
+                }
+            }
+            println!("{name}, {integrator:?}: polarization changes up to {effect:.1e}");
+            // Light paths reach no sensor through glass or polarizers.
+            assert!(integrator == Integrator::Light || effect > 1e-5, "{name}, {integrator:?}");
+        }
+    }
+}
+
 /// Sum of squared deviations from the mean.
 fn spread(values: Vec<f64>) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -126,7 +156,7 @@ fn threads_change_no_bit() {
     for name in ["cornell", "mirror", "tank", "rayleigh"] {
         let scene = scene::<3>(&reference_scene(name), Color::Rgb, [40, 24]);
         for integrator in INTEGRATORS {
-            for mode in [Mode::Scalar, Mode::Polarized] {
+            for mode in [Mode::Scalar, Mode::Intensity, Mode::Polarized] {
                 let settings = settings(integrator, mode, Color::Rgb, 39, 8);
                 let photons = Photons { per_iteration: 40_000, samples: 13, ..Photons::default() };
                 let settings = Settings { replicates: 3, roulette_after: 4, photons, ..settings };

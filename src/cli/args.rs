@@ -77,9 +77,11 @@ pub enum IntegratorName {
 /// Modes by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ModeName {
-    /// Intensity only; traces the same paths as `polarized`
+    /// Light without polarization, its intensity; traces the same paths as `polarized`
     Scalar,
-    /// Stokes vectors: S0 to S3
+    /// Polarized light, its intensity: S0 of `polarized`, at less cost
+    Intensity,
+    /// Polarized light, its Stokes vector: S0 to S3
     Polarized,
 }
 
@@ -125,7 +127,7 @@ pub struct RenderArguments {
     /// How light is found
     #[arg(long, value_enum, default_value = "bdpt", help_heading = LIGHT)]
     pub integrator: IntegratorName,
-    /// Intensity only, or Stokes vectors
+    /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = LIGHT)]
     pub mode: ModeName,
     /// What the channels stand for

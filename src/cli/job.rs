@@ -77,6 +77,7 @@ pub(super) fn integrator(name: IntegratorName) -> Integrator {
 pub(super) fn mode(name: ModeName) -> Mode {
     match name {
         ModeName::Scalar => Mode::Scalar,
+        ModeName::Intensity => Mode::Intensity,
         ModeName::Polarized => Mode::Polarized,
     }
 }
@@ -242,10 +243,7 @@ pub(super) fn check_memory(
     (width, height): (u32, u32),
     available: Option<u64>,
 ) -> Result<(), CliError> {
-    let components = match settings.mode {
-        Mode::Scalar => 1,
-        Mode::Polarized => 4,
-    };
+    let components = settings.mode.components() as u64;
     let bytes_of_value = if settings.replicates > 1 { 3 * 8 + 2 * 4 } else { 2 * 8 + 4 };
     let values = u64::from(width) * u64::from(height) * components;
     let needed = values * settings.color.channels() as u64 * bytes_of_value;

@@ -143,6 +143,7 @@ pub(super) fn name_of(integrator: Integrator) -> &'static str {
 pub(super) fn mode_of(mode: Mode) -> &'static str {
     match mode {
         Mode::Scalar => "scalar",
+        Mode::Intensity => "intensity",
         Mode::Polarized => "polarized",
     }
 }

@@ -73,13 +73,26 @@ impl Default for Photons {
     }
 }
 
-/// Intensity only, or Stokes vectors.
+/// What light is made of, and what the film measures of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Intensity only.
+    /// Light without polarization, its intensity.
     Scalar,
-    /// Stokes vectors.
+    /// Polarized light, its intensity: S0 of [`Mode::Polarized`], for which sensor paths carry one
+    /// row of their matrix instead of four.
+    Intensity,
+    /// Polarized light, its Stokes vector.
     Polarized,
+}
+
+impl Mode {
+    /// Stokes components on the film.
+    pub fn components(self) -> usize {
+        match self {
+            Self::Scalar | Self::Intensity => 1,
+            Self::Polarized => 4,
+        }
+    }
 }
 
 /// What to render, validated.
@@ -144,7 +157,7 @@ pub fn render<const N: usize>(
 ) -> Outcome {
     match settings.mode {
         Mode::Scalar => render_as::<N, Scalar>(scene, settings, progress),
-        Mode::Polarized => render_as::<N, Polarized>(scene, settings, progress),
+        Mode::Intensity | Mode::Polarized => render_as::<N, Polarized>(scene, settings, progress),
     }
 }
 
@@ -183,17 +196,19 @@ fn share(settings: &Settings, replicates: u32) -> u32 {
 /// Workspaces at rest.
 struct Pool<const N: usize, M: LightModel<N>> {
     resting: Mutex<Vec<Box<Workspace<N, M>>>>,
+    components: usize,
     with_media: bool,
 }
 
 impl<const N: usize, M: LightModel<N>> Pool<N, M> {
-    fn new(with_media: bool) -> Self {
-        Self { resting: Mutex::new(Vec::new()), with_media }
+    fn new(components: usize, with_media: bool) -> Self {
+        Self { resting: Mutex::new(Vec::new()), components, with_media }
     }
 
     fn with<R>(&self, work: impl FnOnce(&mut Workspace<N, M>) -> R) -> R {
         let resting = self.resting.lock().expect("no thread panics while it holds the lock").pop();
-        let mut workspace = resting.unwrap_or_else(|| Box::new(Workspace::new(self.with_media)));
+        let create = || Box::new(Workspace::new(self.components, self.with_media));
+        let mut workspace = resting.unwrap_or_else(create);
         let result = work(&mut workspace);
         self.resting.lock().expect("no thread panics while it holds the lock").push(workspace);
         result
@@ -272,7 +287,8 @@ fn add_result<const N: usize>(
         film.add(splat.pixel as usize, &splat.value);
     }
     for splat in &result.splats.polarized {
-        film.add(splat.pixel as usize, splat.stokes.as_flattened());
+        let values = &splat.stokes.as_flattened()[..film.values_per_pixel()];
+        film.add(splat.pixel as usize, values);
     }
 }
 
@@ -313,8 +329,8 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     chunk: &Chunk,
 ) {
-    let stride = M::COMPONENTS * N;
     let Workspace { measured, profile, .. } = workspace;
+    let stride = measured.components() * N;
     profile.time(Stage::Film, || {
         sums.resize(chunk.pixels() * stride, 0.0);
         let iterations = measured.values(chunk.slots()).chunks_exact(chunk.pixels() * stride);

@@ -31,7 +31,8 @@ pub fn start<const N: usize, M: LightModel<N>>(
 ) {
     w.profile.time(Stage::Start, || {
         w.measured.clear();
-        generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths);
+        let components = w.measured.components();
+        generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths, components);
     });
 }
 

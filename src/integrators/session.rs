@@ -19,7 +19,9 @@ impl<'a> Session<'a> {
     pub fn new<const N: usize>(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
         match settings.mode {
             Mode::Scalar => Self(Box::new(Run::<N, Scalar>::new(scene, settings))),
-            Mode::Polarized => Self(Box::new(Run::<N, Polarized>::new(scene, settings))),
+            Mode::Intensity | Mode::Polarized => {
+                Self(Box::new(Run::<N, Polarized>::new(scene, settings)))
+            }
         }
     }
 
@@ -120,13 +122,14 @@ impl<'a, const N: usize, M: LightModel<N>> Run<'a, N, M> {
     pub fn new(scene: &'a Scene<N>, settings: &'a Settings) -> Self {
         let (width, height) = (scene.sensor.width, scene.sensor.height);
         let with_variance = settings.replicates > 1;
+        let components = settings.mode.components();
         let maps = (settings.integrator == Integrator::Ppm)
             .then(|| PhotonMaps::new(scene, settings.photons.per_iteration, M::POLARIZED));
         Self {
             scene,
             settings,
-            film: Film::new(width, height, settings.color, M::COMPONENTS, with_variance),
-            pool: Pool::new(scene.has_media()),
+            film: Film::new(width, height, settings.color, components, with_variance),
+            pool: Pool::new(components, scene.has_media()),
             maps,
             profile: Profile::default(),
             done: 0,

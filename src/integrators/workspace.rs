@@ -53,7 +53,7 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
 
 impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
     /// Empty tables, with or without media.
-    pub fn new(with_media: bool) -> Self {
+    pub fn new(components: usize, with_media: bool) -> Self {
         Self {
             sensor: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
@@ -68,7 +68,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),
-            measured: Measured::new(ROWS, M::COMPONENTS),
+            measured: Measured::new(ROWS, components),
             splats: Splats::default(),
             profile: Profile::default(),
         }

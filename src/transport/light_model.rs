@@ -9,30 +9,26 @@ use super::tables::carriers::{LightCarriers, SensorCarriers};
 pub trait LightModel<const N: usize>: Send + Sync + 'static {
     /// Whether Mueller kernels are evaluated.
     const POLARIZED: bool;
-    /// Stokes components on the film.
-    const COMPONENTS: usize;
     /// Carriers of light paths.
     type Light: LightSide<N> + Send;
     /// Carriers of sensor paths.
     type Sensor: SensorSide<N> + Send;
 }
 
-/// Intensity only.
+/// Light without polarization.
 pub struct Scalar;
 
-/// Stokes vectors.
+/// Stokes vectors, and Mueller matrices between them.
 pub struct Polarized;
 
 impl<const N: usize> LightModel<N> for Scalar {
     const POLARIZED: bool = false;
-    const COMPONENTS: usize = 1;
     type Light = ();
     type Sensor = ();
 }
 
 impl<const N: usize> LightModel<N> for Polarized {
     const POLARIZED: bool = true;
-    const COMPONENTS: usize = 4;
     type Light = LightCarriers<N>;
     type Sensor = SensorCarriers<N>;
 }

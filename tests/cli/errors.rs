@@ -162,7 +162,7 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--variance", "--replicates", "1"], "--replicates"),
         (&["--variance", "--spp", "2"], "--replicates"),
         (&["--integrator", "photon"], "path, light, bdpt"),
-        (&["--mode", "grey"], "scalar, polarized"),
+        (&["--mode", "grey"], "scalar, intensity, polarized"),
         (&["--no-such-option"], "--no-such-option"),
     ];
     for (options, words) in cases {

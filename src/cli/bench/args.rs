@@ -237,7 +237,7 @@ pub struct ScalingArguments {
     /// The integrator of all series but that of photons
     #[arg(long, value_enum, value_name = "NAME", default_value = "bdpt", help_heading = WORK)]
     pub integrator: IntegratorName,
-    /// Intensity only, or Stokes vectors
+    /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = WORK)]
     pub mode: ModeName,
     /// Samples per pixel where they do not grow [default: 16; 4 of pixels, 1 of photons]
@@ -272,7 +272,7 @@ pub struct ErrorArguments {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "path,bdpt,ppm")]
     #[arg(value_name = "NAME", help_heading = WORK)]
     pub integrator: Vec<IntegratorName>,
-    /// Intensity only, or Stokes vectors
+    /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = WORK)]
     pub mode: ModeName,
     /// Renders of each integrator, whose errors are averaged: 1 shows the luck of a seed

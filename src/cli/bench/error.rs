@@ -11,8 +11,8 @@ use crate::cli::files::say;
 use crate::cli::render::{color_of, mode_of, name_of};
 use crate::cli::{CliError, job, system};
 use crate::film::StokesImage;
+use crate::integrators::Settings;
 use crate::integrators::threads::Threads;
-use crate::integrators::{Mode, Settings};
 use crate::output::bench::Machine;
 use crate::output::bench::convergence::{
     ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
@@ -108,7 +108,7 @@ fn check_fit(
     settings: &Settings,
     (width, height): (u32, u32),
 ) -> Result<(), CliError> {
-    let components = if settings.mode == Mode::Polarized { 4 } else { 1 };
+    let components = settings.mode.components();
     let (width, height) = (width as usize, height as usize);
     let render = StokesImage::new(width, height, settings.color, components);
     let remedy = if (reference.width, reference.height) != (width, height) {
@@ -116,7 +116,7 @@ fn check_fit(
     } else if reference.color.channels() != settings.color.channels() {
         "choose another --color"
     } else if reference.components < components {
-        "it holds the intensity alone, which goes with --mode scalar"
+        "it holds the intensity alone, which goes with --mode scalar and intensity"
     } else {
         warn_of_wavelength(arguments, reference, settings);
         return Ok(());

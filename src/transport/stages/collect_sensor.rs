@@ -22,8 +22,8 @@ use super::splat;
 
 /// The verbs of the sensor side.
 pub trait SensorSide<const N: usize>: CarrierTable {
-    /// Starts all rows at the film.
-    fn start_at_film(&mut self, rows: usize);
+    /// Starts all rows at a film of so many Stokes components: 1 or 4.
+    fn start_at_film(&mut self, rows: usize, components: usize);
 
     /// Ends the rows that meet a depolarizer there: what they accept from now on is intensity.
     ///
@@ -70,7 +70,7 @@ pub trait SensorSide<const N: usize>: CarrierTable {
 pub type Along = (Vector<f32>, Vec3);
 
 impl<const N: usize> SensorSide<N> for () {
-    fn start_at_film(&mut self, _rows: usize) {}
+    fn start_at_film(&mut self, _rows: usize, _components: usize) {}
     fn depolarize_sensor(&mut self, _beta: &mut Channels<N>, _partition: &Partition) {}
     fn collect_sensor(
         &mut self,
@@ -104,8 +104,10 @@ impl<const N: usize> SensorSide<N> for () {
 }
 
 impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
-    fn start_at_film(&mut self, rows: usize) {
-        self.class[..rows].fill(FRESH as u8);
+    fn start_at_film(&mut self, rows: usize, components: usize) {
+        // A film of intensities is e0 e0^T: it depolarizes.
+        let class = if components == 1 { PLAIN } else { FRESH };
+        self.class[..rows].fill(class as u8);
     }
 
     fn depolarize_sensor(&mut self, beta: &mut Channels<N>, partition: &Partition) {

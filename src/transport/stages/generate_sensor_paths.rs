@@ -9,7 +9,8 @@ use crate::transport::tables::paths::PathTable;
 use super::collect_sensor::SensorSide;
 
 /// Starts the sensor paths of a chunk. `light_paths` is the number of light paths an iteration,
-/// what connections to the sensor are weighed by (0: there are none).
+/// what connections to the sensor are weighed by (0: there are none), `components` how many Stokes
+/// components the film has.
 ///
 /// To: trace_closest.
 /// Writes: paths. Reads: chunk, scene.
@@ -18,11 +19,12 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     chunk: &Chunk,
     scene: &Scene<N>,
     light_paths: f32,
+    components: usize,
 ) {
     let slots = chunk.slots();
     let sensor = &scene.sensor;
     paths.len = slots;
-    paths.carriers.start_at_film(slots);
+    paths.carriers.start_at_film(slots, components);
     for channel in &mut paths.beta {
         channel[..slots].fill(1.0);
     }

@@ -8,6 +8,7 @@
 //! | light | [`POLARIZED`] | Stokes, axis | after a polarizing event |
 //! | sensor | [`FRESH`] | none: T = 1 in the film's frame | no event yet |
 //! | sensor | [`PLAIN`] | none: c = r = e0 | after a depolarizer, nothing polarizing before |
+//! | | | | (a film of intensities counts as one) |
 //! | sensor | [`ROW`] | r, axis | a `PLAIN` row that met polarizing events since |
 //! | sensor | [`COLUMN`] | c | polarizing events, then a depolarizer |
 //! | sensor | [`RANK_ONE`] | c, r, axis | a `COLUMN` row that met polarizing events since |

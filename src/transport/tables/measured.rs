@@ -13,6 +13,11 @@ impl<const N: usize> Measured<N> {
         Self { components, values: vec![[0.0; N]; capacity * components] }
     }
 
+    /// Stokes components of a slot: 1 or 4.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
     /// Sets everything to zero.
     pub fn clear(&mut self) {
         self.values.fill([0.0; N]);
