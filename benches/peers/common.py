@@ -36,6 +36,7 @@ class Options:
     quick: bool
     threads: int
     smallvcm: Optional[Path]
+    embree: Optional[Path]
     work: Path
 
 

@@ -26,6 +26,7 @@ for module in ("numpy", "OpenEXR"):
     if importlib.util.find_spec(module) is None:
         sys.exit(f"this needs the Python module {module}: {REQUIREMENTS}")
 
+import embree_race  # noqa: E402
 import luxcore_race  # noqa: E402
 import mitsuba_race  # noqa: E402
 import smallvcm_race  # noqa: E402
@@ -43,6 +44,7 @@ PEERS: dict[str, Callable[[Options], Result]] = {
     "mitsuba": mitsuba_race.race,
     "smallvcm": smallvcm_race.race,
     "luxcore": luxcore_race.race,
+    "embree": embree_race.race,
 }
 
 
@@ -63,6 +65,9 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--sunstone", type=Path, default=REPOSITORY / "target/release/sunstone")
     parser.add_argument("--smallvcm", type=Path, help="SmallVCM's program: README.md builds it")
+    parser.add_argument(
+        "--embree", type=Path, help="Embree's library [default: that of the wheel embreex]"
+    )
     parser.add_argument("--json", type=Path, help="write all figures to this file")
     parser.add_argument("--record", type=Path, help="append the figures as a line to this file")
     chosen = parser.parse_args()
@@ -119,6 +124,7 @@ def main() -> None:
             quick=chosen.quick,
             threads=chosen.threads,
             smallvcm=chosen.smallvcm,
+            embree=chosen.embree,
             work=Path(work),
         )
         for name in chosen.peers or PEERS:

@@ -244,7 +244,7 @@ pub(super) fn check_memory(
     available: Option<u64>,
 ) -> Result<(), CliError> {
     let components = settings.mode.components() as u64;
-    let bytes_of_value = if settings.replicates > 1 { 3 * 8 + 2 * 4 } else { 2 * 8 + 4 };
+    let bytes_of_value = if settings.replicates > 1 { 3 * 8 + 2 * 4 } else { 8 + 4 };
     let values = u64::from(width) * u64::from(height) * components;
     let needed = values * settings.color.channels() as u64 * bytes_of_value;
     match available {

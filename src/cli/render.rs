@@ -65,6 +65,8 @@ fn render_with<const N: usize>(
     let times = Times { seconds, cpu_seconds, threads: threads.count() };
     let statistics = statistics(arguments, settings, size, &outcome, times);
     let mut image = outcome.film.develop();
+    // It takes more memory than the image, whose file does too while it is written.
+    drop(outcome.film);
     if !arguments.variance {
         image.variance = None;
     }

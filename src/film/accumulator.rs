@@ -14,16 +14,23 @@ pub struct Film {
     height: usize,
     color: Color,
     components: usize,
-    /// Sums of the current replicate, pixel by pixel, `component * channels + channel` within.
+    /// Sums, pixel by pixel, `component * channels + channel` within: of the current replicate if
+    /// variances are wanted, else of all.
     sums: Vec<f64>,
-    /// Mean over the finished replicates.
-    mean: Vec<f64>,
-    /// Sum of squared deviations from the mean over the finished replicates, if wanted.
-    deviations: Option<Vec<f64>>,
+    /// What the variances need, if they are wanted.
+    finished: Option<Finished>,
     /// Finished replicates.
     replicates: u32,
     /// Weight of the finished replicates: their iterations.
     iterations: u64,
+}
+
+/// The finished replicates.
+struct Finished {
+    /// Mean over them.
+    mean: Vec<f64>,
+    /// Sum of squared deviations from the mean.
+    deviations: Vec<f64>,
 }
 
 impl Film {
@@ -36,15 +43,14 @@ impl Film {
         with_variance: bool,
     ) -> Self {
         let (width, height) = (width as usize, height as usize);
-        let values = width * height * components * color.channels();
+        let values = || vec![0.0; width * height * components * color.channels()];
         Self {
             width,
             height,
             color,
             components,
-            sums: vec![0.0; values],
-            mean: vec![0.0; values],
-            deviations: with_variance.then(|| vec![0.0; values]),
+            sums: values(),
+            finished: with_variance.then(|| Finished { mean: values(), deviations: values() }),
             replicates: 0,
             iterations: 0,
         }
@@ -72,26 +78,29 @@ impl Film {
         self.iterations += u64::from(iterations);
         let share = f64::from(iterations) / self.iterations as f64;
         let weight = f64::from(iterations) * (1.0 - share);
-        for index in 0..self.sums.len() {
-            let value = self.sums[index] / f64::from(iterations);
-            let difference = value - self.mean[index];
-            self.mean[index] += difference * share;
-            if let Some(deviations) = &mut self.deviations {
-                deviations[index] += weight * difference * difference;
-            }
-            self.sums[index] = 0.0;
+        let Some(Finished { mean, deviations }) = &mut self.finished else { return };
+        let finished = mean.iter_mut().zip(deviations);
+        for (sum, (mean, deviation)) in self.sums.iter_mut().zip(finished) {
+            let difference = *sum / f64::from(iterations) - *mean;
+            *mean += difference * share;
+            *deviation += weight * difference * difference;
+            *sum = 0.0;
         }
     }
 
     /// The image of the finished replicates; variances where there are two or more of them.
     pub fn develop(&self) -> StokesImage {
         let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
-        image.planes = self.planes(&self.mean, 1.0);
+        let iterations = self.iterations.max(1) as f64;
+        let Some(Finished { mean, deviations }) = &self.finished else {
+            image.planes = self.planes(|index| self.sums[index] / iterations);
+            return image;
+        };
+        image.planes = self.planes(|index| mean[index]);
         // Replicates are of nearly equal size: the squared standard error of the weighted mean.
-        let degrees = f64::from(self.replicates.max(2) - 1) * self.iterations.max(1) as f64;
-        image.variance = (self.deviations.as_ref())
-            .filter(|_| self.replicates > 1)
-            .map(|deviations| self.planes(deviations, 1.0 / degrees));
+        let degrees = f64::from(self.replicates.max(2) - 1) * iterations;
+        let of_mean = |index: usize| deviations[index] * (1.0 / degrees);
+        image.variance = (self.replicates > 1).then(|| self.planes(of_mean));
         image
     }
 
@@ -100,17 +109,20 @@ impl Film {
     pub fn preview(&self, iterations: u32) -> StokesImage {
         let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
         let all = (self.iterations + u64::from(iterations)).max(1) as f64;
-        let finished = self.iterations as f64 / all;
-        let values = self.mean.iter().zip(&self.sums);
-        let values: Vec<f64> = values.map(|(mean, sum)| mean * finished + sum / all).collect();
-        image.planes = self.planes(&values, 1.0);
+        let share = self.iterations as f64 / all;
+        let of_finished = |index: usize| match &self.finished {
+            Some(finished) => finished.mean[index] * share,
+            None => 0.0,
+        };
+        image.planes = self.planes(|index| of_finished(index) + self.sums[index] / all);
         image
     }
 
-    fn planes(&self, values: &[f64], factor: f64) -> Vec<Vec<f32>> {
+    fn planes(&self, value_at: impl Fn(usize) -> f64) -> Vec<Vec<f32>> {
         let stride = self.values_per_pixel();
+        let value_at = &value_at;
         let plane = |offset: usize| {
-            values[offset..].iter().step_by(stride).map(|value| (value * factor) as f32).collect()
+            (offset..self.sums.len()).step_by(stride).map(|index| value_at(index) as f32).collect()
         };
         (0..stride).map(plane).collect()
     }
@@ -124,7 +136,12 @@ mod tests {
     #[test]
     fn replicates_give_mean_and_error() {
         let mut film = Film::new(2, 1, Color::Mono { wavelength_nm: 550.0 }, 1, true);
+        let mut plain = Film::new(2, 1, Color::Mono { wavelength_nm: 550.0 }, 1, false);
         for value in [1.0, 2.0, 6.0] {
+            plain.add(0, &[value * 4.0]);
+            plain.add(1, &[4.0]);
+            assert_eq!(plain.preview(4).planes[0][1], 1.0);
+            plain.finish_replicate(4);
             film.add(0, &[value * 4.0]);
             film.add(1, &[2.0]);
             film.add(1, &[2.0]);
@@ -137,6 +154,8 @@ mod tests {
         film.add(0, &[-30.0]);
         let image = film.develop();
         assert_eq!(image.planes, [vec![3.0, 1.0]]);
+        assert_eq!(plain.develop().planes, image.planes);
+        assert!(plain.develop().variance.is_none());
         let variance = &image.variance.expect("three replicates")[0];
         assert!((variance[0] - 14.0 / 6.0).abs() < 1e-6, "{}", variance[0]);
         assert_eq!(variance[1], 0.0);

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 /// Ends of names whose figures are better if they are greater.
-const MORE_IS_BETTER: [&str; 3] = ["speedup", "efficiency", "per_second"];
+const MORE_IS_BETTER: [&str; 5] =
+    ["speedup", "speed_ratio", "efficiency", "per_second", "per_cpu_second"];
 
 /// Figures by name, in the order of the names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,7 +33,9 @@ pub fn part(words: &str) -> String {
 
 /// Whether a greater value of the figure is a better one.
 pub fn more_is_better(name: &str) -> bool {
-    MORE_IS_BETTER.iter().any(|end| name.ends_with(end))
+    // Of races: how much longer the other takes to the same error.
+    let is_lead = name.starts_with("peers.") && name.ends_with(".equal_error_ratio");
+    is_lead || MORE_IS_BETTER.iter().any(|end| name.ends_with(end))
 }
 
 #[cfg(test)]
@@ -48,5 +51,7 @@ mod tests {
         assert_eq!(serde_json::to_string(&figures).unwrap(), expected);
         assert!(more_is_better("scaling.threads.speedup") && more_is_better("a.rays_per_second"));
         assert!(!more_is_better("a.speedup.seconds"));
+        let of_race = "peers.mitsuba.mirror.mono.equal_error_ratio";
+        assert!(more_is_better(of_race) && !more_is_better("error.a.path.rgb.equal_error_ratio"));
     }
 }
