@@ -225,7 +225,8 @@ fn sources() -> Vec<String> {
             let entry = entry.expect("a folder can be read");
             let path = folder.join(entry.file_name());
             if entry.path().is_dir() {
-                folders.push(path);
+                // The races' own package is built below its folder.
+                folders.extend((entry.file_name() != "target").then_some(path));
             } else if path.extension().is_some_and(|extension| extension == "rs") {
                 files.push(path.to_string_lossy().replace('\\', "/"));
             }

@@ -20,8 +20,8 @@ pub fn medium_met(primitive: u32) -> Option<u32> {
 }
 
 /// Rays that are on their way through a large tree at a time: of 4, 6, 8, 12, 16 and 24 the least
-/// that is as fast as any among 4.4 million triangles. Rays sorted beforehand, by direction or place,
-/// even all of a film, were no more than 5 % faster than these, less than sorting costs.
+/// that is as fast as any among 4.4 million triangles. Rays sorted beforehand by direction or
+/// place, even all of a film, were no more than 5 % faster than these: less than sorting costs.
 const FLIGHT: usize = 16;
 
 /// Rays. Columns are padded by [`LANES`].
