@@ -1,5 +1,7 @@
 //! Sums over iterations, with one owner and a fixed order, in double precision.
 
+use rayon::prelude::*;
+
 use crate::spectrum::Color;
 
 use super::StokesImage;
@@ -118,13 +120,13 @@ impl Film {
         image
     }
 
-    fn planes(&self, value_at: impl Fn(usize) -> f64) -> Vec<Vec<f32>> {
+    fn planes(&self, value_at: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f32>> {
         let stride = self.values_per_pixel();
         let value_at = &value_at;
         let plane = |offset: usize| {
             (offset..self.sums.len()).step_by(stride).map(|index| value_at(index) as f32).collect()
         };
-        (0..stride).map(plane).collect()
+        (0..stride).into_par_iter().map(plane).collect()
     }
 }
 
