@@ -58,6 +58,11 @@ impl Film {
         }
     }
 
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
     /// Values per pixel.
     pub fn values_per_pixel(&self) -> usize {
         self.components * self.color.channels()

@@ -14,10 +14,10 @@ pub mod session;
 pub mod threads;
 mod workspace;
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-
-use rayon::prelude::*;
 
 use crate::film::{Film, StokesImage};
 use crate::math::hash::combine;
@@ -34,10 +34,6 @@ use workspace::Workspace;
 
 /// Iterations between two looks at the clock.
 const WAVE: u32 = 16;
-
-/// Tiles between two updates of the film: what they found waits in memory until then. Fixed, so
-/// that the order of all sums is.
-const TILES: usize = 64;
 
 /// How light is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -239,50 +235,69 @@ fn wave<const N: usize, M: LightModel<N>>(
     (first, count, seed): (u32, u32, u32),
     maps: Option<&PhotonMaps<N>>,
 ) {
-    let render = |tiles: &[[u32; 4]]| -> Vec<TileResult<N>> {
-        tiles
-            .par_iter()
-            .map(|&[x, y, width, height]| {
-                let chunk = |first_iteration: u32, iterations: u32| Chunk {
-                    x,
-                    y,
-                    width,
-                    height,
-                    first_iteration,
-                    iterations,
-                    seed,
-                    path_length_max: settings.path_length_max,
-                    roulette_after: settings.roulette_after,
-                    sequence: Sequence::PerPath,
-                };
-                pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
-            })
-            .collect()
+    let render = |[x, y, width, height]: [u32; 4]| {
+        let chunk = |first_iteration: u32, iterations: u32| Chunk {
+            x,
+            y,
+            width,
+            height,
+            first_iteration,
+            iterations,
+            seed,
+            path_length_max: settings.path_length_max,
+            roulette_after: settings.roulette_after,
+            sequence: Sequence::PerPath,
+        };
+        pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
     };
-    let mut add = |tiles: &[[u32; 4]], results: &[TileResult<N>]| {
-        profile.time(Stage::Film, || {
-            for (&tile, result) in tiles.iter().zip(results) {
-                add_result(film, tile, result, scene.sensor.width);
-            }
-        });
+    let tiles = tiles(scene.sensor.width, scene.sensor.height);
+    let next = AtomicUsize::new(0);
+    let line = Mutex::new(Line { film, profile, added: 0, waiting: BTreeMap::new() });
+    // Every thread takes the next tile when it is done with one, so that none waits for others
+    // before the end, and few results for those before them.
+    let work = || {
+        while let Some((index, tile)) = take(&next, &tiles) {
+            let result = render(tile);
+            let mut line = line.lock().expect("no thread panics while it holds the lock");
+            line.add(index, result, &tiles);
+        }
     };
-    // While some tiles are added, by one thread as sums have an order, the next are rendered.
-    let all = tiles(scene.sensor.width, scene.sensor.height);
-    let (mut rendered, mut results): (&[[u32; 4]], _) = (&[], Vec::new());
-    for tiles in all.chunks(TILES) {
-        let (next, ()) = rayon::join(|| render(tiles), || add(rendered, &results));
-        (rendered, results) = (tiles, next);
-    }
-    add(rendered, &results);
+    rayon::scope(|scope| {
+        (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| work()));
+    });
 }
 
-fn add_result<const N: usize>(
-    film: &mut Film,
-    tile: [u32; 4],
-    result: &TileResult<N>,
-    film_width: u32,
-) {
-    add_sums(film, &result.sums, tile, film_width);
+/// The next tile and its place among all.
+fn take(next: &AtomicUsize, tiles: &[[u32; 4]]) -> Option<(usize, [u32; 4])> {
+    let index = next.fetch_add(1, Ordering::Relaxed);
+    tiles.get(index).map(|tile| (index, *tile))
+}
+
+/// Results on their way into the film, which takes them in the order of the tiles: sums have one.
+struct Line<'a, const N: usize> {
+    film: &'a mut Film,
+    profile: &'a mut Profile,
+    /// Tiles that are in the film.
+    added: usize,
+    /// Results of later tiles.
+    waiting: BTreeMap<usize, TileResult<N>>,
+}
+
+impl<const N: usize> Line<'_, N> {
+    fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[[u32; 4]]) {
+        let Self { film, profile, added, waiting } = self;
+        waiting.insert(index, result);
+        profile.time(Stage::Film, || {
+            while let Some(result) = waiting.remove(added) {
+                add_result(film, tiles[*added], &result);
+                *added += 1;
+            }
+        });
+    }
+}
+
+fn add_result<const N: usize>(film: &mut Film, tile: [u32; 4], result: &TileResult<N>) {
+    add_sums(film, &result.sums, tile);
     for splat in &result.splats.unpolarized {
         film.add(splat.pixel as usize, &splat.value);
     }
@@ -342,11 +357,11 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
     });
 }
 
-fn add_sums(film: &mut Film, sums: &[f32], [x, y, width, height]: [u32; 4], film_width: u32) {
+fn add_sums(film: &mut Film, sums: &[f32], [x, y, width, height]: [u32; 4]) {
     if sums.is_empty() {
         return;
     }
-    let stride = film.values_per_pixel();
+    let (stride, film_width) = (film.values_per_pixel(), film.width() as u32);
     for (line, values) in (y..y + height).zip(sums.chunks_exact(width as usize * stride)) {
         for (column, values) in (x..x + width).zip(values.chunks_exact(stride)) {
             film.add((line * film_width + column) as usize, values);
