@@ -4,10 +4,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::math::{F32s, LANES, U32s, Vector, lanes, warp};
-use sunstone::polarization::kernel::{Block, Kernel};
-use sunstone::polarization::{Rotation, Stokes, fresnel};
-use sunstone::transport::sampler::{Purpose, Stream, draw, path_seed};
+use sunstone::internals::math::{F32s, LANES, U32s, Vector, lanes, warp};
+use sunstone::internals::polarization::kernel::{Block, Kernel};
+use sunstone::internals::polarization::{Rotation, Stokes, fresnel};
+use sunstone::internals::transport::sampler::{Purpose, Stream, draw, path_seed};
 
 const ROWS: usize = 1024;
 const CHANNELS: usize = 3;

@@ -6,12 +6,12 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::math::{F32s, LANES, Vector, hash, lanes};
-use sunstone::transport::tables::nearest_photons::nearest_distances;
-use sunstone::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
-use sunstone::transport::tables::photon_queries::QueryOrder;
-use sunstone::transport::tables::photons::{PhotonClass, PhotonTable};
-use sunstone::transport::tables::{Channels, Column, channels, vectors};
+use sunstone::internals::math::{F32s, LANES, Vector, hash, lanes};
+use sunstone::internals::transport::tables::nearest_photons::nearest_distances;
+use sunstone::internals::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
+use sunstone::internals::transport::tables::photon_queries::QueryOrder;
+use sunstone::internals::transport::tables::photons::{PhotonClass, PhotonTable};
+use sunstone::internals::transport::tables::{Channels, Column, channels, vectors};
 
 const N: usize = 3;
 const COUNT: usize = 1_000_000;

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
-use sunstone::scattering::Scene;
-use sunstone::scene::{bake, load};
-use sunstone::spectrum::Color;
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::{bake, load};
+use sunstone::internals::spectrum::Color;
 
 const EDGE: u32 = 128;
 const ITERATIONS: u32 = 4;

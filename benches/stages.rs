@@ -5,29 +5,29 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::geometry::{
+use sunstone::internals::geometry::{
     HitColumns, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
-use sunstone::scattering::Scene;
-use sunstone::scene::{bake, load};
-use sunstone::spectrum::Color;
-use sunstone::transport::chunk::{ROWS, Sequence};
-use sunstone::transport::stages::advance_paths::advance_paths;
-use sunstone::transport::stages::collect_emission::Strategy;
-use sunstone::transport::stages::collect_sensor::SensorSide;
-use sunstone::transport::stages::connect_to_emitters::connect_to_emitters;
-use sunstone::transport::stages::generate_sensor_paths::generate_sensor_paths;
-use sunstone::transport::stages::partition_paths::partition_paths;
-use sunstone::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
-use sunstone::transport::stages::scatter_specular::{Event, scatter_specular};
-use sunstone::transport::stages::trace_connections::trace_connections;
-use sunstone::transport::tables::connections::ConnectionTable;
-use sunstone::transport::tables::flights::FlightTable;
-use sunstone::transport::tables::kernels::KernelColumns;
-use sunstone::transport::tables::partition::Partition;
-use sunstone::transport::tables::paths::PathTable;
-use sunstone::transport::tables::vectors;
-use sunstone::transport::{Chunk, LightModel, Polarized, Scalar};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::{bake, load};
+use sunstone::internals::spectrum::Color;
+use sunstone::internals::transport::chunk::{ROWS, Sequence};
+use sunstone::internals::transport::stages::advance_paths::advance_paths;
+use sunstone::internals::transport::stages::collect_emission::Strategy;
+use sunstone::internals::transport::stages::collect_sensor::SensorSide;
+use sunstone::internals::transport::stages::connect_to_emitters::connect_to_emitters;
+use sunstone::internals::transport::stages::generate_sensor_paths::generate_sensor_paths;
+use sunstone::internals::transport::stages::partition_paths::partition_paths;
+use sunstone::internals::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
+use sunstone::internals::transport::stages::scatter_specular::{Event, scatter_specular};
+use sunstone::internals::transport::stages::trace_connections::trace_connections;
+use sunstone::internals::transport::tables::connections::ConnectionTable;
+use sunstone::internals::transport::tables::flights::FlightTable;
+use sunstone::internals::transport::tables::kernels::KernelColumns;
+use sunstone::internals::transport::tables::partition::Partition;
+use sunstone::internals::transport::tables::paths::PathTable;
+use sunstone::internals::transport::tables::vectors;
+use sunstone::internals::transport::{Chunk, LightModel, Polarized, Scalar};
 
 const N: usize = 3;
 

@@ -4,5 +4,5 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // Nothing may come before the check of the processor that `run` begins with.
-    sunstone::cli::run()
+    sunstone::internals::cli::run()
 }

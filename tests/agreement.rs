@@ -19,11 +19,11 @@ mod support;
 
 use std::fs;
 
-use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Photons, Settings};
-use sunstone::scattering::Scene;
-use sunstone::scene::World;
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::World;
+use sunstone::internals::spectrum::Color;
 
 use support::evidence;
 use support::rendering::{

@@ -18,10 +18,10 @@ use std::sync::Mutex;
 
 use glam::Vec3;
 use serde_json::json;
-use sunstone::integrators::{self, Integrator, Mode, Photons, Settings};
-use sunstone::math::F32s;
-use sunstone::scattering::Scene;
-use sunstone::scene::World;
+use sunstone::internals::math::F32s;
+use sunstone::internals::render::{self, Integrator, Mode, Photons, Settings};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::World;
 
 use support::gltf::Document;
 use support::rendering::{MONO, scene, settings};

@@ -13,9 +13,9 @@ mod support;
 
 use glam::Vec3;
 use serde_json::json;
-use sunstone::integrators::{Integrator, Mode};
-use sunstone::scene::World;
-use sunstone::spectrum::Color;
+use sunstone::internals::render::{Integrator, Mode};
+use sunstone::internals::scene::World;
+use sunstone::internals::spectrum::Color;
 
 use support::gltf::Document;
 use support::rendering::{MONO, replicates, scene, settings};

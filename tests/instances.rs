@@ -3,10 +3,10 @@
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
 
-use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Photons, Settings};
-use sunstone::scattering::Scene;
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::spectrum::Color;
 
 use support::evidence;
 use support::gltf::Flock;

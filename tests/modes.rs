@@ -4,12 +4,12 @@
 mod support;
 
 use rayon::ThreadPoolBuilder;
-use sunstone::film::StokesImage;
-use sunstone::integrators::session::Session;
-use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
-use sunstone::scattering::Scene;
-use sunstone::scene::World;
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::render::session::Session;
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::World;
+use sunstone::internals::spectrum::Color;
 
 use support::rendering::{MONO, image, in_package, light_mask, scene, settings, world};
 use support::scenes::depolarizers;

@@ -1,11 +1,11 @@
 //! Gathering photons from the grid against looking at every photon.
 
-use sunstone::math::{F32s, LANES, Vector, hash, lanes};
-use sunstone::transport::tables::nearest_photons::nearest_distances;
-use sunstone::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
-use sunstone::transport::tables::photon_queries::QueryOrder;
-use sunstone::transport::tables::photons::{PhotonClass, PhotonTable};
-use sunstone::transport::tables::{Column, vectors};
+use sunstone::internals::math::{F32s, LANES, Vector, hash, lanes};
+use sunstone::internals::transport::tables::nearest_photons::nearest_distances;
+use sunstone::internals::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
+use sunstone::internals::transport::tables::photon_queries::QueryOrder;
+use sunstone::internals::transport::tables::photons::{PhotonClass, PhotonTable};
+use sunstone::internals::transport::tables::{Column, vectors};
 
 /// A number in [0, 1).
 fn uniform(salt: u32, row: usize, dimension: u32) -> f32 {

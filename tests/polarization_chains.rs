@@ -5,9 +5,9 @@
 mod chains;
 
 use chains::{Chain, Traced, lift, trace};
-use sunstone::math::{F32s, LANES, Real, Vector};
-use sunstone::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation};
-use sunstone::polarization::{SensorMatrix, SensorRow, Stokes};
+use sunstone::internals::math::{F32s, LANES, Real, Vector};
+use sunstone::internals::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation};
+use sunstone::internals::polarization::{SensorMatrix, SensorRow, Stokes};
 
 /// Double precision leaves a few units in the last place per event.
 const TOLERANCE_F64: f64 = 1e-12;

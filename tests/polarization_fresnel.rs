@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use sunstone::math::{F32s, LANES, Real};
-use sunstone::polarization::{Block, conductor, conductor_reflectance, dielectric};
-use sunstone::polarization::{Interface, dielectric_reflectance};
+use sunstone::internals::math::{F32s, LANES, Real};
+use sunstone::internals::polarization::{Block, conductor, conductor_reflectance, dielectric};
+use sunstone::internals::polarization::{Interface, dielectric_reflectance};
 
 /// Double precision against tables whose two independent methods agree to 6e-14.
 const TOLERANCE_F64: f64 = 1e-12;

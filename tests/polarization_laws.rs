@@ -2,10 +2,16 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
-use sunstone::math::{F32s, LANES, Real, Vector};
-use sunstone::polarization::elements::{polarizer_block, retarder_block, transmission_axis};
-use sunstone::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation, SensorRow};
-use sunstone::polarization::{SpheroidBlock, Stokes, conductor, dielectric, film_axis, s_axis};
+use sunstone::internals::math::{F32s, LANES, Real, Vector};
+use sunstone::internals::polarization::elements::{
+    polarizer_block, retarder_block, transmission_axis,
+};
+use sunstone::internals::polarization::{
+    Block, Dense, Event, Kernel, LightCarrier, Rotation, SensorRow,
+};
+use sunstone::internals::polarization::{
+    SpheroidBlock, Stokes, conductor, dielectric, film_axis, s_axis,
+};
 
 const TOLERANCE: f64 = 1e-14;
 

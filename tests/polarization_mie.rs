@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use sunstone::polarization::mie::MieSphere;
-use sunstone::polarization::rayleigh::{rayleigh, rayleigh_depolarized, rayleigh_phase};
-use sunstone::polarization::{Block, Kernel, SpheroidBlock, Stokes};
+use sunstone::internals::polarization::mie::MieSphere;
+use sunstone::internals::polarization::rayleigh::{rayleigh, rayleigh_depolarized, rayleigh_phase};
+use sunstone::internals::polarization::{Block, Kernel, SpheroidBlock, Stokes};
 
 /// Relative, against an independent double-precision code.
 const TOLERANCE: f64 = 1e-10;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use sunstone::polarization::milk::{Milk, MilkOptics};
+use sunstone::internals::polarization::milk::{Milk, MilkOptics};
 
 /// Relative, and of the matrix relative to M00.
 const TOLERANCE: f64 = 1e-3;

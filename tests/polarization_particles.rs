@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use sunstone::polarization::mie::MieSphere;
-use sunstone::polarization::particles::{Amount, Particles, Sizes, Suspension};
+use sunstone::internals::polarization::mie::MieSphere;
+use sunstone::internals::polarization::particles::{Amount, Particles, Sizes, Suspension};
 
 fn suspension(sizes: &Sizes, n: f64, k: f64) -> Suspension<'_> {
     let particles = vec![Particles { sizes, n, k, volume_fraction: 1e-3 }];

@@ -16,9 +16,9 @@ mod support;
 
 use std::ops::Range;
 
-use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Photons, Settings};
-use sunstone::output::npy::{read_npy, read_npy_with_stderr};
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::npy::{read_npy, read_npy_with_stderr};
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
 
 use support::evidence;
 use support::rendering::{MONO, in_package, light_mask, replicates, scene, settings, world};

@@ -21,9 +21,9 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
-use sunstone::integrators::{Integrator, Mode, Settings};
-use sunstone::math::hash::combine;
-use sunstone::scene::World;
+use sunstone::internals::math::hash::combine;
+use sunstone::internals::render::{Integrator, Mode, Settings};
+use sunstone::internals::scene::World;
 
 use support::gltf::Document;
 use support::rendering::{MONO, in_package, replicates, scene, settings};

@@ -6,7 +6,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArguments;
-use crate::output::visualize::Map;
+use crate::image::visualize::Map;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
 #[derive(Debug, Parser)]

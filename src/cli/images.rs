@@ -1,7 +1,7 @@
 //! The verbs that need no renderer: `visualize`, `compare`, `inspect`.
 
-use crate::output::visualize::{Map, View, panels, visualize as draw};
-use crate::output::{self, compare as comparison, inspect as image_inspection, png};
+use crate::image::visualize::{Map, View, panels, visualize as draw};
+use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::scene;
 
 use super::CliError;
@@ -12,7 +12,7 @@ use super::files::{extension, print, refuse_overwriting, require_png};
 pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {
     require_png(&arguments.output)?;
     refuse_overwriting(&arguments.output, &[&arguments.image])?;
-    let image = output::load(&arguments.image)?;
+    let image = image::load(&arguments.image)?;
     let mut view = match arguments.full_scale {
         true => View::default(),
         false => View::fitted(&image),
@@ -34,8 +34,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         require_png(path)?;
         refuse_overwriting(path, &[&arguments.image, &arguments.reference])?;
     }
-    let image = output::load(&arguments.image)?;
-    let reference = output::load(&arguments.reference)?;
+    let image = image::load(&arguments.image)?;
+    let reference = image::load(&arguments.reference)?;
     let comparison = comparison::compare(&image, &reference)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&comparison)

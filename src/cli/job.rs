@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::time::Duration;
 
-use crate::integrators::{Integrator, Mode, Photons, Settings};
+use crate::render::{Integrator, Mode, Photons, Settings};
 use crate::scene::baked::{Camera, Projection};
 use crate::spectrum::Color;
 

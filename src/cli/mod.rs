@@ -27,10 +27,10 @@ enum CliError {
     Scene(#[from] crate::scene::SceneError),
     /// A file could not be read or written, or two images do not match.
     #[error(transparent)]
-    Output(#[from] crate::output::OutputError),
+    Output(#[from] crate::image::OutputError),
     /// Threads could not be started.
     #[error(transparent)]
-    Threads(#[from] crate::integrators::threads::ThreadsError),
+    Threads(#[from] crate::render::threads::ThreadsError),
     /// The system refused something.
     #[error("{0}")]
     System(String),

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::film::StokesImage;
+use crate::image::StokesImage;
 use crate::integrators::profile::STAGES;
-use crate::integrators::threads::Threads;
-use crate::integrators::{self, Integrator, Mode, Outcome, Progress, Settings};
-use crate::output::stats::{RenderStatistics, peak_memory_bytes};
+use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
+use crate::render::threads::Threads;
+use crate::render::{self, Integrator, Mode, Outcome, Progress, Settings};
 use crate::scattering::Scene;
 use crate::scene::baked::{BakedScene, MaterialKind};
 use crate::scene::{self, World};
@@ -25,7 +25,7 @@ use super::{job, system};
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let settings = job::settings(arguments)?;
     refuse_overwriting(&arguments.output, &[&arguments.scene])?;
-    crate::output::check_savable(&arguments.output)?;
+    crate::image::check_savable(&arguments.output)?;
     let world = scene::load_with(&arguments.scene, arguments.camera.as_deref())?;
     for warning in world.warnings() {
         say(format_args!("warning: {warning}"));
@@ -53,7 +53,7 @@ fn render_with<const N: usize>(
     let updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
     let outcome = threads.run(|| {
-        integrators::render(&scene, settings, &|so_far| {
+        render::render(&scene, settings, &|so_far| {
             progress.set_position(u64::from(so_far.iterations));
             updates.write(arguments, so_far);
         })
@@ -71,7 +71,7 @@ fn render_with<const N: usize>(
         image.variance = None;
     }
     image.metadata = metadata(arguments, settings, &statistics);
-    crate::output::save(&image, &arguments.output)?;
+    crate::image::save(&image, &arguments.output)?;
     report(arguments, &statistics, &image)
 }
 
@@ -100,7 +100,7 @@ impl Updates {
             ("scene".to_owned(), arguments.scene.display().to_string()),
             ("iterations".to_owned(), iterations),
         ];
-        if let Err(error) = crate::output::save(&image, &arguments.output) {
+        if let Err(error) = crate::image::save(&image, &arguments.output) {
             say(format_args!("warning: no update was written: {error}"));
         }
         *last = Instant::now();

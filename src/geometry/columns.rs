@@ -16,7 +16,7 @@ pub const IN_MEDIUM: u32 = 1 << 31;
 /// The medium of a primitive that is marked by [`IN_MEDIUM`].
 #[inline(always)]
 pub fn medium_met(primitive: u32) -> Option<u32> {
-    (primitive >= IN_MEDIUM && primitive != NONE).then_some(primitive - IN_MEDIUM)
+    (primitive >= IN_MEDIUM && primitive != NONE).then(|| primitive - IN_MEDIUM)
 }
 
 /// Rays that are on their way through a large tree at a time: of 4, 6, 8, 12, 16 and 24 the least

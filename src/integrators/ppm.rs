@@ -9,9 +9,9 @@
 use crate::scattering::Scene;
 use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::merge_photons::merge_photons;
+use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
-use super::photon_pass::PhotonMaps;
 use super::profile::Stage;
 use super::sensor_walk::{arrive, connect_emitters, depart, for_each_connectable, start, trace};
 use super::workspace::Workspace;

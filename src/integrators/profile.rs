@@ -77,11 +77,16 @@ impl Profile {
         result
     }
 
-    /// Runs `work`, which keeps all threads busy, on the clock of `stage`.
-    pub fn time_of_all_threads<R>(&mut self, stage: Stage, work: impl FnOnce() -> R) -> R {
+    /// Runs `work`, which keeps `threads` threads busy, on the clock of `stage`.
+    pub fn time_of_threads<R>(
+        &mut self,
+        stage: Stage,
+        threads: usize,
+        work: impl FnOnce() -> R,
+    ) -> R {
         let start = Instant::now();
         let result = work();
-        self.times[stage as usize] += start.elapsed() * rayon::current_num_threads() as u32;
+        self.times[stage as usize] += start.elapsed() * threads as u32;
         result
     }
 

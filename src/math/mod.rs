@@ -3,6 +3,7 @@
 pub mod hash;
 pub mod lanes;
 pub mod real;
+pub mod statistics;
 pub mod vector;
 pub mod warp;
 

@@ -9,21 +9,21 @@
 //! The sides are different types because exchanging them is silent otherwise:
 //!
 //! ```compile_fail,E0599
-//! use sunstone::polarization::{Event, SensorRow};
+//! use sunstone::internals::polarization::{Event, SensorRow};
 //! fn wrong(sensor: SensorRow<f32>, event: &Event<f32>) -> SensorRow<f32> {
 //!     sensor.scatter(event)
 //! }
 //! ```
 //!
 //! ```compile_fail,E0599
-//! use sunstone::polarization::{Event, LightCarrier};
+//! use sunstone::internals::polarization::{Event, LightCarrier};
 //! fn wrong(light: LightCarrier<f32>, event: &Event<f32>) -> LightCarrier<f32> {
 //!     light.collect(event)
 //! }
 //! ```
 //!
 //! ```
-//! use sunstone::polarization::{Event, LightCarrier, SensorRow};
+//! use sunstone::internals::polarization::{Event, LightCarrier, SensorRow};
 //! fn right(light: LightCarrier<f32>, sensor: SensorRow<f32>, event: &Event<f32>) -> f32 {
 //!     sensor.measure(&light.scatter(event), event.k_out)
 //! }

@@ -56,8 +56,8 @@ fn scales_fit_the_image_unless_told_otherwise() {
 }
 
 fn is_weakly_polarized(image: &Path) -> bool {
-    use sunstone::output::visualize::View;
-    View::fitted(&sunstone::output::load(image).unwrap()) != View::default()
+    use sunstone::internals::image::visualize::View;
+    View::fitted(&sunstone::internals::image::load(image).unwrap()) != View::default()
 }
 
 #[test]

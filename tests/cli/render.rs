@@ -3,9 +3,9 @@
 use std::fs;
 
 use serde_json::Value;
-use sunstone::film::StokesImage;
-use sunstone::output;
-use sunstone::spectrum::Color;
+use sunstone::internals::image;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::spectrum::Color;
 
 use crate::program::{folder, names_in, scene, sunstone};
 
@@ -30,7 +30,7 @@ fn every_integrator_renders_in_every_mode_and_color() {
                 let run = sunstone(&here, &arguments).done();
                 assert!(run.stdout.is_empty(), "{}: {}", run.command, run.stdout);
 
-                let image = output::load(&here.join(&name)).unwrap();
+                let image = image::load(&here.join(&name)).unwrap();
                 assert_eq!((image.width, image.height), (16, 16), "{name}");
                 assert_eq!((image.components, image.color.channels()), (components, channels));
                 assert_eq!(metadata(&image, "integrator"), integrator);
@@ -55,7 +55,7 @@ fn every_format_is_written() {
     let stokes = ["b.S0.hdr", "b.S1.hdr", "b.S2.hdr", "b.S3.hdr"];
     let expected = [&["D.EXR", "a.exr"][..], &stokes, &["c.png", "e.S0.hdr"]].concat();
     assert_eq!(names_in(&here), expected);
-    assert_eq!(output::load(&here.join("b.hdr")).unwrap().components, 4);
+    assert_eq!(image::load(&here.join("b.hdr")).unwrap().components, 4);
     assert!(fs::read(here.join("c.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
@@ -66,7 +66,7 @@ fn options_reach_the_image() {
     let arguments = ["render", &scene, "-o", "a.exr", "--color", "mono", "--wavelength", "633"];
     let more = ["--width", "24", "--height", "8", "--variance", "--replicates", "4", "--spp", "8"];
     sunstone(&here, &[&arguments[..], &more, &["--seed", "5", "--quiet"]].concat()).done();
-    let image = output::load(&here.join("a.exr")).unwrap();
+    let image = image::load(&here.join("a.exr")).unwrap();
     assert_eq!((image.width, image.height), (24, 8));
     assert_eq!(image.color, Color::Mono { wavelength_nm: 633.0 });
     assert!(image.variance.is_some());
@@ -82,7 +82,7 @@ fn the_last_of_equal_options_counts() {
     let scene = scene("cornell");
     let arguments = ["render", &scene, "-o", "a.exr", "--width", "99", "--width", "8"];
     sunstone(&here, &[&arguments[..], &["--spp", "9", "--spp", "1"]].concat()).done();
-    assert_eq!(output::load(&here.join("a.exr")).unwrap().width, 8);
+    assert_eq!(image::load(&here.join("a.exr")).unwrap().width, 8);
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn a_time_limit_ends_a_long_render() {
     let scene = scene("cornell");
     let arguments = ["render", &scene, "-o", "a.exr", "--time-limit", "0.2", "--width", "32"];
     sunstone(&here, &[&arguments[..], &["--spp", "100000000"]].concat()).done();
-    let image = output::load(&here.join("a.exr")).unwrap();
+    let image = image::load(&here.join("a.exr")).unwrap();
     let iterations: u32 = metadata(&image, "iterations").parse().unwrap();
     assert!((1..100_000_000).contains(&iterations), "{iterations}");
 }
@@ -147,7 +147,7 @@ fn threads_change_nothing() {
         let arguments = ["render", &scene, "-o", name, "--width", "40", "--spp", "3"];
         let more = ["--threads", threads, "--seed", seed];
         sunstone(&here, &[&arguments[..], &more].concat()).done();
-        output::load(&here.join(name)).unwrap().planes
+        image::load(&here.join(name)).unwrap().planes
     };
     let one = render("one.exr", "1", "7");
     assert!(one == render("three.exr", "3", "7"), "the image depends on the number of threads");

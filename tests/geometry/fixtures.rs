@@ -1,9 +1,9 @@
 //! Scenes and rays of the tests, all from a seeded hash.
 
 use glam::Vec3;
-use sunstone::geometry::{HitColumns, RayColumns};
-use sunstone::math::LANES;
-use sunstone::scene::baked::{Sphere, Triangle};
+use sunstone::internals::geometry::{HitColumns, RayColumns};
+use sunstone::internals::math::LANES;
+use sunstone::internals::scene::baked::{Sphere, Triangle};
 
 /// A small generator (splitmix64); tests print the seed with a failure.
 pub struct Random(pub u64);

@@ -1,13 +1,13 @@
 //! Instances against the same triangles one by one.
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use sunstone::geometry::{
+use sunstone::internals::geometry::{
     Accelerator, RayColumns, SurfaceColumns, TraceScratch, offset_origin, reach, resolve_surfaces,
     trace_closest, trace_visibility,
 };
-use sunstone::math::{LANES, Vector};
-use sunstone::scene::baked::{BakedScene, NONE, Sphere, Triangle};
-use sunstone::scene::instanced::{Instance, Instanced, Object};
+use sunstone::internals::math::{LANES, Vector};
+use sunstone::internals::scene::baked::{BakedScene, NONE, Sphere, Triangle};
+use sunstone::internals::scene::instanced::{Instance, Instanced, Object};
 
 use super::fixtures::{Random, closed_box, columns, icosphere, limits, no_hits, soup};
 use super::surfaces::scene_of;

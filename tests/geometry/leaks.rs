@@ -1,8 +1,8 @@
 //! Closed meshes are tight, also for rays aimed at edges and corners.
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, TraceScratch, trace_closest, trace_visibility};
-use sunstone::scene::baked::{NONE, Triangle};
+use sunstone::internals::geometry::{Accelerator, TraceScratch, trace_closest, trace_visibility};
+use sunstone::internals::scene::baked::{NONE, Triangle};
 
 use super::fixtures::{Random, closed_box, columns, icosphere, limits, no_hits};
 

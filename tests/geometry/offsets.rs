@@ -1,10 +1,10 @@
 //! Rays that leave a surface do not meet it again, and rays that arrive do not pass it.
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, SurfaceColumns, offset_origin, resolve_surfaces};
-use sunstone::geometry::{TraceScratch, reach, trace_closest};
-use sunstone::math::Vector;
-use sunstone::scene::baked::{NONE, Sphere, Triangle};
+use sunstone::internals::geometry::{Accelerator, SurfaceColumns, offset_origin, resolve_surfaces};
+use sunstone::internals::geometry::{TraceScratch, reach, trace_closest};
+use sunstone::internals::math::Vector;
+use sunstone::internals::scene::baked::{NONE, Sphere, Triangle};
 
 use super::fixtures::{Random, closed_box, columns, cornell, no_hits, triangle};
 use super::surfaces::scene_of;

@@ -4,10 +4,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::Vec3;
-use sunstone::geometry::{Accelerator, SurfaceColumns, resolve_surfaces};
-use sunstone::geometry::{RayColumns, TraceScratch, trace_closest, trace_visibility};
-use sunstone::math::LANES;
-use sunstone::scene::baked::{NONE, Sphere, Triangle};
+use sunstone::internals::geometry::{Accelerator, SurfaceColumns, resolve_surfaces};
+use sunstone::internals::geometry::{RayColumns, TraceScratch, trace_closest, trace_visibility};
+use sunstone::internals::math::LANES;
+use sunstone::internals::scene::baked::{NONE, Sphere, Triangle};
 
 use super::fixtures::{Random, closed_box, columns, cornell, icosphere, no_hits, quad};
 use super::surfaces::scene_of;

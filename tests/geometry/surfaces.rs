@@ -1,13 +1,13 @@
 //! Points on surfaces.
 
 use glam::Vec3;
-use sunstone::geometry::{
+use sunstone::internals::geometry::{
     Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
-use sunstone::scene::baked::{
+use sunstone::internals::scene::baked::{
     BakedScene, Bounds, Camera, KEEP, Material, NONE, Projection, Sphere, Surface, Triangle,
 };
-use sunstone::scene::instanced::Instanced;
+use sunstone::internals::scene::instanced::Instanced;
 
 use super::fixtures::{Random, columns, no_hits, soup};
 

@@ -1,10 +1,10 @@
 //! Closest hits and visibility against brute force.
 
 use glam::Vec3;
-use sunstone::geometry::{
+use sunstone::internals::geometry::{
     Accelerator, Hit, RayColumns, SHORT_SCENE, TraceScratch, trace_closest, trace_visibility,
 };
-use sunstone::scene::baked::{NONE, Sphere, Triangle};
+use sunstone::internals::scene::baked::{NONE, Sphere, Triangle};
 
 use super::fixtures::{Random, columns, cornell, icosphere, limits, no_hits, quad, soup, triangle};
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use sunstone::scene::{World, load};
+use sunstone::internals::scene::{World, load};
 
 /// A path in the build's scratch folder that no other test uses.
 pub fn scratch(name: &str) -> PathBuf {

@@ -4,8 +4,8 @@ use std::fs;
 
 use crate::common::{data_uri, glb, good, load_bytes, load_json, scratch, square_bytes};
 use serde_json::{Value, json};
-use sunstone::scene::{bake, load, load_with};
-use sunstone::spectrum::Color;
+use sunstone::internals::scene::{bake, load, load_with};
+use sunstone::internals::spectrum::Color;
 
 /// What is done to the good document, and what the error must say.
 type Case = (fn(&mut Value), &'static [&'static str]);

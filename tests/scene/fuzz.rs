@@ -2,8 +2,8 @@
 
 use crate::common::{glb, good, load_bytes, square_bytes};
 use serde_json::json;
-use sunstone::scene::bake;
-use sunstone::spectrum::Color;
+use sunstone::internals::scene::bake;
+use sunstone::internals::spectrum::Color;
 
 /// Loads and, if that succeeds, bakes; whether the whole came out.
 fn survives(bytes: &[u8]) -> bool {

@@ -8,9 +8,9 @@ use std::path::Path;
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
 use glam::Vec3;
 use serde_json::{Value, json};
-use sunstone::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE};
-use sunstone::scene::{bake, extension_keys, load};
-use sunstone::spectrum::Color;
+use sunstone::internals::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE};
+use sunstone::internals::scene::{bake, extension_keys, load};
+use sunstone::internals::spectrum::Color;
 
 #[track_caller]
 fn baked(document: &Value) -> BakedScene<3> {

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use crate::common::{data_uri, good, load_json};
 use serde_json::{Value, json};
-use sunstone::polarization::mie::MieSphere;
-use sunstone::scene::bake;
-use sunstone::scene::baked::{BakedScene, KEEP, MaterialKind, NONE, Phase, PhaseTable};
-use sunstone::spectrum::Color;
+use sunstone::internals::polarization::mie::MieSphere;
+use sunstone::internals::scene::bake;
+use sunstone::internals::scene::baked::{BakedScene, KEEP, MaterialKind, NONE, Phase, PhaseTable};
+use sunstone::internals::spectrum::Color;
 
 /// The good document with two media; the sphere of glass is number 2 of its nodes.
 fn with_media() -> Value {

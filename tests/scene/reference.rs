@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use sunstone::scene::baked::{
+use sunstone::internals::scene::baked::{
     BakedScene, EmitterKind, KEEP, MaterialKind, NONE, Phase, Projection, Surface,
 };
-use sunstone::scene::{bake, load};
-use sunstone::spectrum::Color;
+use sunstone::internals::scene::{bake, load};
+use sunstone::internals::spectrum::Color;
 
 const GREEN: Color = Color::Mono { wavelength_nm: 550.0 };
 

@@ -2,12 +2,12 @@
 //! `tests/data/chains/chains.json`, and their translation into events of this crate.
 
 use serde::Deserialize;
-use sunstone::math::{Real, Vector};
-use sunstone::polarization::elements::{polarizer_block, retarder_block};
-use sunstone::polarization::mie::MieSphere;
-use sunstone::polarization::rayleigh::rayleigh;
-use sunstone::polarization::{Block, Event, LightCarrier, Stokes};
-use sunstone::polarization::{conductor, dielectric, film_axis, s_axis};
+use sunstone::internals::math::{Real, Vector};
+use sunstone::internals::polarization::elements::{polarizer_block, retarder_block};
+use sunstone::internals::polarization::mie::MieSphere;
+use sunstone::internals::polarization::rayleigh::rayleigh;
+use sunstone::internals::polarization::{Block, Event, LightCarrier, Stokes};
+use sunstone::internals::polarization::{conductor, dielectric, film_axis, s_axis};
 
 /// One chain from a light to a camera.
 #[derive(Deserialize)]

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sunstone::film::StokesImage;
-use sunstone::output::{compare, png, save};
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::{compare, png, save};
 
 /// The mean of replicates with its squared standard error.
 pub fn mean(images: &[StokesImage]) -> StokesImage {

@@ -8,7 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{Mat3, Quat, Vec3};
 use serde_json::{Value, json};
-use sunstone::scene::World;
+use sunstone::internals::scene::World;
 
 use super::rendering::world;
 

@@ -4,13 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use sunstone::film::StokesImage;
-use sunstone::integrators::{Integrator, Mode, Photons, Settings, render};
-use sunstone::math::{F32s, LANES, Vector};
-use sunstone::scattering::Scene;
-use sunstone::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE, Surface};
-use sunstone::scene::{World, bake, load};
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::math::{F32s, LANES, Vector};
+use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
+use sunstone::internals::scattering::Scene;
+use sunstone::internals::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE, Surface};
+use sunstone::internals::scene::{World, bake, load};
+use sunstone::internals::spectrum::Color;
 
 use glam::Vec3;
 

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use serde_json::json;
-use sunstone::scene::World;
+use sunstone::internals::scene::World;
 
 use super::gltf::{Document, Flock};
 

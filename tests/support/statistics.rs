@@ -8,7 +8,7 @@
 //! carry most of the light, which is why cells, and many samples a replicate, are preferred to
 //! many replicates.
 
-use sunstone::film::StokesImage;
+use sunstone::internals::image::StokesImage;
 
 /// What rounding may make of equal values.
 pub const ROUNDING: f64 = 1e-5;

@@ -7,18 +7,18 @@ use super::measure::{Taken, machine, progress_bar, timed};
 use super::report::{check_outputs, deliver};
 use super::subject::{Renderable, load};
 use super::work;
+use crate::bench::Machine;
+use crate::bench::convergence::{
+    ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
+};
 use crate::cli::files::say;
 use crate::cli::render::{color_of, mode_of, name_of};
 use crate::cli::{CliError, job, system};
-use crate::film::StokesImage;
-use crate::integrators::Settings;
-use crate::integrators::threads::Threads;
-use crate::output::bench::Machine;
-use crate::output::bench::convergence::{
-    ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
-};
-use crate::output::compare::{ComponentComparison, compare, in_words, relative_variance};
-use crate::output::load as load_image;
+use crate::image::StokesImage;
+use crate::image::compare::{ComponentComparison, compare, in_words, relative_variance};
+use crate::image::load as load_image;
+use crate::render::Settings;
+use crate::render::threads::Threads;
 use crate::spectrum::Color;
 
 /// Replicates of a reference that is rendered, for its variances.

@@ -2,9 +2,9 @@
 
 use super::args::HistoryArguments;
 use super::report::{check_outputs, show};
+use crate::bench::history::{Choice, History};
+use crate::bench::record;
 use crate::cli::CliError;
-use crate::output::bench::history::{Choice, History};
-use crate::output::bench::record;
 
 /// Most figures in a plot.
 const CURVES_MAX: usize = 12;

@@ -6,12 +6,12 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::subject::Renderable;
+use crate::bench::Machine;
+use crate::bench::costs::{Cost, Measured, Round};
 use crate::cli::system;
-use crate::integrators::Settings;
-use crate::integrators::session::Session;
-use crate::integrators::threads::Threads;
-use crate::output::bench::Machine;
-use crate::output::bench::costs::{Cost, Measured, Round};
+use crate::render::Settings;
+use crate::render::session::Session;
+use crate::render::threads::Threads;
 
 /// What something took.
 #[derive(Clone, Copy, Debug)]

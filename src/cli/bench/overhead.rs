@@ -7,13 +7,13 @@ use super::measure::{compare_modes, machine, progress_bar};
 use super::report::{check_outputs, deliver};
 use super::subject::{Renderable, Subject, load_all};
 use super::work;
+use crate::bench::Machine;
+use crate::bench::costs::Costs;
+use crate::bench::overhead::{Case, Conditions, Overhead};
 use crate::cli::render::{color_of, name_of};
 use crate::cli::{CliError, job, system};
-use crate::integrators::threads::Threads;
-use crate::integrators::{Integrator, Mode, Settings};
-use crate::output::bench::Machine;
-use crate::output::bench::costs::Costs;
-use crate::output::bench::overhead::{Case, Conditions, Overhead};
+use crate::render::threads::Threads;
+use crate::render::{Integrator, Mode, Settings};
 
 /// Samples per pixel of a round, and of an iteration of photons, where no number is typed.
 const SAMPLES: u32 = 16;

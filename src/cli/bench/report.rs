@@ -6,14 +6,14 @@ use std::time::SystemTime;
 use serde::Serialize;
 
 use super::args::{RecordedReportArguments, ReportArguments};
+use crate::bench::plot::{self, Panel};
+use crate::bench::record::{self, Record, rfc3339};
+use crate::bench::{Machine, Report};
 use crate::cli::CliError;
 use crate::cli::args::StatsFormat;
 use crate::cli::files::{print, refuse_overwriting};
 use crate::cli::system;
-use crate::output::atomic;
-use crate::output::bench::plot::{self, Panel};
-use crate::output::bench::record::{self, Record, rfc3339};
-use crate::output::bench::{Machine, Report};
+use crate::image::atomic;
 
 /// Checks, before anything is measured, that all files can be written and none is an input.
 pub fn check_outputs(

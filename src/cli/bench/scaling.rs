@@ -9,13 +9,13 @@ use super::measure::{Taken, machine, processors, progress_bar, timed};
 use super::report::{check_outputs, deliver};
 use super::subject::{Renderable, Subject, load, load_all};
 use super::work;
+use crate::bench::Machine;
+use crate::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
 use crate::cli::args::ColorName;
 use crate::cli::render::{color_of, mode_of, name_of};
 use crate::cli::{CliError, job, system};
-use crate::integrators::threads::Threads;
-use crate::integrators::{Integrator, Photons, Settings};
-use crate::output::bench::Machine;
-use crate::output::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
+use crate::render::threads::Threads;
+use crate::render::{Integrator, Photons, Settings};
 use crate::spectrum::Color;
 
 /// Samples per pixel that are rendered one after another.

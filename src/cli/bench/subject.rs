@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::bench::table1::{PAPER, PaperRow};
 use crate::cli::CliError;
 use crate::cli::files::say;
-use crate::integrators::session::Session;
-use crate::integrators::{self, Outcome, Settings};
-use crate::output::bench::table1::{PAPER, PaperRow};
+use crate::render::session::Session;
+use crate::render::{self, Outcome, Settings};
 use crate::scattering::Scene;
 use crate::scene::{self, World};
 use crate::spectrum::Color;
@@ -78,7 +78,7 @@ impl<const N: usize> Renderable for Scene<N> {
     }
 
     fn render(&self, settings: &Settings) -> Outcome {
-        integrators::render(self, settings, &|_| ())
+        render::render(self, settings, &|_| ())
     }
 }
 

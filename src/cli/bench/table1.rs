@@ -4,12 +4,12 @@ use super::args::Table1Arguments;
 use super::measure::{compare_modes, machine, progress_bar};
 use super::report::{check_outputs, deliver};
 use super::subject::{Renderable, Subject, load_all};
+use crate::bench::Machine;
+use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
 use crate::cli::{CliError, job, system};
-use crate::integrators::threads::Threads;
-use crate::integrators::{Integrator, Mode, Photons, Settings};
-use crate::output::bench::Machine;
-use crate::output::bench::table1::{Conditions, SceneReport, Table1};
+use crate::render::threads::Threads;
+use crate::render::{Integrator, Mode, Photons, Settings};
 use crate::spectrum::Color;
 
 /// The paper's Table 1.

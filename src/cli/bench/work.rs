@@ -4,7 +4,7 @@ use super::args::WorkArguments;
 use super::subject::Subject;
 use crate::cli::args::IntegratorName;
 use crate::cli::{CliError, job};
-use crate::integrators::{Integrator, Mode, Photons, Settings};
+use crate::render::{Integrator, Mode, Photons, Settings};
 use crate::spectrum::Color;
 
 /// Edge of the film where none is typed, in pixels.

@@ -2,8 +2,34 @@
 
 use std::f32::consts::PI;
 
+use crate::scattering::Met;
+
 use super::photon_grid::PhotonGrid;
 use super::photons::{PhotonClass, PhotonTable};
+
+/// The maps of all places: that of surfaces first, then those of the media in their order.
+pub struct PhotonMaps<const N: usize>(pub Vec<PhotonMap<N>>);
+
+impl<const N: usize> PhotonMaps<N> {
+    /// Empty maps for photons of the classes `classes`, by map.
+    pub fn new(classes: &[PhotonClass]) -> Self {
+        let dimensions = std::iter::once(2).chain(std::iter::repeat(3));
+        Self(classes.iter().zip(dimensions).map(|(&c, d)| PhotonMap::new(c, d)).collect())
+    }
+
+    /// The map of what a vertex has met.
+    pub fn of(&self, met: Met) -> &PhotonMap<N> {
+        &self.0[map_of(met)]
+    }
+}
+
+/// The place among the maps of what a vertex has met.
+pub fn map_of(met: Met) -> usize {
+    match met {
+        Met::Surface(_) => 0,
+        Met::Medium(row) => 1 + row as usize,
+    }
+}
 
 /// Photons of one kind of place, and how they are gathered.
 pub struct PhotonMap<const N: usize> {

@@ -9,7 +9,7 @@ use std::ptr;
 use std::time::Instant;
 
 use libloading::Library;
-use sunstone::scene::baked::Triangle;
+use sunstone::internals::scene::baked::Triangle;
 
 /// Says of a hit that there is none.
 pub const INVALID: u32 = u32::MAX;

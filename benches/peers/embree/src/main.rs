@@ -15,9 +15,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use sunstone::geometry::{Accelerator, HitColumns, TraceScratch, trace_closest, trace_visibility};
-use sunstone::math::LANES;
-use sunstone::transport::chunk::ROWS;
+use sunstone::internals::geometry::{
+    Accelerator, HitColumns, TraceScratch, trace_closest, trace_visibility,
+};
+use sunstone::internals::math::LANES;
+use sunstone::internals::transport::chunk::ROWS;
 
 use embree::{Embree, Hit, INVALID, Ray, RayHit, RayHit16};
 use rays::Set;

@@ -1,11 +1,11 @@
 //! The sets of rays that a renderer of paths traces.
 
 use glam::Vec3;
-use sunstone::geometry::{
+use sunstone::internals::geometry::{
     Accelerator, HitColumns, RayColumns, TraceScratch, offset_origin, trace_closest,
 };
-use sunstone::math::Vector;
-use sunstone::scene::baked::{NONE, Triangle};
+use sunstone::internals::math::Vector;
+use sunstone::internals::scene::baked::{NONE, Triangle};
 
 use crate::random::Random;
 use crate::scenes::Scene;

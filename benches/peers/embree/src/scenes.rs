@@ -4,9 +4,9 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::{Quat, Vec3};
-use sunstone::scene::baked::{BakedScene, Triangle};
-use sunstone::scene::{bake, load};
-use sunstone::spectrum::Color;
+use sunstone::internals::scene::baked::{BakedScene, Triangle};
+use sunstone::internals::scene::{bake, load};
+use sunstone::internals::spectrum::Color;
 
 use crate::random::Random;
 

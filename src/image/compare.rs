@@ -19,9 +19,9 @@ use super::error::OutputError;
 use super::legend::{arrange, with_legend};
 use super::palette::{BLUE_WHITE_RED, NO_LIGHT, sample};
 use super::picture::Picture;
-use super::statistics::{chi_square_limit, maximum_limit};
 use super::visualize::{luminance_at, range_of, signed_legend};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
+use crate::math::statistics::{chi_square_limit, maximum_limit};
 use crate::spectrum::Color;
 
 /// Side of the blocks over which differences are added up.

@@ -30,7 +30,7 @@ use ::exr::prelude::{
 
 use super::error::OutputError;
 use super::{atomic, check_image};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 use crate::spectrum::Color;
 
 /// The frame of S1..S3 in every file that Sunstone writes.

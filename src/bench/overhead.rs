@@ -8,7 +8,7 @@ use super::costs::{Cost, Costs};
 use super::figures::{Figures, part};
 use super::plot::{Axis, Curve, Panel, Point};
 use super::{Machine, Report, column_width, interval_in_words};
-use crate::output::statistics::Interval;
+use crate::math::statistics::Interval;
 
 /// What was measured on what.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,6 +1,4 @@
-//! Floor 8: files, pictures and reports.
-//!
-//! Everything takes a [`StokesImage`] and gives a file, a picture or words; nothing here renders.
+//! Floor 2: Stokes images, and the files, pictures and words they become. Nothing here renders.
 //!
 //! | module | holds |
 //! |---|---|
@@ -11,11 +9,9 @@
 //! | [`png`], [`picture`] | previews and pictures |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
-//! | [`inspect`], [`stats`] | words about an image and about a render |
-//! | [`mod@bench`] | measurements of this program |
+//! | [`inspect`] | words about an image |
 
 pub mod atomic;
-pub mod bench;
 pub mod compare;
 pub mod error;
 pub mod exr;
@@ -28,15 +24,13 @@ pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
-pub mod statistics;
-pub mod stats;
+mod stokes_image;
 pub mod visualize;
 
 use std::path::Path;
 
 pub use error::OutputError;
-
-use crate::film::image::StokesImage;
+pub use stokes_image::StokesImage;
 
 const SAVABLE: &str = ".exr, .hdr, .png";
 
@@ -78,7 +72,8 @@ pub fn check_savable(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-fn extension(path: &Path) -> String {
+/// The extension in lower case, without the dot; empty if there is none.
+pub fn extension(path: &Path) -> String {
     path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::figures::Figures;
 use super::interval_in_words;
 use crate::integrators::profile::{Profile, STAGES, Stage};
-use crate::output::statistics::{Interval, median, median_interval};
+use crate::math::statistics::{Interval, median, median_interval};
 
 /// Least coverage of the intervals, where there are enough rounds.
 pub const COVERAGE: f64 = 0.95;

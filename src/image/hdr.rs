@@ -19,7 +19,7 @@ use super::error::OutputError;
 use super::exr::{FRAME, HANDEDNESS};
 use super::rgbe::{self, RgbePicture};
 use super::{atomic, check_image};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 use crate::spectrum::Color;
 
 const FORMAT: &str = "Radiance HDR";

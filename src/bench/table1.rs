@@ -10,7 +10,7 @@ use super::figures::{Figures, part};
 use super::overhead::ratios;
 use super::plot::Panel;
 use super::{Machine, Report, column_width, interval_in_words, thousands};
-use crate::output::statistics::Interval;
+use crate::math::statistics::Interval;
 
 /// Table 1 of the paper and how it came about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

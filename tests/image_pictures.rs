@@ -3,11 +3,11 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::path::{Path, PathBuf};
 
-use sunstone::film::image::StokesImage;
-use sunstone::output::picture::Picture;
-use sunstone::output::visualize::{self, Map, View, aolp, colorize, dop};
-use sunstone::output::{palette, png};
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::picture::Picture;
+use sunstone::internals::image::visualize::{self, Map, View, aolp, colorize, dop};
+use sunstone::internals::image::{palette, png};
+use sunstone::internals::spectrum::Color;
 
 const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::OutputError;
 use super::exr::WAVELENGTH_UNSTATED_NM;
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 use crate::spectrum::Color;
 
 const FORMAT: &str = "NumPy";

@@ -227,7 +227,7 @@ impl fmt::Display for History {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::bench::figures::Figures;
+    use crate::bench::figures::Figures;
 
     fn record(cpu: &str, threads: usize, figures: &[(&str, f64)]) -> Record {
         let mut kept = Figures::default();

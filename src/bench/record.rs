@@ -23,7 +23,7 @@ use std::time::{Duration, SystemTime};
 use serde::{Deserialize, Serialize};
 
 use super::figures::Figures;
-use crate::output::{OutputError, atomic};
+use crate::image::{OutputError, atomic};
 
 const FORMAT: &str = "record";
 

@@ -27,7 +27,7 @@ use serde::Serialize;
 
 use self::figures::Figures;
 use self::plot::Panel;
-use super::statistics::Interval;
+use crate::math::statistics::Interval;
 
 /// A measurement that can be shown and kept. What is printed is its text or its JSON.
 pub trait Report: fmt::Display + Serialize {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::error::OutputError;
 use super::visualize::{dop, stokes_at};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 use crate::spectrum::Color;
 
 /// P may exceed S0 by this share before a pixel counts as unphysical: rounding of 32-bit floats.

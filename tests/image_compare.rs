@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use sunstone::film::image::StokesImage;
-use sunstone::output::compare::{compare, difference_picture};
-use sunstone::output::stats::{RenderStatistics, peak_memory_bytes};
-use sunstone::output::{inspect, png};
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::compare::{compare, difference_picture};
+use sunstone::internals::image::{inspect, png};
+use sunstone::internals::render::statistics::{RenderStatistics, peak_memory_bytes};
+use sunstone::internals::spectrum::Color;
 
 const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
 

@@ -8,7 +8,7 @@ use super::costs::COVERAGE;
 use super::figures::{Figures, part};
 use super::plot::{Axis, Curve, Panel, Point};
 use super::{Machine, Report, interval_in_words};
-use crate::output::statistics::{Fit, Interval, log_log_fit, median, median_interval};
+use crate::math::statistics::{Fit, Interval, log_log_fit, median, median_interval};
 
 /// Seconds by one clock.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -17,7 +17,7 @@ use super::legend::{Legend, arrange, with_legend};
 use super::palette::{self, NEUTRAL, NO_LIGHT, mix, sample};
 use super::picture::Picture;
 use super::{check_shape, png};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 use crate::spectrum::Color;
 
 /// What a picture shows.

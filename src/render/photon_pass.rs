@@ -2,20 +2,17 @@
 
 use rayon::prelude::*;
 
-use crate::scattering::{Met, Scene};
+use crate::integrators::photons;
+use crate::integrators::ppm::walk;
+use crate::integrators::profile::{Profile, Stage};
+use crate::scattering::Scene;
 use crate::scene::baked::{MaterialKind, Phase};
 use crate::transport::chunk::{ROWS, Sequence, tiles};
-use crate::transport::stages::collect_emission::Strategy;
-use crate::transport::stages::store_photons::store_photons;
 use crate::transport::tables::nearest_photons::nearest_distances;
-use crate::transport::tables::photon_maps::PhotonMap;
+use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
-use super::light_walk::{arrive, depart, start};
-use super::ppm::walk;
-use super::profile::{Profile, Stage};
-use super::workspace::Workspace;
 use super::{Pool, Settings};
 
 /// Light paths that are shot and stored together.
@@ -31,9 +28,9 @@ const PROBED_TILES: usize = 64;
 const RADIUS_OF_SCENE: f32 = 0.01;
 
 /// The maps of all places, and the photons on their way there.
-pub struct PhotonMaps<const N: usize> {
-    /// Surfaces first, then the media in their order.
-    maps: Vec<PhotonMap<N>>,
+pub struct PhotonPass<const N: usize> {
+    /// Where photons are merged.
+    pub maps: PhotonMaps<N>,
     /// First radii.
     first_radii: Vec<f32>,
     /// Photons of one batch each, by map.
@@ -51,7 +48,7 @@ pub struct Shot {
     pub earlier: u32,
 }
 
-impl<const N: usize> PhotonMaps<N> {
+impl<const N: usize> PhotonPass<N> {
     /// Empty maps for a scene; in `polarized` renders, photons in polarizing media have states.
     pub fn new(scene: &Scene<N>, photons: u32, polarized: bool) -> Self {
         let tables = &scene.tables;
@@ -69,30 +66,21 @@ impl<const N: usize> PhotonMaps<N> {
             .chain(tables.media.iter().map(|medium| class_of(&medium.phase)))
             .collect();
         let tables = || classes.iter().map(|&class| PhotonTable::new(class, 0)).collect();
-        let dimensions = std::iter::once(2).chain(std::iter::repeat(3));
         Self {
-            maps: classes.iter().zip(dimensions).map(|(&c, d)| PhotonMap::new(c, d)).collect(),
+            maps: PhotonMaps::new(&classes),
             first_radii: Vec::new(),
             batches: (0..photons.div_ceil(BATCH)).map(|_| tables()).collect(),
         }
     }
 
-    /// The map of what a vertex has met.
-    pub fn of(&self, met: Met) -> &PhotonMap<N> {
-        match met {
-            Met::Surface(_) => &self.maps[0],
-            Met::Medium(row) => &self.maps[1 + row as usize],
-        }
-    }
-
     /// Photons in all maps.
     pub fn stored(&self) -> u64 {
-        self.maps.iter().map(|map| map.stored.len as u64).sum()
+        self.maps.0.iter().map(|map| map.stored.len as u64).sum()
     }
 
     /// Radii of the kernels, by map.
     pub fn radii(&self) -> Vec<f32> {
-        self.maps.iter().map(|map| map.radius).collect()
+        self.maps.0.iter().map(|map| map.radius).collect()
     }
 
     /// Shoots the photons of an iteration and sorts them.
@@ -104,31 +92,31 @@ impl<const N: usize> PhotonMaps<N> {
         shot: Shot,
         profile: &mut Profile,
     ) {
-        let photons = settings.photons.per_iteration;
+        let light_paths = settings.photons.per_iteration;
         self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
             let index = index as u32;
             batch.iter_mut().for_each(PhotonTable::clear);
-            let end = photons.min((index + 1) * BATCH);
+            let end = light_paths.min((index + 1) * BATCH);
             for first in (index * BATCH..end).step_by(ROWS) {
                 let chunk = chunk(settings, shot, first, end.min(first + ROWS as u32) - first);
-                pool.with(|workspace| shoot_chunk(batch, workspace, scene, &chunk));
+                pool.with(|workspace| photons::photons(batch, workspace, scene, &chunk));
             }
         });
-        profile.time_of_all_threads(Stage::Store, || {
-            for (index, map) in self.maps.iter_mut().enumerate() {
+        profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
+            for (index, map) in self.maps.0.iter_mut().enumerate() {
                 map.stored.clear();
                 for batch in &self.batches {
                     map.stored.append_table(&batch[index]);
                 }
-                map.light_paths = photons as f32;
+                map.light_paths = light_paths as f32;
             }
         });
         if self.first_radii.is_empty() {
             self.first_radii = self.find_radii(pool, scene, settings, shot);
         }
         let shrinking = shrinking(settings.photons.alpha, shot.earlier);
-        profile.time_of_all_threads(Stage::Store, || {
-            for (map, first) in self.maps.iter_mut().zip(&self.first_radii) {
+        profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
+            for (map, first) in self.maps.0.iter_mut().zip(&self.first_radii) {
                 map.radius = first * shrinking.powf(1.0 / f64::from(map.dimensions)) as f32;
                 map.grid.rebuild(&map.stored, map.radius);
             }
@@ -146,11 +134,12 @@ impl<const N: usize> PhotonMaps<N> {
         shot: Shot,
     ) -> Vec<f32> {
         if let Some(radius) = settings.photons.radius {
-            return vec![radius; self.maps.len()];
+            return vec![radius; self.maps.0.len()];
         }
         let fallback = RADIUS_OF_SCENE * scene.tables.bounds.radius;
         let points = self.probe(pool, scene, settings, shot);
         self.maps
+            .0
             .iter()
             .zip(points)
             .map(|(map, points)| {
@@ -174,17 +163,14 @@ impl<const N: usize> PhotonMaps<N> {
     ) -> Vec<Vec<[f32; 3]>> {
         let tiles = tiles(scene.sensor.width, scene.sensor.height);
         let step = tiles.len().div_ceil(PROBED_TILES);
-        let mut points = vec![Vec::new(); self.maps.len()];
+        let mut points = vec![Vec::new(); self.maps.0.len()];
         for &[x, y, width, height] in tiles.iter().step_by(step) {
             let of_pixels = Chunk { sequence: Sequence::PerPath, ..chunk(settings, shot, 0, 0) };
             let chunk = Chunk { x, y, width, height, ..of_pixels };
             pool.with(|workspace| {
                 walk(workspace, scene, &chunk, |w, _| {
                     for (event, rows) in w.partition.connectable() {
-                        let map = match event.met {
-                            Met::Surface(_) => 0,
-                            Met::Medium(row) => 1 + row as usize,
-                        };
+                        let map = map_of(event.met);
                         let [x, y, z] = &w.surfaces.position;
                         points[map].extend(rows.map(|row| [x[row], y[row], z[row]]));
                     }
@@ -217,36 +203,5 @@ fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         // From the first vertex on, so that photons have about equal powers.
         roulette_after: 1,
         sequence: Sequence::Shared,
-    }
-}
-
-/// Traces the light paths of a chunk and stores what they bring. Light that comes straight from
-/// an emitter is found by connections.
-fn shoot_chunk<const N: usize, M: LightModel<N>>(
-    batch: &mut [PhotonTable<N>],
-    w: &mut Workspace<N, M>,
-    scene: &Scene<N>,
-    chunk: &Chunk,
-) {
-    start(w, scene, chunk);
-    // One more segment leads to the sensor.
-    for path_length in 1..chunk.path_length_max {
-        arrive(w, scene, chunk, path_length, Strategy::Merging);
-        if path_length > 1 {
-            let (partition, paths, surfaces) = (&w.partition, &w.light[1], &w.surfaces);
-            w.profile.time(Stage::Store, || {
-                for (event, rows) in partition.connectable() {
-                    let map = match event.met {
-                        Met::Surface(_) => &mut batch[0],
-                        Met::Medium(row) => &mut batch[1 + row as usize],
-                    };
-                    store_photons(map, paths, surfaces, rows, path_length);
-                }
-            });
-        }
-        if path_length + 1 == chunk.path_length_max || w.light[1].len == 0 {
-            break;
-        }
-        depart(w, scene, path_length);
     }
 }

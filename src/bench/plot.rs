@@ -11,8 +11,8 @@ use plotters::prelude::{
     PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, WHITE,
 };
 
-use crate::output::statistics::Interval;
-use crate::output::{OutputError, atomic, extension};
+use crate::image::{OutputError, atomic, extension};
+use crate::math::statistics::Interval;
 
 /// Size of a panel in pixels.
 const PANEL: (u32, u32) = (900, 480);

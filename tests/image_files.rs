@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sunstone::film::image::StokesImage;
-use sunstone::output::{self, OutputError, atomic, exr, hdr, npy};
-use sunstone::spectrum::Color;
+use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::{self, OutputError, atomic, exr, hdr, npy};
+use sunstone::internals::spectrum::Color;
 
 const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
 
@@ -182,8 +182,8 @@ fn hdr_round_trips_within_its_bounds() {
             }
         }
         let path = folder.join(format!("{i}.x.hdr"));
-        output::save(&image, &path).unwrap();
-        let back = output::load(&path).unwrap();
+        image::save(&image, &path).unwrap();
+        let back = image::load(&path).unwrap();
         assert_eq!(back.metadata, image.metadata);
         assert_eq!((back.width, back.height, back.color), (19, 23, image.color));
         assert_eq!(back.components, image.components);
@@ -216,13 +216,13 @@ fn hdr_of_unpolarized_light_is_exactly_unpolarized() {
     let path = folder("hdr_exact").join("grey.S0.hdr");
     let mut image = StokesImage::new(200, 3, MONO, 4);
     image.planes[0] = (0..600).map(|i| (i / 7) as f32).collect();
-    output::save(&image, &path).unwrap();
-    let back = output::load(&path).unwrap();
+    image::save(&image, &path).unwrap();
+    let back = image::load(&path).unwrap();
     assert!(back.planes[1..].iter().flatten().all(|&value| value == 0.0));
     assert_eq!(back.planes[0], image.planes[0]);
     // Written over by intensity alone, the old S1..S3 beside it must not come back.
-    output::save(&StokesImage::new(200, 3, MONO, 1), &path).unwrap();
-    assert_eq!(output::load(&path).unwrap().components, 1);
+    image::save(&StokesImage::new(200, 3, MONO, 1), &path).unwrap();
+    assert_eq!(image::load(&path).unwrap().components, 1);
 }
 
 #[test]
@@ -251,12 +251,12 @@ fn npy_arrays_become_stokes_images() {
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }\n";
     let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
     fs::write(&path, npy(header, &values)).unwrap();
-    let image = output::load(&path).unwrap();
+    let image = image::load(&path).unwrap();
     assert_eq!((image.width, image.height, image.components), (3, 2, 4));
     assert_eq!(image.planes[1], [1.0, 5.0, 9.0, 13.0, 17.0, 21.0]);
     assert_eq!(image.variance, None);
     fs::copy(&path, folder.join("stderr.npy")).unwrap();
-    let variance = output::load(&path).unwrap().variance.unwrap();
+    let variance = image::load(&path).unwrap().variance.unwrap();
     assert_eq!(variance[3], [9.0, 49.0, 121.0, 225.0, 361.0, 529.0]);
     torture(&path, npy::read_npy);
     for (from, to) in [("<f4", "<f8"), ("False", "True"), ("(2, 3, 4)", "(99999999999999, 4)")] {
@@ -269,10 +269,10 @@ fn npy_arrays_become_stokes_images() {
 fn unknown_extensions_are_refused_with_the_known_ones() {
     let image = StokesImage::new(1, 1, MONO, 1);
     for name in ["image.jpg", "image", ".exr"] {
-        let message = output::save(&image, Path::new(name)).unwrap_err().to_string();
+        let message = image::save(&image, Path::new(name)).unwrap_err().to_string();
         assert!(message.contains(".exr, .hdr, .png"), "{message}");
-        assert!(output::load(Path::new(name)).unwrap_err().to_string().contains(".npy"));
-        assert!(output::check_savable(Path::new(name)).is_err());
+        assert!(image::load(Path::new(name)).unwrap_err().to_string().contains(".npy"));
+        assert!(image::check_savable(Path::new(name)).is_err());
     }
 }
 
@@ -297,7 +297,7 @@ fn exr_files_of_mitsuba_are_read() {
     let names = "R G B A S0.R S0.G S0.B S1.R S1.G S1.B S2.R S2.G S2.B S3.R S3.G S3.B";
     let names: Vec<&str> = names.split(' ').collect();
     foreign_exr(&path, &names, |i| ::exr::prelude::f16::from_f32(i as f32));
-    let image = output::load(&path).unwrap();
+    let image = image::load(&path).unwrap();
     assert_eq!((image.width, image.height, image.components), (3, 2, 4));
     assert_eq!(image.color, Color::Rgb);
     for (i, plane) in image.planes.iter().enumerate() {

@@ -78,23 +78,23 @@ pub enum OutputError {
 
 impl OutputError {
     /// Wraps what the operating system said when `path` was written.
-    pub(super) fn write(path: &Path, source: io::Error) -> Self {
+    pub fn write(path: &Path, source: io::Error) -> Self {
         let remedy = remedy(path, &source);
         Self::Write { path: path.to_owned(), source, remedy }
     }
 
     /// Wraps what the operating system said when `path` was read.
-    pub(super) fn read(path: &Path, source: io::Error) -> Self {
+    pub fn read(path: &Path, source: io::Error) -> Self {
         Self::Read { path: path.to_owned(), source }
     }
 
     /// Says what is wrong with the contents of `path`.
-    pub(super) fn malformed(path: &Path, format: &'static str, reason: impl ToString) -> Self {
+    pub fn malformed(path: &Path, format: &'static str, reason: impl ToString) -> Self {
         Self::Malformed { path: path.to_owned(), format, reason: reason.to_string() }
     }
 
     /// Says why an image cannot be written to `path`.
-    pub(super) fn unwritable(path: &Path, reason: impl ToString) -> Self {
+    pub fn unwritable(path: &Path, reason: impl ToString) -> Self {
         Self::Unwritable { path: path.to_owned(), reason: reason.to_string() }
     }
 }

@@ -1,12 +1,13 @@
 //! A render that is stepped: what `render` does in one go, and a measurement piece by piece.
 
-use crate::film::{Film, StokesImage};
+use crate::film::Film;
+use crate::image::StokesImage;
+use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::transport::{LightModel, Polarized, Scalar};
 
-use super::photon_pass::{PhotonMaps, Shot};
-use super::profile::Profile;
+use super::photon_pass::{PhotonPass, Shot};
 use super::{Integrator, Mode, Outcome, Pool, Settings, WAVE, wave};
 
 /// A render of one replicate that goes on for as long as it is asked to. Its film is that of
@@ -93,7 +94,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<'_, N, M> {
     }
 
     fn radii(&self) -> Vec<f32> {
-        self.maps.as_ref().map_or(Vec::new(), PhotonMaps::radii)
+        self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 
     fn finish(mut self: Box<Self>) -> Outcome {
@@ -111,7 +112,7 @@ pub(super) struct Run<'a, const N: usize, M: LightModel<N>> {
     /// The sums.
     pub film: Film,
     pool: Pool<N, M>,
-    maps: Option<PhotonMaps<N>>,
+    photons: Option<PhotonPass<N>>,
     profile: Profile,
     /// Samples per pixel so far.
     pub done: u32,
@@ -123,14 +124,14 @@ impl<'a, const N: usize, M: LightModel<N>> Run<'a, N, M> {
         let (width, height) = (scene.sensor.width, scene.sensor.height);
         let with_variance = settings.replicates > 1;
         let components = settings.mode.components();
-        let maps = (settings.integrator == Integrator::Ppm)
-            .then(|| PhotonMaps::new(scene, settings.photons.per_iteration, M::POLARIZED));
+        let photons = (settings.integrator == Integrator::Ppm)
+            .then(|| PhotonPass::new(scene, settings.photons.per_iteration, M::POLARIZED));
         Self {
             scene,
             settings,
             film: Film::new(width, height, settings.color, components, with_variance),
             pool: Pool::new(components, scene.has_media()),
-            maps,
+            photons,
             profile: Profile::default(),
             done: 0,
         }
@@ -138,18 +139,19 @@ impl<'a, const N: usize, M: LightModel<N>> Run<'a, N, M> {
 
     /// Samples per pixel of a wave: those of an iteration of photons, if there are photons.
     pub fn wave_of(&self) -> u32 {
-        if self.maps.is_some() { self.settings.photons.samples } else { WAVE }
+        if self.photons.is_some() { self.settings.photons.samples } else { WAVE }
     }
 
     /// Renders one wave: `count` samples per pixel from `first` on in the sequences of `seed`.
     pub fn advance(&mut self, first: u32, count: u32, seed: u32) {
         let wave_of = self.wave_of();
-        let Self { scene, settings, film, pool, maps, profile, done } = self;
-        if let Some(maps) = maps {
+        let Self { scene, settings, film, pool, photons, profile, done } = self;
+        if let Some(photons) = photons {
             let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
-            maps.shoot(pool, scene, settings, shot, profile);
+            photons.shoot(pool, scene, settings, shot, profile);
         }
-        wave(film, profile, pool, scene, settings, (first, count, seed), maps.as_ref());
+        let maps = photons.as_ref().map(|photons| &photons.maps);
+        wave(film, profile, pool, scene, settings, (first, count, seed), maps);
         *done += count;
     }
 

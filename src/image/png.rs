@@ -6,7 +6,7 @@ use super::error::OutputError;
 use super::palette::encode_srgb;
 use super::picture::Picture;
 use super::{atomic, check_image};
-use crate::film::image::StokesImage;
+use crate::image::StokesImage;
 
 /// S0 as a picture: linear values times two to the power `exposure_ev`, clipped, sRGB encoded.
 /// Monochromatic images are grey; what is not a number is black.
