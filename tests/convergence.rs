@@ -78,7 +78,7 @@ fn render(scene: &Scene<1>, photons: Photons, seed: u32, iterations: &[u32]) -> 
     let settings = settings(Integrator::Ppm, Mode::Polarized, MONO, last, 4);
     let seed = settings.seed + 7919 * seed;
     let images = Mutex::new(Vec::new());
-    integrators::render(scene, &Settings { photons, seed, ..settings }, &|so_far| {
+    render::render(scene, &Settings { photons, seed, ..settings }, &|so_far| {
         if iterations.contains(&so_far.iterations) {
             let image = so_far.image();
             let pixels = image.planes[0].iter().map(|&value| f64::from(value)).collect();
