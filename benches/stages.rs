@@ -98,7 +98,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     group.bench_function("resolve_surfaces", |bench| {
         bench.iter(|| {
             let rays = &sorted.rays;
-            resolve_surfaces(&mut surfaces, &sorted_hits, rays, 0..live, &scene.tables);
+            resolve_surfaces(&mut surfaces, &sorted_hits, rays, 0..live, &scene.shapes);
         });
     });
     let (event, diffuse) = partition.connectable().next().expect("walls are diffuse");

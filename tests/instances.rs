@@ -30,10 +30,10 @@ fn one_mesh_in_many_places_is_kept_once() {
     assert_eq!((ours.objects, ours.instances), (2, 32));
     assert_eq!((theirs.objects, theirs.instances), (0, 0));
     let of_objects: usize =
-        shared.tables.instanced.objects().iter().map(|o| o.triangles.len()).sum();
+        shared.shapes.instanced.objects().iter().map(|o| o.triangles.len()).sum();
     assert_eq!(theirs.triangles, ours.triangles + 16 * of_objects);
     assert!(ours.bytes < theirs.bytes / 12, "{} {}", ours.bytes, theirs.bytes);
-    let [a, b] = [&shared, &copied].map(|scene| scene.tables.bounds);
+    let [a, b] = [&shared, &copied].map(|scene| scene.shapes.bounds);
     assert!((a.center - b.center).length() < 1e-5 && (a.radius - b.radius).abs() < 1e-5);
 }
 

@@ -42,7 +42,7 @@ fn render_with<const N: usize>(
     world: &World,
 ) -> Result<(), CliError> {
     let tables = scene::bake::<N>(world, settings.color)?;
-    let size = job::film_size(arguments, &tables.camera)?;
+    let size = job::film_size(arguments, &tables.shapes.camera)?;
     job::check_memory(settings, size, system::available_memory())?;
     if settings.integrator == Integrator::Light && !arguments.quiet && has_specular(&tables) {
         say(LIGHT_NOTE);
@@ -114,8 +114,8 @@ note: the integrator `light` cannot see through glass and polarizers or into mir
 
 /// Whether there are surfaces that light paths cannot connect to the sensor from.
 fn has_specular<const N: usize>(tables: &BakedScene<N>) -> bool {
-    let kind = |material: u32| tables.materials[material as usize].kind;
-    tables.surfaces.iter().any(|surface| {
+    let kind = |material: u32| tables.optics.materials[material as usize].kind;
+    tables.shapes.surfaces.iter().any(|surface| {
         let kind = kind(surface.material);
         !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
     })

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::scene::baked::{NONE, Sphere, Triangle};
+use crate::scene::baked::{NONE, Shapes, Sphere, Triangle};
 use crate::scene::instanced::Instanced;
 
 use super::kernel::splat;
@@ -62,7 +62,7 @@ pub struct Hit {
     pub u: f32,
     /// Barycentric weight of corner c, within [0, 1]; 0 for spheres.
     pub v: f32,
-    /// The primitive as [`crate::scene::baked::BakedScene`] numbers them, or [`NONE`].
+    /// The primitive as [`crate::scene::baked::Shapes`] numbers them, or [`NONE`].
     pub primitive: u32,
 }
 
@@ -98,6 +98,11 @@ impl Accelerator {
     /// Builds the tree, with all threads; the same input gives the same tree, bit for bit.
     pub fn build(triangles: &[Triangle], spheres: &[Sphere]) -> Self {
         Self::with_instances(triangles, spheres, &Instanced::default())
+    }
+
+    /// The tree over all primitives of a scene.
+    pub fn of_shapes(shapes: &Shapes) -> Self {
+        Self::with_instances(&shapes.triangles, &shapes.spheres, &shapes.instanced)
     }
 
     /// [`Accelerator::build`] for a scene that holds instances too. Their primitives have numbers

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{Vec3, Vec3A};
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scene::baked::{BakedScene, LEAST_COSINE, NONE, Triangle};
+use crate::scene::baked::{LEAST_COSINE, NONE, Shapes, Triangle};
 use crate::scene::instanced::Instance;
 
 use super::columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, store_u32};
@@ -49,34 +49,34 @@ struct Points {
 }
 
 /// Finds the position and the normals of each hit in `rows`.
-pub fn resolve_surfaces<const N: usize>(
+pub fn resolve_surfaces(
     surfaces: &mut SurfaceColumns,
     hits: &HitColumns,
     rays: &RayColumns,
     rows: Range<usize>,
-    scene: &BakedScene<N>,
+    shapes: &Shapes,
 ) {
-    let triangle_count = scene.triangles.len() as u32;
-    let own_count = triangle_count + scene.spheres.len() as u32;
+    let triangle_count = shapes.triangles.len() as u32;
+    let own_count = triangle_count + shapes.spheres.len() as u32;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let mut primitive = [NONE; LANES];
         primitive[..live].copy_from_slice(&hits.primitive[row..row + live]);
-        let surface = lanes::each(|lane| scene.surface_of(primitive[lane]));
+        let surface = lanes::each(|lane| shapes.surface_of(primitive[lane]));
         let is_sphere = primitive.map(|p| p >= triangle_count && p < own_count);
         let is_instanced = primitive.map(|p| p >= own_count && p < IN_MEDIUM);
         let is_particle = primitive.map(|p| medium_met(p).is_some());
         let mut points = if primitive.iter().any(|&p| p < triangle_count) {
-            on_triangles(&primitive, hits, row, scene)
+            on_triangles(&primitive, hits, row, shapes)
         } else {
             nowhere()
         };
         if is_sphere.contains(&true) {
-            let on_spheres = on_spheres(&primitive, hits, rays, row, scene);
+            let on_spheres = on_spheres(&primitive, hits, rays, row, shapes);
             points = select(mask_of(is_sphere), on_spheres, points);
         }
         if is_instanced.contains(&true) {
-            let on_instances = on_instances(&primitive, hits, row, scene);
+            let on_instances = on_instances(&primitive, hits, row, shapes);
             points = select(mask_of(is_instanced), on_instances, points);
         }
         if is_particle.contains(&true) {
@@ -128,17 +128,17 @@ fn normalize_or_zero(vector: Vector<F32s>) -> Vector<F32s> {
 
 /// Lanes that did not hit a triangle become zero.
 #[inline(always)]
-fn on_triangles<const N: usize>(
+fn on_triangles(
     primitive: &[u32; LANES],
     hits: &HitColumns,
     row: usize,
-    scene: &BakedScene<N>,
+    shapes: &Shapes,
 ) -> Points {
     let weights = [lanes::load(&hits.u, row), lanes::load(&hits.v, row)];
-    let triangle_in = |lane: usize| scene.triangles.get(primitive[lane] as usize);
+    let triangle_in = |lane: usize| shapes.triangles.get(primitive[lane] as usize);
     let mut points = interpolate(triangle_in, weights);
-    if !scene.shading_normals.is_empty() {
-        let normals_in = |lane: usize| scene.shading_normals.get(primitive[lane] as usize);
+    if !shapes.shading_normals.is_empty() {
+        let normals_in = |lane: usize| shapes.shading_normals.get(primitive[lane] as usize);
         points.shading_normal = interpolate_normals(normals_in, weights, points.geometric_normal);
     }
     points
@@ -146,14 +146,14 @@ fn on_triangles<const N: usize>(
 
 /// Only lanes that hit a triangle of an instance count.
 #[inline(never)]
-fn on_instances<const N: usize>(
+fn on_instances(
     primitive: &[u32; LANES],
     hits: &HitColumns,
     row: usize,
-    scene: &BakedScene<N>,
+    shapes: &Shapes,
 ) -> Points {
     let weights = [lanes::load(&hits.u, row), lanes::load(&hits.v, row)];
-    let found = lanes::each(|lane| scene.instanced.find(primitive[lane]));
+    let found = lanes::each(|lane| shapes.instanced.find(primitive[lane]));
     let triangle_in =
         |lane: usize| found[lane].and_then(|(_, object, row)| object.triangles.get(row));
     let own = interpolate(triangle_in, weights);
@@ -181,7 +181,7 @@ fn on_instances<const N: usize>(
     };
     let geometric_normal = turned(own.geometric_normal);
     let mut shading_normal = geometric_normal;
-    if scene.instanced.has_shading_normals() {
+    if shapes.instanced.has_shading_normals() {
         let normals_in =
             |lane: usize| found[lane].and_then(|(_, object, row)| object.shading_normals.get(row));
         let smooth = interpolate_normals(normals_in, weights, own.geometric_normal);
@@ -236,19 +236,20 @@ fn interpolate_normals<'a>(
 
 /// Only lanes that hit a sphere count.
 #[inline(always)]
-fn on_spheres<const N: usize>(
+fn on_spheres(
     primitive: &[u32; LANES],
     hits: &HitColumns,
     rays: &RayColumns,
     row: usize,
-    scene: &BakedScene<N>,
+    shapes: &Shapes,
 ) -> Points {
-    let first = scene.triangles.len() as u32;
-    let spheres =
-        lanes::each(|lane| match scene.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
+    let first = shapes.triangles.len() as u32;
+    let spheres = lanes::each(|lane| {
+        match shapes.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
             Some(sphere) => (sphere.center.to_array(), sphere.radius),
             None => ([0.0; 3], 0.0),
-        });
+        }
+    });
     let center = Vector::gather(|lane| spheres[lane].0);
     let radius = F32s::from(lanes::each(|lane| spheres[lane].1));
     let origin = Vector::load(&rays.origin, row);

@@ -91,7 +91,7 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
         let bounce = Bounce { path_length, side: Side::Light };
         sort(sorted, paths, &mut w.hits, &mut w.partition, scene, chunk, bounce);
         let rows = 0..sorted.len;
-        resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.tables);
+        resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.shapes);
         if strategy == Strategy::Bidirectional {
             let events = (scene, &w.partition);
             weigh_arrival(sorted, &w.hits[1], &w.surfaces, events, path_length == 1);

@@ -73,7 +73,7 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
     w.profile.time(Stage::Sort, || {
         sort(sorted, paths, &mut w.hits, &mut w.partition, scene, chunk, bounce);
         let rows = 0..sorted.len;
-        resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.tables);
+        resolve_surfaces(&mut w.surfaces, &w.hits[1], &sorted.rays, rows, &scene.shapes);
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && !scene.sensor.is_finite();
             let events = (scene, &w.partition);

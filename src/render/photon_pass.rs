@@ -51,9 +51,9 @@ pub struct Shot {
 impl<const N: usize> PhotonPass<N> {
     /// Empty maps for a scene; in `polarized` renders, photons in polarizing media have states.
     pub fn new(scene: &Scene<N>, photons: u32, polarized: bool) -> Self {
-        let tables = &scene.tables;
-        let is_chromatic = tables.materials.iter().any(|m| m.kind == MaterialKind::Conductor)
-            || tables.media.iter().any(|medium| match &medium.phase {
+        let optics = &scene.optics;
+        let is_chromatic = optics.materials.iter().any(|m| m.kind == MaterialKind::Conductor)
+            || optics.media.iter().any(|medium| match &medium.phase {
                 Phase::HenyeyGreenstein { .. } => false,
                 Phase::Table(table) => !table.achromatic,
             });
@@ -63,7 +63,7 @@ impl<const N: usize> PhotonPass<N> {
             _ => PhotonClass::Power,
         };
         let classes: Vec<PhotonClass> = std::iter::once(PhotonClass::Power)
-            .chain(tables.media.iter().map(|medium| class_of(&medium.phase)))
+            .chain(optics.media.iter().map(|medium| class_of(&medium.phase)))
             .collect();
         let tables = || classes.iter().map(|&class| PhotonTable::new(class, 0)).collect();
         Self {
@@ -136,7 +136,7 @@ impl<const N: usize> PhotonPass<N> {
         if let Some(radius) = settings.photons.radius {
             return vec![radius; self.maps.0.len()];
         }
-        let fallback = RADIUS_OF_SCENE * scene.tables.bounds.radius;
+        let fallback = RADIUS_OF_SCENE * scene.shapes.bounds.radius;
         let points = self.probe(pool, scene, settings, shot);
         self.maps
             .0

@@ -8,7 +8,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use crate::math::{F32s, LANES, Real, Vector, warp};
-use crate::scene::baked::{BakedScene, Emitter, EmitterKind};
+use crate::scene::baked::{Emitter, EmitterKind, Optics, Shapes};
 
 use super::emission::{SPHERE_PDF, cone_pdf, disk_pdf};
 
@@ -50,11 +50,11 @@ pub struct DirectLanes<const N: usize> {
 
 impl<const N: usize> DirectTable<N> {
     /// The records of a scene's emitters.
-    pub fn new(tables: &BakedScene<N>) -> Self {
-        let emitters = &tables.emitters;
+    pub fn new(shapes: &Shapes, optics: &Optics<N>) -> Self {
+        let emitters = &optics.emitters;
         Self {
             kinds: emitters.iter().map(|emitter| emitter.kind).collect(),
-            records: emitters.iter().map(|emitter| record(tables, emitter)).collect(),
+            records: emitters.iter().map(|emitter| record(shapes, emitter)).collect(),
             radiance: emitters.iter().map(|emitter| emitter.radiance).collect(),
         }
     }
@@ -142,17 +142,17 @@ impl Fields {
     }
 }
 
-fn record<const N: usize>(tables: &BakedScene<N>, emitter: &Emitter<N>) -> [f32; FIELDS] {
+fn record<const N: usize>(shapes: &Shapes, emitter: &Emitter<N>) -> [f32; FIELDS] {
     let zero = Vec3::ZERO;
     let probability = emitter.probability;
     let (a, b, c, normal, measure) = match emitter.kind {
         EmitterKind::Triangle => {
-            let [a, b, c] = tables.triangles[emitter.primitive as usize].corners;
+            let [a, b, c] = shapes.triangles[emitter.primitive as usize].corners;
             let (b, c) = (b - a, c - a);
             (a, b, c, b.cross(c).normalize(), 1.0 / emitter.area)
         }
         EmitterKind::Sphere => {
-            let sphere = tables.spheres[emitter.primitive as usize - tables.triangles.len()];
+            let sphere = shapes.spheres[emitter.primitive as usize - shapes.triangles.len()];
             let radius = Vec3::new(sphere.radius, 0.0, 0.0);
             (sphere.center, radius, zero, zero, 1.0 / emitter.area)
         }
@@ -168,10 +168,10 @@ fn record<const N: usize>(tables: &BakedScene<N>, emitter: &Emitter<N>) -> [f32;
             (emitter.position, emitter.direction, cosines, zero, measure)
         }
         EmitterKind::Directional => {
-            (-emitter.direction, zero, zero, zero, probability * disk_pdf(&tables.bounds))
+            (-emitter.direction, zero, zero, zero, probability * disk_pdf(&shapes.bounds))
         }
         EmitterKind::Environment => {
-            let measure = probability * SPHERE_PDF * disk_pdf(&tables.bounds);
+            let measure = probability * SPHERE_PDF * disk_pdf(&shapes.bounds);
             (zero, zero, zero, zero, measure)
         }
     };

@@ -63,7 +63,7 @@ pub fn sample_emission<const N: usize>(
     u_direction: [f32; 2],
 ) -> EmissionSample<N> {
     let index = scene.choose_emitter(choice);
-    let emitter = &scene.tables.emitters[index];
+    let emitter = &scene.optics.emitters[index];
     let sample = match emitter.kind {
         EmitterKind::Triangle | EmitterKind::Sphere => {
             emit_from_area(scene, emitter, u_position, u_direction)
@@ -92,16 +92,16 @@ pub fn met_emission<const N: usize>(
     if index == NONE {
         return None;
     }
-    let emitter = &scene.tables.emitters[index as usize];
+    let emitter = &scene.optics.emitters[index as usize];
     if emitter.kind == EmitterKind::Environment {
         return Some(MetEmission {
             radiance: emitter.radiance,
             direct_pdf: emitter.probability * SPHERE_PDF,
-            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(&scene.tables.bounds),
+            emission_pdf: emitter.probability * SPHERE_PDF * disk_pdf(&scene.shapes.bounds),
             cos_at_light: 1.0,
         });
     }
-    let cosine = -direction.dot(scene.tables.geometric_normal(primitive, position));
+    let cosine = -direction.dot(scene.shapes.geometric_normal(primitive, position));
     let cos_at_light = facing(emitter, cosine)?;
     Some(MetEmission {
         radiance: emitter.radiance,
@@ -142,11 +142,11 @@ fn area_emission_pdf<const N: usize>(emitter: &Emitter<N>, cos_at_light: f32) ->
 fn point_on<const N: usize>(scene: &Scene<N>, emitter: &Emitter<N>, u: [f32; 2]) -> (Vec3, Vec3) {
     let primitive = emitter.primitive as usize;
     if emitter.kind == EmitterKind::Sphere {
-        let sphere = scene.tables.spheres[primitive - scene.tables.triangles.len()];
+        let sphere = scene.shapes.spheres[primitive - scene.shapes.triangles.len()];
         let normal = sphere_direction(u);
         return (sphere.center + normal * sphere.radius, normal);
     }
-    let [a, b, c] = scene.tables.triangles[primitive].corners;
+    let [a, b, c] = scene.shapes.triangles[primitive].corners;
     // Heitz 2019, as `math::warp::triangle`.
     let (v, w) =
         if u[0] > u[1] { (u[0] - 0.5 * u[1], 0.5 * u[1]) } else { (0.5 * u[0], u[1] - 0.5 * u[0]) };
@@ -242,13 +242,13 @@ fn emit_from_infinity<const N: usize>(
     direction_pdf: f32,
     u: [f32; 2],
 ) -> EmissionSample<N> {
-    let bounds = scene.tables.bounds;
+    let bounds = scene.shapes.bounds;
     let radius = bounds.radius * u[0].sqrt();
     let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
     let direct_pdf = emitter.probability * direction_pdf;
-    let emission_pdf = direct_pdf * disk_pdf(&scene.tables.bounds);
+    let emission_pdf = direct_pdf * disk_pdf(&scene.shapes.bounds);
     EmissionSample {
         position: bounds.center + on_disk - direction * bounds.radius,
         normal: Vec3::ZERO,

@@ -1,7 +1,7 @@
 //! What paths meet, and what that does to polarization: all that tells the loops of the stages
 //! apart.
 
-use crate::scene::baked::{BakedScene, MaterialKind, Phase};
+use crate::scene::baked::{MaterialKind, Optics, Phase};
 
 /// What a path has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,8 +68,8 @@ impl Event {
 }
 
 /// All events of a scene: [`END`], those at surfaces, and one for every medium.
-pub fn events<const N: usize>(tables: &BakedScene<N>) -> Vec<Event> {
-    let in_media = tables.media.iter().zip(0..).map(|(medium, row)| {
+pub fn events<const N: usize>(optics: &Optics<N>) -> Vec<Event> {
+    let in_media = optics.media.iter().zip(0..).map(|(medium, row)| {
         let (form, achromatic) = match &medium.phase {
             Phase::HenyeyGreenstein { .. } => (Form::Depolarizer, true),
             Phase::Table(table) if table.spheres => (Form::Block, table.achromatic),

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::Accelerator;
-use crate::scene::baked::{BakedScene, EmitterKind, KEEP, NONE};
+use crate::scene::baked::{Emitter, EmitterKind, KEEP, NONE, Shapes};
 
 /// Directions in which to look for the nearest boundary; the majority rules, as one of them may
 /// run along an edge.
@@ -24,20 +24,22 @@ const SURFACES_MAX: usize = 256;
 const STEP: f32 = 1e-5;
 
 /// Finds media of points in a scene.
-pub struct Immersion<'a, const N: usize> {
-    tables: &'a BakedScene<N>,
+pub struct Immersion<'a> {
+    shapes: &'a Shapes,
     accelerator: &'a Accelerator,
+    /// Without media there is nothing to look for.
+    has_media: bool,
 }
 
-impl<'a, const N: usize> Immersion<'a, N> {
-    /// Looks at the surfaces of `tables`, found by `accelerator`.
-    pub fn new(tables: &'a BakedScene<N>, accelerator: &'a Accelerator) -> Self {
-        Self { tables, accelerator }
+impl<'a> Immersion<'a> {
+    /// Looks at the surfaces of `shapes`, found by `accelerator`.
+    pub fn new(shapes: &'a Shapes, accelerator: &'a Accelerator, has_media: bool) -> Self {
+        Self { shapes, accelerator, has_media }
     }
 
     /// The medium around a point: a row in `media`, or [`NONE`].
     pub fn at(&self, point: Vec3) -> u32 {
-        if self.tables.media.is_empty() {
+        if !self.has_media {
             return NONE;
         }
         let found = DIRECTIONS.map(|direction| self.look(point, direction.normalize()));
@@ -46,34 +48,29 @@ impl<'a, const N: usize> Immersion<'a, N> {
     }
 
     /// The media before and behind every emitter; those at infinity shine through the scene's.
-    pub fn of_emitters(&self) -> Vec<[u32; 2]> {
-        let of = |index: usize| {
-            let emitter = &self.tables.emitters[index];
-            match emitter.kind {
-                EmitterKind::Triangle | EmitterKind::Sphere => self.of_primitive(emitter.primitive),
-                EmitterKind::Point | EmitterKind::Spot => [self.at(emitter.position); 2],
-                EmitterKind::Directional | EmitterKind::Environment => {
-                    [self.tables.scene_medium; 2]
-                }
-            }
+    pub fn of_emitters<const N: usize>(&self, emitters: &[Emitter<N>]) -> Vec<[u32; 2]> {
+        let of = |emitter: &Emitter<N>| match emitter.kind {
+            EmitterKind::Triangle | EmitterKind::Sphere => self.of_primitive(emitter.primitive),
+            EmitterKind::Point | EmitterKind::Spot => [self.at(emitter.position); 2],
+            EmitterKind::Directional | EmitterKind::Environment => [self.shapes.scene_medium; 2],
         };
-        (0..self.tables.emitters.len()).map(of).collect()
+        emitters.iter().map(of).collect()
     }
 
     fn of_primitive(&self, primitive: u32) -> [u32; 2] {
-        let surface = &self.tables.surfaces[self.tables.surface_of(primitive) as usize];
+        let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
         let index = primitive as usize;
-        let (point, normal) = match self.tables.triangles.get(index) {
+        let (point, normal) = match self.shapes.triangles.get(index) {
             Some(triangle) => {
                 let [a, b, c] = triangle.corners;
                 ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())
             }
             None => {
-                let sphere = &self.tables.spheres[index - self.tables.triangles.len()];
+                let sphere = &self.shapes.spheres[index - self.shapes.triangles.len()];
                 (sphere.center + Vec3::X * sphere.radius, Vec3::X)
             }
         };
-        let step = normal * (STEP * self.tables.bounds.radius);
+        let step = normal * (STEP * self.shapes.bounds.radius);
         let side = |stated: u32, point: Vec3| if stated == KEEP { self.at(point) } else { stated };
         [side(surface.exterior, point + step), side(surface.interior, point - step)]
     }
@@ -86,16 +83,16 @@ impl<'a, const N: usize> Immersion<'a, N> {
             if hit.primitive == NONE {
                 break;
             }
-            let surface = &self.tables.surfaces[self.tables.surface_of(hit.primitive) as usize];
+            let surface = &self.shapes.surfaces[self.shapes.surface_of(hit.primitive) as usize];
             let position = origin + direction * hit.t;
-            let normal = self.tables.geometric_normal(hit.primitive, position);
+            let normal = self.shapes.geometric_normal(hit.primitive, position);
             let near =
                 if direction.dot(normal) < 0.0 { surface.exterior } else { surface.interior };
             if near != KEEP {
                 return near;
             }
-            origin = position + direction * (STEP * self.tables.bounds.radius);
+            origin = position + direction * (STEP * self.shapes.bounds.radius);
         }
-        self.tables.scene_medium
+        self.shapes.scene_medium
     }
 }

@@ -1,7 +1,9 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
+use std::sync::Arc;
+
 use crate::geometry::{self, Accelerator, medium_met};
-use crate::scene::baked::{BakedScene, Material, MaterialKind, NONE};
+use crate::scene::baked::{BakedScene, Material, MaterialKind, NONE, Optics, Shapes};
 
 use super::Sensor;
 use super::direct::DirectTable;
@@ -11,13 +13,15 @@ use super::medium::Medium;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
-    /// The tables.
-    pub tables: BakedScene<N>,
+    /// Where everything is.
+    pub shapes: Arc<Shapes>,
     /// The tree over the primitives.
-    pub accelerator: Accelerator,
+    pub accelerator: Arc<Accelerator>,
+    /// What everything does to light.
+    pub optics: Optics<N>,
     /// The camera with its film.
     pub sensor: Sensor,
-    /// For every triangle and sphere, its row in `tables.materials`.
+    /// For every triangle and sphere, its row in `optics.materials`.
     material_of_primitive: Vec<u32>,
     /// All kinds of events.
     pub events: Vec<Event>,
@@ -45,47 +49,57 @@ pub struct Scene<const N: usize> {
 
 impl<const N: usize> Scene<N> {
     /// Builds the tree and the look-ups for a film of `width` times `height` pixels.
-    pub fn new(tables: BakedScene<N>, width: u32, height: u32) -> Self {
-        let material_of_primitive: Vec<u32> = tables
-            .surface_of_primitive
-            .iter()
-            .map(|&surface| tables.surfaces[surface as usize].material)
-            .collect();
-        let kinds = material_of_primitive.iter().map(|&row| tables.materials[row as usize].kind);
+    pub fn new(baked: BakedScene<N>, width: u32, height: u32) -> Self {
+        let accelerator = Accelerator::of_shapes(&baked.shapes);
+        Self::with_tree(Arc::new(baked.shapes), Arc::new(accelerator), baked.optics, width, height)
+    }
+
+    /// Builds the look-ups for shapes whose tree there is already: that of other wavelengths, or
+    /// of another film.
+    pub fn with_tree(
+        shapes: Arc<Shapes>,
+        accelerator: Arc<Accelerator>,
+        optics: Optics<N>,
+        width: u32,
+        height: u32,
+    ) -> Self {
+        let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
+        let material_of_primitive: Vec<u32> =
+            shapes.surface_of_primitive.iter().map(material_of).collect();
+        let kinds = material_of_primitive.iter().map(|&row| optics.materials[row as usize].kind);
         let event_of_hit =
             std::iter::once(END).chain(kinds.map(event_of_kind)).map(|event| event as u8).collect();
-        let survival_of_material = tables.materials.iter().map(super::specular::survival).collect();
-        let media = tables.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
-        let BakedScene { triangles, spheres, instanced, .. } = &tables;
-        let accelerator = Accelerator::with_instances(triangles, spheres, instanced);
-        let immersion = Immersion::new(&tables, &accelerator);
+        let survival_of_material = optics.materials.iter().map(super::specular::survival).collect();
+        let media = optics.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
+        let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
         Self {
-            sensor_medium: immersion.at(tables.camera.position),
-            emitter_media: immersion.of_emitters(),
-            sensor: Sensor::new(&tables.camera, width, height),
-            direct: DirectTable::new(&tables),
-            reach: geometry::reach(&tables.bounds),
-            emitter_cdf: running_sum(tables.emitters.iter().map(|emitter| emitter.probability)),
-            events: events(&tables),
-            has_null_boundaries: tables.materials.iter().any(|m| m.kind == MaterialKind::Null),
-            has_shading_normals: tables.has_shading_normals(),
+            sensor_medium: immersion.at(shapes.camera.position),
+            emitter_media: immersion.of_emitters(&optics.emitters),
+            sensor: Sensor::new(&shapes.camera, width, height),
+            direct: DirectTable::new(&shapes, &optics),
+            reach: geometry::reach(&shapes.bounds),
+            emitter_cdf: running_sum(optics.emitters.iter().map(|emitter| emitter.probability)),
+            events: events(&optics),
+            has_null_boundaries: optics.materials.iter().any(|m| m.kind == MaterialKind::Null),
+            has_shading_normals: shapes.has_shading_normals(),
             media,
             accelerator,
-            tables,
+            shapes,
+            optics,
             material_of_primitive,
             event_of_hit,
             survival_of_material,
         }
     }
 
-    /// The row of a primitive's material in `tables.materials`.
+    /// The row of a primitive's material in `optics.materials`.
     #[inline(always)]
     pub fn material_row(&self, primitive: u32) -> usize {
         match self.material_of_primitive.get(primitive as usize) {
             Some(row) => *row as usize,
             None => {
-                let surface = self.tables.surface_of(primitive);
-                self.tables.surfaces[surface as usize].material as usize
+                let surface = self.shapes.surface_of(primitive);
+                self.shapes.surfaces[surface as usize].material as usize
             }
         }
     }
@@ -93,7 +107,7 @@ impl<const N: usize> Scene<N> {
     /// A primitive's material.
     #[inline(always)]
     pub fn material_at(&self, primitive: u32) -> &Material<N> {
-        &self.tables.materials[self.material_row(primitive)]
+        &self.optics.materials[self.material_row(primitive)]
     }
 
     /// The emitter that the random number `u` in [0, 1) chooses, by its probability.
@@ -142,9 +156,9 @@ impl<const N: usize> Scene<N> {
     /// media.
     pub fn emitter_seen(&self, primitive: u32) -> u32 {
         if primitive == NONE {
-            self.tables.environment
+            self.optics.environment
         } else {
-            self.tables.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
+            self.optics.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
         }
     }
 }

@@ -16,11 +16,21 @@ pub const KEEP: u32 = u32::MAX - 1;
 /// Least cosine between a shading normal and the geometric one.
 pub const LEAST_COSINE: f32 = 1e-3;
 
-/// The whole scene for `N` wavelengths. Primitive `p` is triangle `p` while
-/// `p < triangles.len()`, then sphere `p - triangles.len()`, and behind the spheres a triangle of
-/// an instance.
+/// The whole scene for `N` wavelengths.
 #[derive(Clone, Debug)]
 pub struct BakedScene<const N: usize> {
+    /// Where everything is.
+    pub shapes: Shapes,
+    /// What it does to light.
+    pub optics: Optics<N>,
+}
+
+/// Where everything is: what rays meet, and the camera. The same for all wavelengths.
+///
+/// Primitive `p` is triangle `p` while `p < triangles.len()`, then sphere `p - triangles.len()`,
+/// and behind the spheres a triangle of an instance.
+#[derive(Clone, Debug)]
+pub struct Shapes {
     /// World-space triangles of all meshes but those that are instanced.
     pub triangles: Vec<Triangle>,
     /// Shading normals at the three corners, world space, unit length, on the side of the
@@ -33,21 +43,10 @@ pub struct BakedScene<const N: usize> {
     pub instanced: Instanced,
     /// For every triangle and sphere, its row in `surfaces`.
     pub surface_of_primitive: Vec<u32>,
-    /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
-    pub emitter_of_primitive: Vec<u32>,
     /// One row per mesh primitive of a node, or sphere.
     pub surfaces: Vec<Surface>,
-    /// Materials; row 0 always exists.
-    pub materials: Vec<Material<N>>,
-    /// Participating media.
-    pub media: Vec<Medium<N>>,
-    /// The row in `media` of what fills the scene outside all boundaries, or [`NONE`]: clear.
+    /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
-    /// Everything that emits, the environment included; at least one row, none without power.
-    /// Primitives come first, in their order, then punctual lights, then the environment.
-    pub emitters: Vec<Emitter<N>>,
-    /// The row of the constant environment in `emitters`, or [`NONE`].
-    pub environment: u32,
     /// The camera.
     pub camera: Camera,
     /// Sphere about the bounding box of all primitives and of the punctual lights, larger than
@@ -55,7 +54,23 @@ pub struct BakedScene<const N: usize> {
     pub bounds: Bounds,
 }
 
-impl<const N: usize> BakedScene<N> {
+/// What everything does to light at `N` wavelengths: baked anew for others.
+#[derive(Clone, Debug)]
+pub struct Optics<const N: usize> {
+    /// Materials; row 0 always exists.
+    pub materials: Vec<Material<N>>,
+    /// Participating media.
+    pub media: Vec<Medium<N>>,
+    /// Everything that emits, the environment included; at least one row, none without power.
+    /// Primitives come first, in their order, then punctual lights, then the environment.
+    pub emitters: Vec<Emitter<N>>,
+    /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
+    pub emitter_of_primitive: Vec<u32>,
+    /// The row of the constant environment in `emitters`, or [`NONE`].
+    pub environment: u32,
+}
+
+impl Shapes {
     /// The row of a primitive in `surfaces`, or [`NONE`] if there is no such primitive.
     #[inline(always)]
     pub fn surface_of(&self, primitive: u32) -> u32 {

@@ -31,7 +31,7 @@ pub struct Instanced {
 pub struct Object {
     /// Triangles.
     pub triangles: Vec<Triangle>,
-    /// As [`super::baked::BakedScene::shading_normals`], in this space.
+    /// As [`super::baked::Shapes::shading_normals`], in this space.
     pub shading_normals: Vec<[Vec3; 3]>,
 }
 

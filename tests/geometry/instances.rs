@@ -6,7 +6,7 @@ use sunstone::internals::geometry::{
     trace_closest, trace_visibility,
 };
 use sunstone::internals::math::{LANES, Vector};
-use sunstone::internals::scene::baked::{BakedScene, NONE, Sphere, Triangle};
+use sunstone::internals::scene::baked::{NONE, Shapes, Sphere, Triangle};
 use sunstone::internals::scene::instanced::{Instance, Instanced, Object};
 
 use super::fixtures::{Random, closed_box, columns, icosphere, limits, no_hits, soup};
@@ -48,8 +48,8 @@ fn object(triangles: Vec<Triangle>, is_smooth: bool) -> Object {
 /// Two kinds of objects in forty places, among triangles and spheres, and the same scene with
 /// copies in the instances' place. Copies of instances come in order, behind the triangles.
 struct Pair {
-    instanced: BakedScene<3>,
-    copied: BakedScene<3>,
+    instanced: Shapes,
+    copied: Shapes,
     /// Of every copied triangle, its name in the instanced scene.
     name_of_copy: Vec<u32>,
 }
@@ -95,7 +95,7 @@ fn pair(seed: u64, spread: f32, is_smooth: bool) -> Pair {
     Pair { instanced: scene, copied, name_of_copy }
 }
 
-fn accelerator(scene: &BakedScene<3>) -> Accelerator {
+fn accelerator(scene: &Shapes) -> Accelerator {
     Accelerator::with_instances(&scene.triangles, &scene.spheres, &scene.instanced)
 }
 
@@ -103,11 +103,7 @@ fn at(columns: &[Vec<f32>; 3], row: usize) -> Vec3 {
     Vec3::new(columns[0][row], columns[1][row], columns[2][row])
 }
 
-fn resolved(
-    scene: &BakedScene<3>,
-    rays: &RayColumns,
-    count: usize,
-) -> (Vec<(f32, u32)>, SurfaceColumns) {
+fn resolved(scene: &Shapes, rays: &RayColumns, count: usize) -> (Vec<(f32, u32)>, SurfaceColumns) {
     let (mut hits, mut surfaces) = (no_hits(count), SurfaceColumns::new(count));
     let scratch = &mut TraceScratch::default();
     trace_closest(&mut hits, scratch, rays, 0..count, &accelerator(scene));
@@ -171,7 +167,7 @@ fn instances_are_seen_as_their_copies_are() {
             "{on_instances} {different}"
         );
         let t_max = limits(count, spread);
-        let blocked = |scene: &BakedScene<3>| {
+        let blocked = |scene: &Shapes| {
             let mut blocked = vec![0; count];
             let scratch = &mut TraceScratch::default();
             trace_visibility(&mut blocked, scratch, &rays, &t_max, 0..count, &accelerator(scene));

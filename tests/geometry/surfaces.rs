@@ -5,14 +5,14 @@ use sunstone::internals::geometry::{
     Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
 use sunstone::internals::scene::baked::{
-    BakedScene, Bounds, Camera, KEEP, Material, NONE, Projection, Sphere, Surface, Triangle,
+    Bounds, Camera, KEEP, NONE, Projection, Shapes, Sphere, Surface, Triangle,
 };
 use sunstone::internals::scene::instanced::Instanced;
 
 use super::fixtures::{Random, columns, no_hits, soup};
 
 /// A scene out of nothing but shapes; each primitive is a surface of its own, in reverse order.
-pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> BakedScene<3> {
+pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
     let count = (triangles.len() + spheres.len()) as u32;
     let of_spheres = spheres
         .iter()
@@ -22,19 +22,14 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> BakedScene<3> {
     let high = points.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
     let (axis_x, axis_y) = (Vec3::X, Vec3::Y);
     let surface = Surface { material: 0, axis_x, axis_y, interior: KEEP, exterior: KEEP };
-    BakedScene {
+    Shapes {
         triangles: triangles.to_vec(),
         shading_normals: Vec::new(),
         spheres: spheres.to_vec(),
         instanced: Instanced::default(),
         surface_of_primitive: (0..count).rev().collect(),
-        emitter_of_primitive: vec![NONE; count as usize],
         surfaces: vec![surface; count as usize],
-        materials: vec![Material::absorber()],
-        media: Vec::new(),
         scene_medium: NONE,
-        emitters: Vec::new(),
-        environment: NONE,
         camera: Camera {
             projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
             position: Vec3::ZERO,

@@ -51,7 +51,7 @@ fn the_good_document_is_good() {
     assert_eq!(world.warnings(), [] as [String; 0]);
     assert_eq!(world.name(), "good");
     let world = load_bytes("scene.glb", &glb(good(), &square_bytes())).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().triangles.len(), 2);
+    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.triangles.len(), 2);
 }
 
 #[test]
@@ -468,7 +468,7 @@ fn deep_hierarchies_are_fine() {
     }
     nodes.push(json!({"mesh": 0, "translation": [0, 0, 1]}));
     let world = load_json(&document).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().triangles.len(), 4);
+    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.triangles.len(), 4);
 }
 
 #[test]
@@ -519,7 +519,7 @@ fn grids(count: usize) -> Value {
 fn instances_are_kept_once_unless_they_emit_or_are_stretched() {
     let counts = |document: &Value| {
         let scene = bake::<3>(&load_json(document).unwrap(), Color::Rgb).unwrap();
-        (scene.instanced.instances().len(), scene.triangles.len() >> 15)
+        (scene.shapes.instanced.instances().len(), scene.shapes.triangles.len() >> 15)
     };
     // Node 1 shows the mesh too.
     let mut document = grids(3);
@@ -540,10 +540,10 @@ fn copies_without_end_are_refused_and_instances_are_not() {
     assert!(error.contains("triangles in copies"), "{error}");
     document["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     let scene = bake::<3>(&load_json(&document).unwrap(), Color::Rgb).unwrap();
-    assert_eq!(scene.instanced.instances().len(), 2101);
-    let last = scene.instanced.instances().last().unwrap();
-    assert_eq!(scene.surface_of(last.first_primitive + 32_767), last.surface);
-    let normal = scene.geometric_normal(last.first_primitive, last.bounds[0]);
+    assert_eq!(scene.shapes.instanced.instances().len(), 2101);
+    let last = scene.shapes.instanced.instances().last().unwrap();
+    assert_eq!(scene.shapes.surface_of(last.first_primitive + 32_767), last.surface);
+    let normal = scene.shapes.geometric_normal(last.first_primitive, last.bounds[0]);
     assert_eq!(normal, glam::Vec3::Z);
 }
 

@@ -24,7 +24,7 @@ fn warnings(document: &Value) -> String {
 }
 
 fn normal(scene: &BakedScene<3>, triangle: usize) -> Vec3 {
-    let [a, b, c] = scene.triangles[triangle].corners;
+    let [a, b, c] = scene.shapes.triangles[triangle].corners;
     (b - a).cross(c - a).normalize()
 }
 
@@ -66,7 +66,7 @@ fn mirrored_meshes_keep_their_front() {
     document["nodes"][1]["scale"] = json!([1, 1, -1]);
     let scene = baked(&document);
     assert!(normal(&scene, 0).z < -0.9);
-    assert!(scene.shading_normals.is_empty(), "normals follow their mesh");
+    assert!(scene.shapes.shading_normals.is_empty(), "normals follow their mesh");
 }
 
 #[test]
@@ -77,9 +77,9 @@ fn children_move_with_their_parents() {
     document["nodes"][1]["scale"] = json!([2, 2, 2]);
     document["nodes"][1]["translation"] = json!([1, 0, 0]);
     let scene = baked(&document);
-    assert_eq!(scene.spheres[0].center, Vec3::new(1.0, 0.0, 4.0));
-    assert_eq!(scene.spheres[0].radius, 1.0);
-    assert_eq!(scene.triangles[0].corners[0], Vec3::new(-1.0, -2.0, 0.0));
+    assert_eq!(scene.shapes.spheres[0].center, Vec3::new(1.0, 0.0, 4.0));
+    assert_eq!(scene.shapes.spheres[0].radius, 1.0);
+    assert_eq!(scene.shapes.triangles[0].corners[0], Vec3::new(-1.0, -2.0, 0.0));
 }
 
 /// Replaces the normals of the square's four vertices.
@@ -96,21 +96,21 @@ fn with_normals(normals: [[f32; 3]; 4]) -> Value {
 fn shading_normals_stay_on_the_front() {
     let up = [0.0, 0.0, 1.0];
     let scene = baked(&with_normals([[0.6, 0.0, 0.8], up, up, up]));
-    assert_eq!(scene.shading_normals.len(), 2);
-    assert!((scene.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+    assert_eq!(scene.shapes.shading_normals.len(), 2);
+    assert!((scene.shapes.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
 
     let document = with_normals([[0.6, 0.0, -0.8], [0.0; 3], [1.0, 0.0, 0.0], up]);
     assert!(warnings(&document).contains("normal on the back"));
     let scene = baked(&document);
-    for (triangle, normals) in scene.shading_normals.iter().enumerate() {
+    for (triangle, normals) in scene.shapes.shading_normals.iter().enumerate() {
         for shading in normals {
             assert!(shading.dot(normal(&scene, triangle)) > 0.0);
             assert!((shading.length() - 1.0).abs() < 1e-6);
         }
     }
-    assert!((scene.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
-    assert_eq!(scene.shading_normals[0][1], Vec3::Z);
-    assert!(baked(&with_normals([[0.0, 0.0, 7.0]; 4])).shading_normals.is_empty());
+    assert!((scene.shapes.shading_normals[0][0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+    assert_eq!(scene.shapes.shading_normals[0][1], Vec3::Z);
+    assert!(baked(&with_normals([[0.0, 0.0, 7.0]; 4])).shapes.shading_normals.is_empty());
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn strips_fans_and_lists_without_indices() {
         primitive["mode"] = json!(mode);
         primitive["indices"] = Value::Null;
         let scene = baked(&document);
-        assert_eq!(scene.triangles.len(), count);
+        assert_eq!(scene.shapes.triangles.len(), count);
         assert!(normal(&scene, 0).z > 0.9);
         assert_eq!(normal(&scene, 1).z > 0.9, mode == 6);
     }
@@ -130,7 +130,7 @@ fn strips_fans_and_lists_without_indices() {
     document["meshes"][0]["primitives"][0]["indices"] = Value::Null;
     document["accessors"][0]["count"] = json!(3);
     document["accessors"][1]["count"] = json!(3);
-    assert_eq!(baked(&document).triangles.len(), 1);
+    assert_eq!(baked(&document).shapes.triangles.len(), 1);
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn equal_corners_are_dropped_with_a_warning() {
     bytes[104] = 0;
     let mut document = good();
     document["buffers"][0]["uri"] = data_uri(&bytes).into();
-    assert_eq!(baked(&document).triangles.len(), 1);
+    assert_eq!(baked(&document).shapes.triangles.len(), 1);
     assert!(warnings(&document).contains("1 triangles with two equal corners"));
 }
 
@@ -161,13 +161,13 @@ fn interleaved_vertices_and_external_buffers() {
     fs::write(&path, document.to_string()).unwrap();
     let scene = bake::<3>(&load(&path).unwrap(), Color::Rgb).unwrap();
     let reference = baked(&good());
-    assert_eq!(scene.triangles, reference.triangles);
-    assert_eq!(scene.shading_normals, reference.shading_normals);
+    assert_eq!(scene.shapes.triangles, reference.shapes.triangles);
+    assert_eq!(scene.shapes.shading_normals, reference.shapes.shading_normals);
 }
 
 #[test]
 fn the_extension_has_three_spellings() {
-    let reference = baked(&good()).materials;
+    let reference = baked(&good()).optics.materials;
     let mut object = good();
     object["materials"][0]["extensions"] = json!({});
     object["materials"][0]["extras"] = json!({"sunstone": {"bsdf": "diffuse", "reflectance": 0.5}});
@@ -177,7 +177,7 @@ fn the_extension_has_three_spellings() {
     let mut both = good();
     both["materials"][0]["extras"] = json!({"sunstone_reflectance": 0.5, "unrelated": [1]});
     for document in [object, flat, both] {
-        assert_eq!(baked(&document).materials, reference);
+        assert_eq!(baked(&document).optics.materials, reference);
     }
 }
 
@@ -190,7 +190,7 @@ fn metallic_roughness() {
     };
     let metal = with(json!({"pbrMetallicRoughness":
         {"baseColorFactor": [1.0, 0.5, 0.25, 1.0], "roughnessFactor": 0.0}}));
-    let row = baked(&metal).materials[0];
+    let row = baked(&metal).optics.materials[0];
     assert_eq!((row.kind, row.two_sided), (MaterialKind::Conductor, false));
     for (f0, channel) in [0.999f32, 0.5, 0.25].into_iter().zip(0..) {
         let (eta, k) = (row.eta[channel], row.k[channel]);
@@ -201,11 +201,11 @@ fn metallic_roughness() {
         "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0},
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
                        "KHR_materials_ior": {"ior": 1.33}}}));
-    let row = baked(&glass).materials[0];
+    let row = baked(&glass).optics.materials[0];
     assert_eq!((row.kind, row.ior), (MaterialKind::Dielectric, 1.33));
     let matte = with(json!({"doubleSided": true, "pbrMetallicRoughness":
         {"metallicFactor": 0.0, "baseColorFactor": [0.1, 0.2, 0.3, 1.0]}}));
-    let row = baked(&matte).materials[0];
+    let row = baked(&matte).optics.materials[0];
     assert_eq!((row.kind, row.two_sided), (MaterialKind::Diffuse, true));
     assert_eq!(row.reflectance, [0.1, 0.2, 0.3]);
     assert_eq!(warnings(&matte), "");
@@ -214,7 +214,7 @@ fn metallic_roughness() {
     assert!(warnings(&coated).contains("without glTF's coat"));
     let mut none = good();
     none["meshes"][0]["primitives"][0]["material"] = Value::Null;
-    assert_eq!(baked(&none).materials[0].reflectance, [0.8; 3]);
+    assert_eq!(baked(&none).optics.materials[0].reflectance, [0.8; 3]);
     assert!(warnings(&none).contains("has no material"));
 }
 
@@ -227,14 +227,14 @@ fn emitters_and_their_probabilities() {
         json!({"emissiveStrength": 3.0});
     document["scenes"][0]["extras"] = json!({"sunstone": {"environment": {"radiance": 0.125}}});
     let scene = baked(&document);
-    let kinds: Vec<EmitterKind> = scene.emitters.iter().map(|row| row.kind).collect();
+    let kinds: Vec<EmitterKind> = scene.optics.emitters.iter().map(|row| row.kind).collect();
     use EmitterKind::{Environment, Point, Sphere, Triangle};
     assert_eq!(kinds, [Triangle, Triangle, Sphere, Point, Environment]);
-    assert_eq!(scene.emitter_of_primitive, [0, 1, 2]);
-    assert_eq!(scene.environment, 4);
-    assert_eq!(scene.emitters[2].radiance, [3.0; 3]);
-    assert_eq!(scene.emitters[3].radiance, [1.0; 3], "683 candela are 1 W/sr");
-    let r2 = scene.bounds.radius.powi(2);
+    assert_eq!(scene.optics.emitter_of_primitive, [0, 1, 2]);
+    assert_eq!(scene.optics.environment, 4);
+    assert_eq!(scene.optics.emitters[2].radiance, [3.0; 3]);
+    assert_eq!(scene.optics.emitters[3].radiance, [1.0; 3], "683 candela are 1 W/sr");
+    let r2 = scene.shapes.bounds.radius.powi(2);
     let powers = [
         PI * 2.0 * 2.0 * (1.75 / 3.0),
         PI * 2.0 * 2.0 * (1.75 / 3.0),
@@ -243,7 +243,7 @@ fn emitters_and_their_probabilities() {
         4.0 * PI * PI * r2 * 0.125,
     ];
     let total: f32 = powers.iter().sum();
-    for (row, power) in scene.emitters.iter().zip(powers) {
+    for (row, power) in scene.optics.emitters.iter().zip(powers) {
         assert!((row.probability - power / total).abs() < 1e-6, "{:?}", row.kind);
     }
 }
@@ -257,7 +257,7 @@ fn spots_directional_lights_and_units() {
         "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.3},
         "extensions": {"SUNSTONE_polarization": {"units": "radiometric"}}});
     assert!(warnings(&document).contains("range is ignored"));
-    let spot = *baked(&document).emitters.last().unwrap();
+    let spot = *baked(&document).optics.emitters.last().unwrap();
     assert_eq!((spot.kind, spot.radiance), (EmitterKind::Spot, [2.0, 1.0, 0.5]));
     assert!((spot.direction - Vec3::NEG_Y).length() < 1e-6);
     assert!(spot.cos_outer < spot.cos_inner && spot.cos_inner == 0.3f32.cos());
@@ -266,10 +266,10 @@ fn spots_directional_lights_and_units() {
     document["extensions"]["KHR_lights_punctual"]["lights"][0] =
         json!({"type": "directional", "intensity": 683.0});
     let scene = baked(&document);
-    let sun = *scene.emitters.last().unwrap();
+    let sun = *scene.optics.emitters.last().unwrap();
     assert_eq!((sun.kind, sun.radiance), (EmitterKind::Directional, [1.0; 3]));
     assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6);
-    assert!(scene.bounds.center.y.abs() < 1e-6, "a sun is nowhere");
+    assert!(scene.shapes.bounds.center.y.abs() < 1e-6, "a sun is nowhere");
 }
 
 #[test]
@@ -279,10 +279,10 @@ fn an_environment_alone_is_a_scene() {
         "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}],
         "extras": {"sunstone_environment": {"radiance": [1, 2, 3]}}});
     let scene = baked(&document);
-    assert_eq!((scene.environment, scene.emitters[0].probability), (0, 1.0));
-    assert_eq!(scene.emitters[0].radiance, [1.0, 2.0, 3.0]);
-    assert_eq!((scene.materials.len(), scene.camera.resolution), (1, None));
-    assert!(scene.bounds.radius > 0.0 && scene.emitters[0].primitive == NONE);
+    assert_eq!((scene.optics.environment, scene.optics.emitters[0].probability), (0, 1.0));
+    assert_eq!(scene.optics.emitters[0].radiance, [1.0, 2.0, 3.0]);
+    assert_eq!((scene.optics.materials.len(), scene.shapes.camera.resolution), (1, None));
+    assert!(scene.shapes.bounds.radius > 0.0 && scene.optics.emitters[0].primitive == NONE);
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn baked(document: &Value) -> BakedScene<3> {
 /// Media behind and before the sphere, whose surface is the last.
 #[track_caller]
 fn sides(document: &Value) -> (u32, u32) {
-    let surface = *baked(document).surfaces.last().unwrap();
+    let surface = *baked(document).shapes.surfaces.last().unwrap();
     (surface.interior, surface.exterior)
 }
 
@@ -53,10 +53,13 @@ fn media_become_rows_in_their_order() {
     let mut document = with_media();
     document["scenes"][0]["extras"] = json!({"sunstone": {"medium": 1}});
     let scene = baked(&document);
-    assert_eq!((scene.media.len(), scene.scene_medium), (2, 1));
-    assert_eq!((scene.media[0].sigma_a, scene.media[0].sigma_s), ([0.25; 3], [1.0, 2.0, 3.0]));
-    assert_eq!(scene.media[0].phase, Phase::HenyeyGreenstein { g: [0.5, 0.6, 0.7] });
-    let Phase::Table(table) = &scene.media[1].phase else { panic!("not a table") };
+    assert_eq!((scene.optics.media.len(), scene.shapes.scene_medium), (2, 1));
+    assert_eq!(
+        (scene.optics.media[0].sigma_a, scene.optics.media[0].sigma_s),
+        ([0.25; 3], [1.0, 2.0, 3.0])
+    );
+    assert_eq!(scene.optics.media[0].phase, Phase::HenyeyGreenstein { g: [0.5, 0.6, 0.7] });
+    let Phase::Table(table) = &scene.optics.media[1].phase else { panic!("not a table") };
     assert!(table.spheres && table.achromatic);
     let text = load_json(&document).unwrap().describe();
     for expected in ["[0] \"fog\": sigma_a 0.25, sigma_s [1, 2, 3]", "Rayleigh", "fills the scene"]
@@ -64,7 +67,7 @@ fn media_become_rows_in_their_order() {
         assert!(text.contains(expected), "no `{expected}` in: {text}");
     }
     let scene = baked(&good());
-    assert_eq!((scene.media.len(), scene.scene_medium), (0, NONE));
+    assert_eq!((scene.optics.media.len(), scene.shapes.scene_medium), (0, NONE));
 }
 
 #[test]
@@ -82,7 +85,7 @@ fn glass_is_clear_and_stands_in_the_scenes_medium() {
         side(&mut document, "exterior", clear.clone());
         assert_eq!(sides(&document), (NONE, NONE));
         document["extras"]["sunstone"]["medium"] = clear;
-        assert_eq!(baked(&document).scene_medium, NONE);
+        assert_eq!(baked(&document).shapes.scene_medium, NONE);
         document["extras"]["sunstone"]["medium"] = json!(0);
     }
 }
@@ -114,7 +117,7 @@ fn null_surfaces_bound_media() {
     sphere_of(&mut document, json!({"bsdf": "null"}));
     side(&mut document, "interior", json!(0));
     assert_eq!(sides(&document), (0, NONE));
-    assert_eq!(baked(&document).materials.last().unwrap().kind, MaterialKind::Null);
+    assert_eq!(baked(&document).optics.materials.last().unwrap().kind, MaterialKind::Null);
     document["extras"]["sunstone"]["medium"] = json!(1);
     assert_eq!(sides(&document), (0, 1));
     let node = &mut document["nodes"][2]["extensions"]["SUNSTONE_polarization"];
@@ -128,14 +131,14 @@ fn meshes_have_sides_too() {
     document["materials"][0]["extensions"]["SUNSTONE_polarization"] = json!({"bsdf": "dielectric"});
     document["nodes"][1]["extras"] = json!({"sunstone_interior": 0});
     let scene = baked(&document);
-    assert_eq!((scene.surfaces[0].interior, scene.surfaces[0].exterior), (0, NONE));
+    assert_eq!((scene.shapes.surfaces[0].interior, scene.shapes.surfaces[0].exterior), (0, NONE));
 }
 
 #[test]
 fn boundaries_between_dielectrics() {
     let mut document = good();
     sphere_of(&mut document, json!({"bsdf": "dielectric", "ior": 1.33, "exterior_ior": 1.5}));
-    let row = *baked(&document).materials.last().unwrap();
+    let row = *baked(&document).optics.materials.last().unwrap();
     assert!((row.ior - 1.33 / 1.5).abs() < 1e-6);
     assert!(load_json(&document).unwrap().describe().contains("1.5 before it"));
 }
@@ -173,7 +176,7 @@ fn suspension() -> Value {
 }
 
 fn table(scene: &BakedScene<3>) -> &PhaseTable<3> {
-    let Phase::Table(table) = &scene.media[1].phase else { panic!("not a table") };
+    let Phase::Table(table) = &scene.optics.media[1].phase else { panic!("not a table") };
     table
 }
 
@@ -182,7 +185,7 @@ fn spheres_bring_their_coefficients() {
     let mut document = with_media();
     second(&mut document, suspension());
     let scene = baked(&document);
-    let medium = &scene.media[1];
+    let medium = &scene.optics.media[1];
     // Q_sca 3 f / (4 r), with the efficiency of the single sphere.
     let sphere = MieSphere::new(1.59 / 1.33, 0.0, 2.0 * PI * 1.33 * 0.5 / 0.55);
     let expected = 1e-5 * 0.75 / 0.5e-6 * sphere.q_sca;
@@ -200,7 +203,7 @@ fn spheres_bring_their_coefficients() {
     let mut given = suspension();
     given["sigma_s"] = json!(7);
     second(&mut document, given);
-    assert_eq!(baked(&document).media[1].sigma_s, [7.0; 3]);
+    assert_eq!(baked(&document).optics.media[1].sigma_s, [7.0; 3]);
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn milk_is_a_recipe() {
     let start = Instant::now();
     let scene = baked(&document);
     println!("milk in RGB: {:?}", start.elapsed());
-    let medium = &scene.media[1];
+    let medium = &scene.optics.media[1];
     for (found, expected) in medium.sigma_s.into_iter().zip([37_483.67, 51_900.22, 74_917.96]) {
         assert!((found / (0.00025 * expected) - 1.0).abs() < 1e-5, "{found}");
     }
@@ -515,8 +518,8 @@ fn light_from_infinity_needs_a_clear_scene() {
     ]);
     let mut clear = with_media();
     clear["extras"]["sunstone"]["environment"] = json!({"radiance": 1});
-    assert_eq!(baked(&clear).scene_medium, NONE);
+    assert_eq!(baked(&clear).shapes.scene_medium, NONE);
     clear["extras"]["sunstone"]["medium"] = json!(1);
     medium(&mut clear, 1)["sigma_s"] = json!(0);
-    assert_eq!(baked(&clear).scene_medium, 1);
+    assert_eq!(baked(&clear).shapes.scene_medium, 1);
 }

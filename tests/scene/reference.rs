@@ -33,36 +33,39 @@ fn assert_near(a: Vec3, b: Vec3) {
 
 /// The two triangles of every rectangle whose material has the wanted property, as corners.
 fn emitting_corners(scene: &BakedScene<1>) -> Vec<Vec3> {
-    let rows = scene.emitters.iter().filter(|row| row.kind == EmitterKind::Triangle);
-    rows.flat_map(|row| scene.triangles[row.primitive as usize].corners).collect()
+    let rows = scene.optics.emitters.iter().filter(|row| row.kind == EmitterKind::Triangle);
+    rows.flat_map(|row| scene.shapes.triangles[row.primitive as usize].corners).collect()
 }
 
 fn normal(scene: &BakedScene<1>, triangle: usize) -> Vec3 {
-    let [a, b, c] = scene.triangles[triangle].corners;
+    let [a, b, c] = scene.shapes.triangles[triangle].corners;
     (b - a).cross(c - a).normalize()
 }
 
 #[test]
 fn cornell() {
     let scene = baked("reference/cornell.gltf");
-    assert_eq!((scene.triangles.len(), scene.spheres.len(), scene.surfaces.len()), (12, 2, 8));
-    assert!(scene.shading_normals.is_empty());
-    assert_near(scene.spheres[0].center, Vec3::new(0.45, -0.6, 0.35));
-    assert!((scene.spheres[0].radius - 0.38).abs() < 1e-6);
-    assert_near(scene.spheres[1].center, Vec3::new(-0.42, -0.55, -0.25));
-    let kinds: Vec<MaterialKind> = scene.materials.iter().map(|m| m.kind).collect();
+    assert_eq!(
+        (scene.shapes.triangles.len(), scene.shapes.spheres.len(), scene.shapes.surfaces.len()),
+        (12, 2, 8)
+    );
+    assert!(scene.shapes.shading_normals.is_empty());
+    assert_near(scene.shapes.spheres[0].center, Vec3::new(0.45, -0.6, 0.35));
+    assert!((scene.shapes.spheres[0].radius - 0.38).abs() < 1e-6);
+    assert_near(scene.shapes.spheres[1].center, Vec3::new(-0.42, -0.55, -0.25));
+    let kinds: Vec<MaterialKind> = scene.optics.materials.iter().map(|m| m.kind).collect();
     use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse};
     assert_eq!(kinds, [Diffuse, Diffuse, Diffuse, Absorber, Dielectric, Conductor]);
-    assert_eq!(scene.materials[0].reflectance, [0.73]);
-    assert_eq!(scene.materials[1].reflectance, [0.60]);
-    assert_eq!(scene.materials[2].reflectance, [0.30]);
-    assert_eq!((scene.materials[5].eta, scene.materials[5].k), ([0.9586], [6.687]));
-    assert_eq!(scene.materials[4].ior, 1.5);
+    assert_eq!(scene.optics.materials[0].reflectance, [0.73]);
+    assert_eq!(scene.optics.materials[1].reflectance, [0.60]);
+    assert_eq!(scene.optics.materials[2].reflectance, [0.30]);
+    assert_eq!((scene.optics.materials[5].eta, scene.optics.materials[5].k), ([0.9586], [6.687]));
+    assert_eq!(scene.optics.materials[4].ior, 1.5);
 
-    assert_eq!(scene.emitters.len(), 2);
-    let total: f32 = scene.emitters.iter().map(|row| row.probability).sum();
+    assert_eq!(scene.optics.emitters.len(), 2);
+    let total: f32 = scene.optics.emitters.iter().map(|row| row.probability).sum();
     assert!((total - 1.0).abs() < 1e-6);
-    for row in &scene.emitters {
+    for row in &scene.optics.emitters {
         assert_eq!((row.radiance, row.two_sided), ([6.0], false));
         assert!((row.area - 0.5).abs() < 1e-6);
         assert_near(normal(&scene, row.primitive as usize), Vec3::NEG_Y);
@@ -70,19 +73,19 @@ fn cornell() {
     for corner in emitting_corners(&scene) {
         assert_near(corner.abs(), Vec3::new(0.5, 0.995, 0.5));
     }
-    assert_eq!(scene.emitter_of_primitive.iter().filter(|&&row| row != NONE).count(), 2);
+    assert_eq!(scene.optics.emitter_of_primitive.iter().filter(|&&row| row != NONE).count(), 2);
     // All walls face the middle of the box.
-    for (triangle, row) in scene.triangles.iter().enumerate().take(10) {
+    for (triangle, row) in scene.shapes.triangles.iter().enumerate().take(10) {
         assert!(normal(&scene, triangle).dot(-row.corners[0]) > 0.9);
     }
-    assert!((scene.bounds.radius - 3f32.sqrt()).abs() < 1e-3);
+    assert!((scene.shapes.bounds.radius - 3f32.sqrt()).abs() < 1e-3);
 
-    assert_near(scene.camera.position, Vec3::new(0.0, 0.0, 3.9));
-    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
-    assert_eq!((scene.camera.right, scene.camera.up), (Vec3::X, Vec3::Y));
-    assert_eq!(scene.camera.resolution, Some([64, 64]));
+    assert_near(scene.shapes.camera.position, Vec3::new(0.0, 0.0, 3.9));
+    assert_eq!(scene.shapes.camera.forward, Vec3::NEG_Z);
+    assert_eq!((scene.shapes.camera.right, scene.shapes.camera.up), (Vec3::X, Vec3::Y));
+    assert_eq!(scene.shapes.camera.resolution, Some([64, 64]));
     let Projection::Perspective { tan_half_y, aspect, aperture_radius, .. } =
-        scene.camera.projection
+        scene.shapes.camera.projection
     else {
         panic!("not a perspective camera");
     };
@@ -94,23 +97,23 @@ fn cornell() {
 fn mirror() {
     let scene = baked("reference/mirror.gltf");
     // floor, wall, mirror and light of two triangles, two cubes of twelve.
-    assert_eq!((scene.triangles.len(), scene.spheres.len()), (32, 3));
-    assert!(scene.shading_normals.is_empty());
-    let of = |triangle: usize| scene.surface_of_primitive[triangle] as usize;
+    assert_eq!((scene.shapes.triangles.len(), scene.shapes.spheres.len()), (32, 3));
+    assert!(scene.shapes.shading_normals.is_empty());
+    let of = |triangle: usize| scene.shapes.surface_of_primitive[triangle] as usize;
     // The back wall looks towards -z, the plane mirror back at the big sphere.
     assert_near(normal(&scene, 2), Vec3::NEG_Z);
-    assert_near(scene.triangles[2].corners[0].abs(), Vec3::new(14.0, 14.0, 12.0));
+    assert_near(scene.shapes.triangles[2].corners[0].abs(), Vec3::new(14.0, 14.0, 12.0));
     let plane = normal(&scene, 28);
     let angle = (-140f32).to_radians();
     assert_near(plane, Vec3::new(angle.sin(), 0.0, angle.cos()));
-    let material = &scene.materials[scene.surfaces[of(28)].material as usize];
+    let material = &scene.optics.materials[scene.shapes.surfaces[of(28)].material as usize];
     assert_eq!((material.kind, material.two_sided), (MaterialKind::Conductor, false));
     // Cube 1: centered, outward normals.
     let center = Vec3::new(-2.5, -1.2, 7.5);
     for triangle in 4..16 {
-        let out = scene.triangles[triangle].corners.iter().sum::<Vec3>() / 3.0 - center;
+        let out = scene.shapes.triangles[triangle].corners.iter().sum::<Vec3>() / 3.0 - center;
         assert!(normal(&scene, triangle).dot(out) > 0.79);
-        for corner in scene.triangles[triangle].corners {
+        for corner in scene.shapes.triangles[triangle].corners {
             assert!(((corner - center).length() - 0.8 * 3f32.sqrt()).abs() < 1e-5);
         }
     }
@@ -118,37 +121,40 @@ fn mirror() {
         assert!((corner.y - 6.0).abs() < 1e-6 && (3.0..=7.0).contains(&corner.z));
     }
     let forward = Vec3::new(0.0, -0.5, -6.5).normalize();
-    assert_near(scene.camera.forward, forward);
-    assert_near(scene.camera.right, Vec3::X);
-    assert_near(scene.camera.up, Vec3::X.cross(forward));
+    assert_near(scene.shapes.camera.forward, forward);
+    assert_near(scene.shapes.camera.right, Vec3::X);
+    assert_near(scene.shapes.camera.up, Vec3::X.cross(forward));
 }
 
 #[test]
 fn brewster() {
     let scene = baked("reference/brewster.gltf");
-    assert_eq!((scene.triangles.len(), scene.spheres.len()), (4, 0));
+    assert_eq!((scene.shapes.triangles.len(), scene.shapes.spheres.len()), (4, 0));
     assert_near(normal(&scene, 0), Vec3::Y);
     let origin = Vec3::new(0.0, 6.656_402, -9.984_603);
     assert_near(normal(&scene, 2), -origin.normalize());
     let middle = emitting_corners(&scene).iter().sum::<Vec3>() / 6.0;
     assert!((middle - origin).length() < 5.0);
-    let tangent = scene.camera.position.z / scene.camera.position.y;
+    let tangent = scene.shapes.camera.position.z / scene.shapes.camera.position.y;
     assert!((tangent - 1.5).abs() < 1e-6, "the camera sits at Brewster's angle");
-    assert_near(scene.camera.forward, -scene.camera.position.normalize());
+    assert_near(scene.shapes.camera.forward, -scene.shapes.camera.position.normalize());
 }
 
 #[test]
 fn polarizers() {
     let scene = baked("reference/polarizers.gltf");
-    assert_eq!(scene.triangles.len(), 2 * (1 + 3 + 2 + 3 + 2 + 3 + 2 + 2));
-    let Projection::Orthographic { half_width, half_height } = scene.camera.projection else {
+    assert_eq!(scene.shapes.triangles.len(), 2 * (1 + 3 + 2 + 3 + 2 + 3 + 2 + 2));
+    let Projection::Orthographic { half_width, half_height } = scene.shapes.camera.projection
+    else {
         panic!("not an orthographic camera");
     };
     assert_eq!((half_width, half_height), (1.5, 1.5));
-    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
-    assert_eq!(scene.camera.resolution, Some([128, 128]));
-    let surface = |triangle: usize| scene.surfaces[scene.surface_of_primitive[triangle] as usize];
-    let material = |triangle: usize| scene.materials[surface(triangle).material as usize];
+    assert_eq!(scene.shapes.camera.forward, Vec3::NEG_Z);
+    assert_eq!(scene.shapes.camera.resolution, Some([128, 128]));
+    let surface = |triangle: usize| {
+        scene.shapes.surfaces[scene.shapes.surface_of_primitive[triangle] as usize]
+    };
+    let material = |triangle: usize| scene.optics.materials[surface(triangle).material as usize];
     let ideal = material(2);
     assert_eq!(ideal.kind, MaterialKind::Polarizer);
     assert_eq!((ideal.m00, ideal.a, ideal.c, ideal.axis), (0.5, 1.0, 0.0, [1.0, 0.0]));
@@ -164,59 +170,59 @@ fn polarizers() {
     assert_eq!((quarter.c, quarter.s), (0.0, 1.0));
     assert!((quarter.axis[0] - quarter.axis[1]).abs() < 1e-7);
     // A stack is ordered towards the camera.
-    assert!((scene.triangles[16].corners[0].z - 0.6).abs() < 1e-6);
+    assert!((scene.shapes.triangles[16].corners[0].z - 0.6).abs() < 1e-6);
 }
 
 /// The surface of a triangle.
 fn surface<const N: usize>(scene: &BakedScene<N>, triangle: usize) -> Surface {
-    scene.surfaces[scene.surface_of_primitive[triangle] as usize]
+    scene.shapes.surfaces[scene.shapes.surface_of_primitive[triangle] as usize]
 }
 
 #[test]
 fn rayleigh() {
     let scene = baked("reference/rayleigh.gltf");
-    assert_eq!((scene.triangles.len(), scene.spheres.len()), (14, 0));
+    assert_eq!((scene.shapes.triangles.len(), scene.shapes.spheres.len()), (14, 0));
     for triangle in 0..12 {
         let surface = surface(&scene, triangle);
         assert_eq!((surface.interior, surface.exterior), (0, NONE));
-        assert_eq!(scene.materials[surface.material as usize].kind, MaterialKind::Null);
-        for corner in scene.triangles[triangle].corners {
+        assert_eq!(scene.optics.materials[surface.material as usize].kind, MaterialKind::Null);
+        for corner in scene.shapes.triangles[triangle].corners {
             assert_near(corner.abs(), Vec3::splat(0.5));
             assert!(normal(&scene, triangle).dot(corner) > 0.49);
         }
     }
-    let medium = &scene.media[0];
-    assert_eq!((medium.sigma_a, medium.sigma_s, scene.scene_medium), ([0.0], [1.0], NONE));
+    let medium = &scene.optics.media[0];
+    assert_eq!((medium.sigma_a, medium.sigma_s, scene.shapes.scene_medium), ([0.0], [1.0], NONE));
     assert!(matches!(&medium.phase, Phase::Table(table) if table.spheres && table.achromatic));
     assert_near(normal(&scene, 12), Vec3::X);
     assert!(emitting_corners(&scene).iter().all(|corner| (corner.x + 3.0).abs() < 1e-6));
-    assert_eq!(scene.emitters[0].radiance, [10.0]);
+    assert_eq!(scene.optics.emitters[0].radiance, [10.0]);
     let eye = Vec3::new(0.8, 0.9, 4.0);
-    assert_near(scene.camera.position, eye);
-    assert_near(scene.camera.forward, -eye.normalize());
+    assert_near(scene.shapes.camera.position, eye);
+    assert_near(scene.shapes.camera.forward, -eye.normalize());
 }
 
 #[test]
 fn tank_of_the_reference() {
     let scene = baked("reference/tank.gltf");
-    assert_eq!(scene.triangles.len(), 12 + 2 + 2 + 3674 + 2);
-    assert!(scene.shading_normals.is_empty(), "the bunny has facets");
+    assert_eq!(scene.shapes.triangles.len(), 12 + 2 + 2 + 3674 + 2);
+    assert!(scene.shapes.shading_normals.is_empty(), "the bunny has facets");
     let glass = surface(&scene, 0);
     assert_eq!((glass.interior, glass.exterior), (0, NONE));
-    assert_eq!(scene.materials[glass.material as usize].ior, 1.5);
-    for corner in scene.triangles[..12].iter().flat_map(|triangle| triangle.corners) {
+    assert_eq!(scene.optics.materials[glass.material as usize].ior, 1.5);
+    for corner in scene.shapes.triangles[..12].iter().flat_map(|triangle| triangle.corners) {
         assert_near(corner.abs(), Vec3::new(1.2, 0.9, 0.8));
     }
-    let medium = &scene.media[0];
+    let medium = &scene.optics.media[0];
     assert_eq!((medium.sigma_a, medium.sigma_s), ([0.012], [0.588]));
     assert_eq!(medium.phase, Phase::HenyeyGreenstein { g: [0.8] });
     for (triangle, reflectance, two_sided) in [(12, 0.7, true), (14, 0.7, true), (16, 0.5, false)] {
         let surface = surface(&scene, triangle);
-        let row = scene.materials[surface.material as usize];
+        let row = scene.optics.materials[surface.material as usize];
         assert_eq!((row.reflectance, row.two_sided), ([reflectance], two_sided));
         assert_eq!((surface.interior, surface.exterior), (KEEP, KEEP));
     }
-    let bunny = scene.triangles[16..16 + 3674].iter().flat_map(|triangle| triangle.corners);
+    let bunny = scene.shapes.triangles[16..16 + 3674].iter().flat_map(|triangle| triangle.corners);
     let (low, high) = bunny.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| {
         (low.min(corner), high.max(corner))
     });
@@ -227,10 +233,10 @@ fn tank_of_the_reference() {
 /// Signed volume that the triangles of some surfaces enclose with the origin; the right one if
 /// they are closed.
 fn volume(scene: &BakedScene<3>, wanted: impl Fn(&Surface) -> bool) -> f64 {
-    let triangles = (0..scene.triangles.len()).filter(|&row| wanted(&surface(scene, row)));
+    let triangles = (0..scene.shapes.triangles.len()).filter(|&row| wanted(&surface(scene, row)));
     triangles
         .map(|row| {
-            let [a, b, c] = scene.triangles[row].corners.map(|corner| corner.as_dvec3());
+            let [a, b, c] = scene.shapes.triangles[row].corners.map(|corner| corner.as_dvec3());
             a.dot(b.cross(c)) / 6.0
         })
         .sum()
@@ -240,10 +246,10 @@ fn volume(scene: &BakedScene<3>, wanted: impl Fn(&Surface) -> bool) -> f64 {
 fn mirror_to_look_at() {
     let world = load(&scene("mirror.gltf")).unwrap_or_else(|error| panic!("{error}"));
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
-    assert_eq!((scene.spheres.len(), scene.emitters.len()), (3, 1));
-    assert_eq!(scene.emitters[0].kind, EmitterKind::Point);
-    assert_eq!(scene.emitters[0].radiance, [46.0, 43.0, 37.0]);
-    assert_eq!((world.warnings(), scene.camera.resolution), (&[][..], Some([512, 512])));
+    assert_eq!((scene.shapes.spheres.len(), scene.optics.emitters.len()), (3, 1));
+    assert_eq!(scene.optics.emitters[0].kind, EmitterKind::Point);
+    assert_eq!(scene.optics.emitters[0].radiance, [46.0, 43.0, 37.0]);
+    assert_eq!((world.warnings(), scene.shapes.camera.resolution), (&[][..], Some([512, 512])));
 }
 
 #[test]
@@ -251,8 +257,8 @@ fn tank_to_look_at() {
     let world = load(&scene("tank.gltf")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(world.warnings(), [] as [String; 0]);
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
-    let ior = |surface: &Surface| scene.materials[surface.material as usize].ior;
-    let kind = |surface: &Surface| scene.materials[surface.material as usize].kind;
+    let ior = |surface: &Surface| scene.optics.materials[surface.material as usize].ior;
+    let kind = |surface: &Surface| scene.optics.materials[surface.material as usize].kind;
     let milk = |surface: &Surface| surface.interior == 0;
     // Milk and glass are closed, the glass where the milk bounds it too.
     let (x, z, wall) = (0.320, 0.220, 0.016);
@@ -263,13 +269,14 @@ fn tank_to_look_at() {
     let wet = |surface: &Surface| milk(surface) && ior(surface) < 1.0;
     let found = volume(&scene, glass) - volume(&scene, wet);
     assert!((found / of_glass - 1.0).abs() < 1e-4, "{found} {of_glass}");
-    let iors: Vec<f32> = scene.surfaces.iter().filter(|s| milk(s)).map(&ior).collect();
+    let iors: Vec<f32> = scene.shapes.surfaces.iter().filter(|s| milk(s)).map(&ior).collect();
     assert_eq!(iors, [1.33 / 1.5, 1.33]);
-    assert!(scene.surfaces.iter().all(|s| !milk(s) || s.exterior == NONE));
-    let depth = (scene.media[0].sigma_a[1] + scene.media[0].sigma_s[1]) * 0.204;
+    assert!(scene.shapes.surfaces.iter().all(|s| !milk(s) || s.exterior == NONE));
+    let depth = (scene.optics.media[0].sigma_a[1] + scene.optics.media[0].sigma_s[1]) * 0.204;
     assert!((2.0..3.0).contains(&depth), "{depth} mean free paths");
-    let inside = scene.triangles.iter().enumerate().filter(|(row, _)| {
-        kind(&surface(&scene, *row)) == MaterialKind::Diffuse && *row < scene.triangles.len() - 4
+    let inside = scene.shapes.triangles.iter().enumerate().filter(|(row, _)| {
+        kind(&surface(&scene, *row)) == MaterialKind::Diffuse
+            && *row < scene.shapes.triangles.len() - 4
     });
     for corner in inside.flat_map(|(_, triangle)| triangle.corners) {
         assert!(corner.x.abs() < 0.15 && corner.z.abs() < 0.10, "{corner}");
@@ -283,12 +290,12 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
         let world = load(&scene(name)).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(world.warnings(), [] as [String; 0]);
         let rgb = bake::<3>(&world, Color::Rgb).unwrap();
-        assert!(rgb.shading_normals.is_empty());
-        assert_eq!(rgb.camera.resolution, Some([512, 512]));
-        let radiance = rgb.emitters[0].radiance;
+        assert!(rgb.shapes.shading_normals.is_empty());
+        assert_eq!(rgb.shapes.camera.resolution, Some([512, 512]));
+        let radiance = rgb.optics.emitters[0].radiance;
         assert!(radiance[0] > radiance[1] && radiance[1] > radiance[2]);
         let mono = bake::<1>(&world, GREEN).unwrap();
-        assert_eq!(mono.emitters[0].radiance, [radiance[1]]);
+        assert_eq!(mono.optics.emitters[0].radiance, [radiance[1]]);
         assert!(world.describe().contains("smooth dielectric"));
     }
 }

@@ -94,35 +94,35 @@ const CHANCE_MIN: f32 = 1e-3;
 /// point shines in a medium: connections to it from nearby have no finite variance.
 pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     let is_point = |kind| matches!(kind, EmitterKind::Point | EmitterKind::Spot);
-    let mut emitters = scene.tables.emitters.iter().enumerate();
+    let mut emitters = scene.optics.emitters.iter().enumerate();
     let immersed = |(index, emitter): (usize, &Emitter<N>)| {
         is_point(emitter.kind) && scene.medium_at_emitter(index, true) != NONE
     };
     if emitters.any(immersed) {
         return false;
     }
-    if !scene.tables.surfaces.iter().any(|surface| is_specular(scene, surface)) {
+    if !scene.shapes.surfaces.iter().any(|surface| is_specular(scene, surface)) {
         return true;
     }
-    let tables = &scene.tables;
-    let mut areas = vec![0.0; tables.surfaces.len()];
-    for emitter in &tables.emitters {
+    let (shapes, optics) = (&scene.shapes, &scene.optics);
+    let mut areas = vec![0.0; shapes.surfaces.len()];
+    for emitter in &optics.emitters {
         match emitter.kind {
             EmitterKind::Triangle | EmitterKind::Sphere => {
-                let surface = tables.surface_of_primitive[emitter.primitive as usize];
+                let surface = shapes.surface_of_primitive[emitter.primitive as usize];
                 areas[surface as usize] += emitter.area;
             }
             EmitterKind::Environment => {}
             EmitterKind::Point | EmitterKind::Spot | EmitterKind::Directional => return false,
         }
     }
-    let all = 4.0 * std::f32::consts::PI * tables.bounds.radius.powi(2);
+    let all = 4.0 * std::f32::consts::PI * shapes.bounds.radius.powi(2);
     areas.iter().all(|&area| area == 0.0 || area / all >= CHANCE_MIN)
 }
 
 /// Whether connections to a surface have nothing to find.
 fn is_specular<const N: usize>(scene: &Scene<N>, surface: &Surface) -> bool {
-    let kind = scene.tables.materials[surface.material as usize].kind;
+    let kind = scene.optics.materials[surface.material as usize].kind;
     !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
 }
 
@@ -167,9 +167,9 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
             let hit = first_in_the_way(scene, origin, direction);
             if hit == NONE {
                 // Parallel rays have no direction to share with an environment.
-                return scene.tables.environment == NONE || scene.sensor.is_finite();
+                return scene.optics.environment == NONE || scene.sensor.is_finite();
             }
-            !is_specular(scene, &scene.tables.surfaces[scene.tables.surface_of(hit) as usize])
+            !is_specular(scene, &scene.shapes.surfaces[scene.shapes.surface_of(hit) as usize])
         })
     })
 }

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 
-use super::{Materials, outside_table, primitives::Primitives};
-use crate::scene::baked::{Bounds, Emitter, EmitterKind, NONE};
+use super::{Materials, outside_table};
+use crate::scene::baked::{Emitter, EmitterKind, NONE, Shapes};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Environment, Name, Punctual, PunctualKind, Transform, World};
 use crate::spectrum::Color;
@@ -13,7 +13,7 @@ use crate::spectrum::Color;
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
 const LEAST_CONE: f32 = 1e-3;
 
-/// The table of emitters: see `BakedScene`.
+/// The table of emitters: see `Optics`.
 pub struct Emitters<const N: usize> {
     pub rows: Vec<Emitter<N>>,
     pub emitter_of_primitive: Vec<u32>,
@@ -37,8 +37,7 @@ pub fn emitters<const N: usize>(
     world: &World,
     color: Color,
     materials: &Materials<N>,
-    primitives: &Primitives,
-    bounds: &Bounds,
+    shapes: &Shapes,
 ) -> Result<Emitters<N>, SceneError> {
     let mut table = Emitters {
         rows: Vec::new(),
@@ -46,8 +45,8 @@ pub fn emitters<const N: usize>(
         environment: NONE,
         powers: Vec::new(),
     };
-    table.add_primitives(materials, primitives);
-    let disk = PI * f64::from(bounds.radius).powi(2);
+    table.add_primitives(materials, shapes);
+    let disk = PI * f64::from(shapes.bounds.radius).powi(2);
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
         let intensity = light.intensity.sample(color);
         intensity
@@ -123,21 +122,21 @@ impl<const N: usize> Emitters<N> {
         (self.rows.len() - 1) as u32
     }
 
-    fn add_primitives(&mut self, materials: &Materials<N>, primitives: &Primitives) {
-        for (index, &surface) in primitives.surface_of_primitive.iter().enumerate() {
-            let material = primitives.surfaces[surface as usize].material as usize;
+    fn add_primitives(&mut self, materials: &Materials<N>, shapes: &Shapes) {
+        for (index, &surface) in shapes.surface_of_primitive.iter().enumerate() {
+            let material = shapes.surfaces[surface as usize].material as usize;
             let radiance = materials.radiance[material];
             let emitter = if radiance == [0.0; N] {
                 NONE
             } else {
-                let (kind, area, two_sided) = match primitives.triangles.get(index) {
+                let (kind, area, two_sided) = match shapes.triangles.get(index) {
                     Some(triangle) => {
                         let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
                         let area = 0.5 * (b - a).cross(c - a).length();
                         (EmitterKind::Triangle, area, materials.rows[material].two_sided)
                     }
                     None => {
-                        let sphere = &primitives.spheres[index - primitives.triangles.len()];
+                        let sphere = &shapes.spheres[index - shapes.triangles.len()];
                         let area = 4.0 * PI * f64::from(sphere.radius).powi(2);
                         (EmitterKind::Sphere, area, false)
                     }

@@ -1,5 +1,5 @@
-//! From the world to the tables: media -> materials -> primitives -> bounds -> emitters, and the
-//! camera.
+//! From the world to the tables: primitives -> bounds and the camera are the shapes, materials,
+//! media -> emitters the optics.
 //!
 //! The order of every table follows the file's order alone, so that the same file gives the same
 //! tables, bit for bit. What can still fail here is what depends on the wavelengths of the render
@@ -17,71 +17,128 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{BakedScene, Bounds, Camera, Material, MaterialKind, Projection};
+use super::baked::{
+    BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Optics, Projection, Shapes,
+};
 use super::error::SceneError;
-use super::world::{Bsdf, Emission, Film, Lens, Name, Sides, Transform, World};
+use super::world::{Bsdf, Emission, FillsScene, Film, Lens, Medium, Name, Sides, Transform, World};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
-/// Evaluates the world at the wavelengths of `color`, in world space. `N` is the number of
-/// channels of `color`.
+/// Shapes and optics in one.
 ///
 /// # Errors
-/// When `N` does not fit, a spectrum's table does not cover the wavelengths, a triangle has no
-/// area left in `f32`, coordinates are out of range, nothing emits, or a medium lets no light in.
+/// Those of [`bake_shapes`] and [`bake_optics`].
 pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
-    bake_tables(world, color).map_err(|error| error.in_file(&world.file))
+    let shapes = bake_shapes(world)?;
+    let optics = bake_optics(world, &shapes, color)?;
+    Ok(BakedScene { shapes, optics })
 }
 
-fn bake_tables<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
+/// Places all shapes and the camera in world space. Wavelengths have no part in it.
+///
+/// # Errors
+/// When a triangle has no area left in `f32`, coordinates are out of range, or there is no camera.
+pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
+    shapes(world).map_err(|error| error.in_file(&world.file))
+}
+
+/// Evaluates materials, media and emitters at the wavelengths of `color`. `N` is the number of
+/// channels of `color`; `shapes` are those of the same world.
+///
+/// # Errors
+/// When `N` does not fit, a spectrum's table does not cover the wavelengths, nothing emits, or a
+/// medium lets no light in.
+pub fn bake_optics<const N: usize>(
+    world: &World,
+    shapes: &Shapes,
+    color: Color,
+) -> Result<Optics<N>, SceneError> {
+    optics_of(world, shapes, color).map_err(|error| error.in_file(&world.file))
+}
+
+fn shapes(world: &World) -> Result<Shapes, SceneError> {
+    let rows = Rows::of(world);
+    let primitives = primitives::primitives(world, &rows)?;
+    let bounds = bounds(world, &primitives)?;
+    Ok(Shapes {
+        triangles: primitives.triangles,
+        shading_normals: primitives.shading_normals,
+        spheres: primitives.spheres,
+        instanced: primitives.instanced,
+        surface_of_primitive: primitives.surface_of_primitive,
+        surfaces: primitives.surfaces,
+        scene_medium: rows.scene_medium,
+        camera: camera(world)?,
+        bounds,
+    })
+}
+
+fn optics_of<const N: usize>(
+    world: &World,
+    shapes: &Shapes,
+    color: Color,
+) -> Result<Optics<N>, SceneError> {
     if N != color.channels() {
         let problem = format!("{N} channels were asked for, but {color:?} has another number");
         return Err(SceneError::new("bake", problem, ""));
     }
     let materials = materials(world, color)?;
     let media = media::media(world, color)?;
-    let primitives = primitives::primitives(world, &materials, &media)?;
-    let bounds = bounds(world, &primitives)?;
-    let emitters = emitters::emitters(world, color, &materials, &primitives, &bounds)?;
-    media.check_lights(&emitters)?;
+    let emitters = emitters::emitters(world, color, &materials, shapes)?;
+    media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
     let rows = materials.rows;
-    Ok(BakedScene {
-        triangles: primitives.triangles,
-        shading_normals: primitives.shading_normals,
-        spheres: primitives.spheres,
-        instanced: primitives.instanced,
-        surface_of_primitive: primitives.surface_of_primitive,
-        emitter_of_primitive: emitters.emitter_of_primitive,
-        surfaces: primitives.surfaces,
+    Ok(Optics {
         materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
-        media: media.rows,
-        scene_medium: media.scene_medium,
+        media,
         emitters: emitters.rows,
+        emitter_of_primitive: emitters.emitter_of_primitive,
         environment: emitters.environment,
-        camera: camera(world)?,
-        bounds,
     })
 }
 
-/// The material table, and which row an entity became.
+/// Which rows of the tables of materials and media the entities become.
+struct Rows {
+    materials: HashMap<Entity, u32>,
+    media: HashMap<Entity, u32>,
+    /// What fills the scene, or [`NONE`].
+    scene_medium: u32,
+}
+
+impl Rows {
+    fn of(world: &World) -> Self {
+        let numbered = |entities: Vec<Entity>| entities.into_iter().zip(0..).collect();
+        let media =
+            world.in_order::<(Entity, &Medium, Option<&FillsScene>), _>(|(entity, _, fills)| {
+                (entity, fills.is_some())
+            });
+        // Of several that do, the last.
+        let filling = media.iter().rposition(|(_, fills)| *fills);
+        Self {
+            materials: numbered(world.in_order::<(Entity, &Bsdf), _>(|(entity, _)| entity)),
+            media: numbered(media.into_iter().map(|(entity, _)| entity).collect()),
+            scene_medium: filling.map_or(NONE, |row| row as u32),
+        }
+    }
+}
+
+/// The material table.
 struct Materials<const N: usize> {
     rows: Vec<Material<N>>,
     /// Emitted radiance of each row; zero if it does not emit.
     radiance: Vec<[f32; N]>,
-    row_of: HashMap<Entity, u32>,
 }
 
 fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>, SceneError> {
-    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
-    let mut table = Materials { rows: Vec::new(), radiance: Vec::new(), row_of: HashMap::new() };
-    let rows = world.in_order::<Components, _>(|(entity, name, bsdf, sides, emission)| {
+    type Components<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
+    let mut table = Materials { rows: Vec::new(), radiance: Vec::new() };
+    let rows = world.in_order::<Components, _>(|(name, bsdf, sides, emission)| {
         let black = Spectrum::Constant(0.0);
         let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
-        let row = material(bsdf, *sides, color).and_then(|row| Ok((entity, row, radiance?)));
+        let row = material(bsdf, *sides, color).and_then(|row| Ok((row, radiance?)));
         row.map_err(|error| outside_table(&name.0, error))
     });
     for row in rows {
-        let (entity, material, radiance) = row?;
-        table.row_of.insert(entity, table.rows.len() as u32);
+        let (material, radiance) = row?;
         table.rows.push(material);
         table.radiance.push(radiance);
     }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
-use super::media::Media;
 use super::sharing::{instanced, shared};
-use super::{Materials, check_range};
+use super::{Rows, check_range};
 use crate::scene::baked::{LEAST_COSINE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
-use crate::scene::world::{Ball, Boundary, Geometry, MadeOf, Mesh, Name, Transform, World};
+use crate::scene::world::{
+    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Transform, World,
+};
 
 /// Shading normals that are this close to the geometric one are the geometric one.
 const FLAT_TOLERANCE: f32 = 1e-4;
@@ -20,7 +21,7 @@ const FLAT_TOLERANCE: f32 = 1e-4;
 /// not fill the memory.
 const TRIANGLES_MAX: usize = 1 << 26;
 
-/// The tables of primitives and their surfaces: see `BakedScene`.
+/// The tables of primitives and their surfaces: see `Shapes`.
 #[derive(Default)]
 pub struct Primitives {
     pub triangles: Vec<Triangle>,
@@ -49,34 +50,18 @@ pub struct Triangles {
 }
 
 /// Places all meshes and spheres.
-pub fn primitives<const N: usize>(
-    world: &World,
-    materials: &Materials<N>,
-    media: &Media<N>,
-) -> Result<Primitives, SceneError> {
+pub fn primitives(world: &World, rows: &Rows) -> Result<Primitives, SceneError> {
     type Placed<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
     let mut tables = Primitives::default();
-    let surface = |material: &Entity, to_world: &DAffine3, boundary: &Boundary| {
-        let material = materials.row_of.get(material).copied().unwrap_or(0);
-        let kind = materials.rows[material as usize].kind;
-        let (interior, exterior) = media.sides(kind, boundary);
-        Surface {
-            material,
-            axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
-            axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
-            interior,
-            exterior,
-        }
-    };
     let parts = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
-        let surface = surface(&of.0, &at.0, boundary);
-        let emits = materials.radiance.get(surface.material as usize) != Some(&[0.0; N]);
+        let surface = surface(world, rows, of.0, &at.0, boundary);
+        let emits = world.entities().satisfies::<&Emission>(of.0);
         let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
         Part { name, geometry, to_world: at.0, surface, emits }
     });
     let instances = tables.add_parts(parts)?;
     let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
-        (name.clone(), ball.radius, at.0, surface(&of.0, &at.0, boundary))
+        (name.clone(), ball.radius, at.0, surface(world, rows, of.0, &at.0, boundary))
     });
     for (name, radius, to_world, surface) in balls {
         let surface = tables.add_surface(surface);
@@ -90,6 +75,25 @@ pub fn primitives<const N: usize>(
     }
     tables.instanced = instanced(&instances, tables.surface_of_primitive.len())?;
     Ok(tables)
+}
+
+/// The row of a surface, with its material and what lies on its sides.
+fn surface(
+    world: &World,
+    rows: &Rows,
+    material: Entity,
+    to_world: &DAffine3,
+    boundary: &Boundary,
+) -> Surface {
+    let bsdf = world.entities().get::<&Bsdf>(material);
+    let (interior, exterior) = rows.sides(bsdf.as_deref().unwrap_or(&Bsdf::Absorber), boundary);
+    Surface {
+        material: rows.materials.get(&material).copied().unwrap_or(0),
+        axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
+        axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
+        interior,
+        exterior,
+    }
 }
 
 impl Primitives {

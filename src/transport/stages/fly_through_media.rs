@@ -171,7 +171,7 @@ pub(super) fn step_over<const N: usize>(
     let (origin, direction) = (of(&flights.rays.origin), of(&flights.rays.direction));
     let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
     let position = origin + direction * t;
-    let normal = scene.tables.geometric_normal(primitive, position);
+    let normal = scene.shapes.geometric_normal(primitive, position);
     let skipped = offset_distance(scene.reach);
     let after = position + direction * skipped;
     let to = flights.len;
@@ -194,7 +194,7 @@ pub(super) fn beyond<const N: usize>(
     to_front: bool,
     before: u32,
 ) -> u32 {
-    let surface = &scene.tables.surfaces[scene.tables.surface_of(primitive) as usize];
+    let surface = &scene.shapes.surfaces[scene.shapes.surface_of(primitive) as usize];
     match if to_front { surface.exterior } else { surface.interior } {
         KEEP => before,
         medium => medium,

@@ -32,7 +32,7 @@ impl<const N: usize> MaterialLanes<N> {
     pub fn gather(scene: &Scene<N>, surfaces: &SurfaceColumns, row: usize, live: usize) -> Self {
         let material =
             lanes::each(|lane| scene.material_row(surfaces.primitive[row + lane.min(live - 1)]));
-        let of = |lane: usize| &scene.tables.materials[material[lane]];
+        let of = |lane: usize| &scene.optics.materials[material[lane]];
         let two_sided = lanes::each(|lane| if of(lane).two_sided { 1.0 } else { 0.0 });
         let mut reflectance = [F32s::splat(0.0); N];
         for (n, reflectance) in reflectance.iter_mut().enumerate() {

@@ -129,7 +129,7 @@ impl<'a, const N: usize> RowLanes<'a, N> {
 
     #[inline(always)]
     fn field(&self, of: impl Fn(&Material<N>) -> f32) -> F32s {
-        let materials = &self.scene.tables.materials;
+        let materials = &self.scene.optics.materials;
         F32s::from(lanes::each(|lane| of(&materials[self.material[lane]])))
     }
 }
@@ -244,7 +244,7 @@ fn element_axis<const N: usize>(
 ) -> Vector<F32s> {
     let surface = |lane: usize| {
         let surface = surfaces.surface[(row + lane).min(end - 1)];
-        &scene.tables.surfaces[surface as usize]
+        &scene.shapes.surfaces[surface as usize]
     };
     let node_x = Vector::gather(|lane| surface(lane).axis_x.to_array());
     let node_y = Vector::gather(|lane| surface(lane).axis_y.to_array());

@@ -193,10 +193,10 @@ impl Mesh {
 /// The triangles of the surface that has most of them.
 fn largest_mesh(baked: &BakedScene<3>) -> Vec<Triangle> {
     let of_surface = |surface: usize| {
-        let all = baked.triangles.iter().zip(&baked.surface_of_primitive);
+        let all = baked.shapes.triangles.iter().zip(&baked.shapes.surface_of_primitive);
         all.filter(|(_, of)| **of as usize == surface).map(|(triangle, _)| *triangle).collect()
     };
-    (0..baked.surfaces.len()).map(of_surface).max_by_key(Vec::len).unwrap_or_default()
+    (0..baked.shapes.surfaces.len()).map(of_surface).max_by_key(Vec::len).unwrap_or_default()
 }
 
 /// The four triangles between the corners and the middles of the edges.
