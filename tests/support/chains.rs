@@ -130,7 +130,7 @@ impl Step {
             }
             Step::Polarizer { axis } => (lift_block(polarizer_block(1.0, 0.0)), lift(axis)),
             Step::Retarder { axis, retardance } => {
-                (lift_block((1.0, retarder_block(retardance))), lift(axis))
+                (lift_block((1.0, retarder_block(retardance.to_degrees()))), lift(axis))
             }
         };
         (m00, Event { block, k_in, x_in: x, k_out, x_out: x })

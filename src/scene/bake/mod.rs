@@ -22,6 +22,8 @@ use super::baked::{
 };
 use super::error::SceneError;
 use super::world::{Bsdf, Emission, FillsScene, Film, Lens, Medium, Name, Sides, Transform, World};
+use crate::polarization::Block;
+use crate::polarization::elements::{exact_sin_cos_deg, polarizer_block, retarder_block};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
 /// Shapes and optics in one.
@@ -156,10 +158,6 @@ fn material<const N: usize>(
     color: Color,
 ) -> Result<Material<N>, OutsideTable> {
     let blank = Material { two_sided: sides.two_sided, ..Material::absorber() };
-    let axis = |axis_deg: f64| {
-        let (sin, cos) = exact_sin_cos_deg(axis_deg);
-        [cos as f32, sin as f32]
-    };
     Ok(match bsdf {
         Bsdf::Absorber => Material { kind: MaterialKind::Absorber, ..blank },
         Bsdf::Diffuse { reflectance } => Material {
@@ -178,37 +176,27 @@ fn material<const N: usize>(
         }
         Bsdf::Null => Material { kind: MaterialKind::Null, ..blank },
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
-            // The greatest transmittance is 1, the least its reciprocal.
-            let t_min = extinction_ratio.recip();
-            Material {
-                kind: MaterialKind::Polarizer,
-                m00: (0.5 * (1.0 + t_min)) as f32,
-                a: ((1.0 - t_min) / (1.0 + t_min)) as f32,
-                c: (2.0 * t_min.sqrt() / (1.0 + t_min)) as f32,
-                axis: axis(*axis_deg),
-                ..blank
-            }
+            // The greatest transmittance is 1, the least the reciprocal of the ratio.
+            let (m00, block) = polarizer_block(1.0, extinction_ratio.recip());
+            let kind = MaterialKind::Polarizer;
+            element(Material { kind, m00: m00 as f32, ..blank }, block, *axis_deg)
         }
         Bsdf::Retarder { axis_deg, retardance_deg } => {
-            let (sin, cos) = exact_sin_cos_deg(*retardance_deg);
             let kind = MaterialKind::Retarder;
-            Material { kind, c: cos as f32, s: sin as f32, axis: axis(*axis_deg), ..blank }
+            element(Material { kind, ..blank }, retarder_block(*retardance_deg), *axis_deg)
         }
     })
 }
 
-/// Sine and cosine of an angle in degrees, exact at multiples of 90 degrees: crossed polarizers
-/// and quarter-wave plates are the commonest of all.
-fn exact_sin_cos_deg(degrees: f64) -> (f64, f64) {
-    let turned = degrees.rem_euclid(360.0);
-    let quarter = (turned / 90.0).round();
-    let (sin, cos) = (turned - 90.0 * quarter).to_radians().sin_cos();
-    match quarter as u32 % 4 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
+/// `material` with the kernel of an optical element whose axis is turned by `axis_deg`.
+fn element<const N: usize>(
+    material: Material<N>,
+    Block { a, c, s }: Block<f64>,
+    axis_deg: f64,
+) -> Material<N> {
+    let (sin, cos) = exact_sin_cos_deg(axis_deg);
+    let axis = [cos as f32, sin as f32];
+    Material { a: a as f32, c: c as f32, s: s as f32, axis, ..material }
 }
 
 /// Greatest coordinate that tables may hold: squares of areas must still fit into an `f32`.
@@ -278,22 +266,4 @@ fn camera(world: &World) -> Result<Camera, SceneError> {
         forward: up.cross(right).as_vec3(),
         resolution: film.map(|film| film.resolution),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quarter_turns_are_exact() {
-        for (degrees, sin, cos) in [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (-90.0, -1.0, 0.0)] {
-            let found = exact_sin_cos_deg(degrees);
-            assert_eq!((found.0.abs(), found.1.abs()), (f64::abs(sin), f64::abs(cos)));
-            assert!(found.0 * sin >= 0.0 && found.1 * cos >= 0.0);
-        }
-        assert_eq!(exact_sin_cos_deg(180.0).1, -1.0);
-        let (sin, cos) = exact_sin_cos_deg(200.0);
-        assert!((sin - 200f64.to_radians().sin()).abs() < 1e-15);
-        assert!((cos - 200f64.to_radians().cos()).abs() < 1e-15);
-    }
 }
