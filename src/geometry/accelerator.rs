@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
+use crate::math::Vector;
 use crate::scene::baked::{NONE, Shapes, Sphere, Triangle};
 use crate::scene::instanced::Instanced;
 
-use super::kernel::splat;
 use super::tree::Tree;
 use super::walk::{TraceScratch, walk};
 
@@ -144,8 +144,7 @@ impl Accelerator {
         t_max: f32,
         mut better: impl FnMut(Hit),
     ) {
-        let eight = |v: Vec3| splat(v.to_array());
-        let load = |_| (eight(origin), eight(direction));
+        let load = |_| (Vector::splat(origin), Vector::splat(direction));
         let scratch = &mut TraceScratch::default();
         walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, |_, hit| better(hit));
     }

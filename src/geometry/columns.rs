@@ -6,7 +6,7 @@ use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scene::baked::NONE;
 
 use super::accelerator::{Accelerator, Hit, SHORT_CORNERS, ShortScene};
-use super::kernel::{Nearest, Rays, Renaming, splat};
+use super::kernel::{Nearest, Rays, Renaming};
 use super::walk::{TraceScratch, walk};
 
 /// Marks, in the place of a primitive, that a ray ended in a medium before it met one; the row of
@@ -130,7 +130,7 @@ fn closest_in_short(
     rows: Range<usize>,
     (scene, reach): (&ShortScene, f32),
 ) {
-    let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
+    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
         let (origin, direction) = columns.eight(row);
         let nearest = if Rays::are_alike(origin, direction, reach) {
@@ -163,7 +163,7 @@ fn nearest_in_short<const HOPEFUL: bool>(
         primitive += 1;
     }
     for &(center, radius_squared) in &scene.spheres {
-        if let Some(found) = rays.meet_spheres(splat(center), F32s::splat(radius_squared)) {
+        if let Some(found) = rays.meet_spheres(Vector::splat(center), F32s::splat(radius_squared)) {
             nearest.offer_in_order(&found, primitive);
         }
         primitive += 1;
@@ -178,7 +178,7 @@ fn visibility_in_short(
     rows: Range<usize>,
     (scene, reach): (&ShortScene, f32),
 ) {
-    let mut corners = [splat([0.0; 3]); SHORT_CORNERS];
+    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
         let (origin, direction) = columns.eight(row);
         let t_max = lanes::load(t_max, row);
@@ -207,7 +207,7 @@ fn blocked_in_short<const HOPEFUL: bool>(
         }
     }
     for &(center, radius_squared) in &scene.spheres {
-        if let Some(found) = rays.meet_spheres(splat(center), F32s::splat(radius_squared)) {
+        if let Some(found) = rays.meet_spheres(Vector::splat(center), F32s::splat(radius_squared)) {
             mask |= found.mask & found.t.simd_lt(t_max);
         }
     }
@@ -223,7 +223,7 @@ fn shear_corners(
     scene: &ShortScene,
 ) {
     for (to, corner) in sheared.iter_mut().zip(&scene.corners) {
-        *to = rays.sheared(renaming.apply(splat(*corner)));
+        *to = rays.sheared(renaming.apply(Vector::splat(*corner)));
     }
 }
 

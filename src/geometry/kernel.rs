@@ -68,12 +68,6 @@ pub(super) fn renamed(main: usize) -> [usize; 3] {
     [[1, 2, 0], [2, 0, 1], [0, 1, 2]][main]
 }
 
-/// `vector` in all lanes.
-#[inline(always)]
-pub(super) fn splat(vector: [f32; 3]) -> Vector<F32s> {
-    Vector::new(F32s::splat(vector[0]), F32s::splat(vector[1]), F32s::splat(vector[2]))
-}
-
 impl Rays {
     /// Eight rays, and how each renames its axes.
     #[inline(always)]

@@ -73,15 +73,15 @@ pub fn resolve_surfaces(
         };
         if is_sphere.contains(&true) {
             let on_spheres = on_spheres(&primitive, hits, rays, row, shapes);
-            points = select(mask_of(is_sphere), on_spheres, points);
+            points = select(lanes::mask_of(is_sphere), on_spheres, points);
         }
         if is_instanced.contains(&true) {
             let on_instances = on_instances(&primitive, hits, row, shapes);
-            points = select(mask_of(is_instanced), on_instances, points);
+            points = select(lanes::mask_of(is_instanced), on_instances, points);
         }
         if is_particle.contains(&true) {
             let in_media = along_rays(hits, rays, row);
-            points = select(mask_of(is_particle), in_media, points);
+            points = select(lanes::mask_of(is_particle), in_media, points);
         }
         points.position.store(&mut surfaces.position, row, rows.end);
         points.geometric_normal.store(&mut surfaces.geometric_normal, row, rows.end);
@@ -89,11 +89,6 @@ pub fn resolve_surfaces(
         store_u32(&mut surfaces.surface, row, rows.end, surface.into());
         store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
     }
-}
-
-#[inline(always)]
-fn mask_of(lanes: [bool; LANES]) -> F32s {
-    F32s::from(lanes.map(|yes| f32::from_bits(if yes { !0 } else { 0 })))
 }
 
 /// Points in media, which have no normals.
@@ -244,12 +239,11 @@ fn on_spheres(
     shapes: &Shapes,
 ) -> Points {
     let first = shapes.triangles.len() as u32;
-    let spheres = lanes::each(|lane| {
-        match shapes.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
+    let spheres =
+        lanes::each(|lane| match shapes.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
             Some(sphere) => (sphere.center.to_array(), sphere.radius),
             None => ([0.0; 3], 0.0),
-        }
-    });
+        });
     let center = Vector::gather(|lane| spheres[lane].0);
     let radius = F32s::from(lanes::each(|lane| spheres[lane].1));
     let origin = Vector::load(&rays.origin, row);

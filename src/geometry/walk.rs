@@ -15,7 +15,7 @@ use crate::scene::baked::NONE;
 
 use super::accelerator::Hit;
 use super::block::{Node, Reference};
-use super::kernel::{Candidates, renamed, splat};
+use super::kernel::{Candidates, renamed};
 use super::packet::walk_alike;
 use super::prepared::{BATCH, Prepared};
 use super::tree::{Tree, View};
@@ -194,7 +194,7 @@ fn enter_instance<const ANY: bool>(
     let direction = instance.to_object * direction;
     let TraceScratch { prepared, stacks } = &mut **inside.0.get_or_insert_default();
     stacks.make_room(object, 1);
-    let [origin, direction] = [origin, direction].map(|vector| splat(vector.to_array()));
+    let [origin, direction] = [origin, direction].map(Vector::splat);
     prepared.prepare(ray & !(LANES - 1), origin, direction, F32s::splat(object.reach));
     let first_primitive = instance.first_primitive;
     let mut walk = Walk { next: object.root, first_primitive, base: 0, top: 0, ..outside };

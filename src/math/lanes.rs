@@ -71,6 +71,32 @@ pub fn first(live: usize) -> F32s {
     bytemuck::cast(live.simd_gt(i32x8::from([0, 1, 2, 3, 4, 5, 6, 7])))
 }
 
+/// The mask of the lanes that are so.
+#[inline(always)]
+pub fn mask_of(lanes: [bool; LANES]) -> F32s {
+    let mut mask = [0.0; LANES];
+    for (bits, is_so) in mask.iter_mut().zip(lanes) {
+        *bits = f32::from_bits(u32::from(is_so).wrapping_neg());
+    }
+    F32s::from(mask)
+}
+
+/// One row of three columns.
+#[inline(always)]
+pub fn row_of(columns: &[Vec<f32>; 3], row: usize) -> [f32; 3] {
+    [columns[0][row], columns[1][row], columns[2][row]]
+}
+
+/// One lane of values per wavelength.
+#[inline(always)]
+pub fn row_of_lanes<const N: usize>(values: &[[f32; LANES]; N], lane: usize) -> [f32; N] {
+    let mut row = [0.0; N];
+    for (row, values) in row.iter_mut().zip(values) {
+        *row = values[lane];
+    }
+    row
+}
+
 /// One value per lane. A plain loop: `array::from_fn` and `map` with closures of some size are not
 /// always inlined, and then cost more than what they compute.
 #[inline(always)]
@@ -85,6 +111,14 @@ pub fn each<T: Copy + Default>(of_lane: impl Fn(usize) -> T) -> [T; LANES] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn masks_select_the_lanes_that_are_so() {
+        let odd = each(|lane| lane % 2 == 1);
+        let chosen = mask_of(odd).select(F32s::splat(1.0), F32s::splat(2.0)).to_array();
+        assert_eq!(chosen, odd.map(|odd| if odd { 1.0 } else { 2.0 }));
+        assert_eq!(mask_of([true; LANES]).to_bitmask(), 0xff);
+    }
 
     #[test]
     fn exp_and_ln_are_exact_to_their_stated_errors() {

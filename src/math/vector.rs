@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{F32s, Real, lanes};
+use super::{F32s, LANES, Real, lanes};
 
 /// A vector in world space unless its name says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +88,13 @@ impl<F: Real> Vector<F> {
 }
 
 impl Vector<F32s> {
+    /// One vector in all lanes.
+    #[inline(always)]
+    pub fn splat(vector: impl Into<[f32; 3]>) -> Self {
+        let [x, y, z] = vector.into();
+        Self { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) }
+    }
+
     /// Reads eight rows from three columns.
     #[inline(always)]
     pub fn load(columns: &[Vec<f32>; 3], row: usize) -> Self {
@@ -112,6 +119,34 @@ impl Vector<F32s> {
         let rows = lanes::each(vector_of_lane);
         let column = |axis: usize| F32s::from(lanes::each(|lane| rows[lane][axis]));
         Self { x: column(0), y: column(1), z: column(2) }
+    }
+
+    /// The vector of one lane.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> Vector<f32> {
+        let Self { x, y, z } = self;
+        Vector { x: x.to_array()[lane], y: y.to_array()[lane], z: z.to_array()[lane] }
+    }
+
+    /// The vectors of all lanes.
+    #[inline(always)]
+    pub fn to_rows(self) -> [[f32; 3]; LANES] {
+        let [x, y, z] = [self.x, self.y, self.z].map(F32s::to_array);
+        std::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
+    }
+}
+
+impl<F> From<[F; 3]> for Vector<F> {
+    #[inline(always)]
+    fn from([x, y, z]: [F; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<F> From<Vector<F>> for [F; 3] {
+    #[inline(always)]
+    fn from(Vector { x, y, z }: Vector<F>) -> Self {
+        [x, y, z]
     }
 }
 

@@ -146,8 +146,7 @@ mod tests {
     #[test]
     fn hemisphere_stays_about_its_axis() {
         let axis = Vector::new(0.6, 0.0, -0.8);
-        let lanes =
-            Vector { x: F32s::splat(axis.x), y: F32s::splat(axis.y), z: F32s::splat(axis.z) };
+        let lanes = Vector::splat(axis);
         let u = F32s::from([0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999]);
         let (direction, cosine) = cosine_hemisphere(lanes, [u, u]);
         for lane in 0..8 {

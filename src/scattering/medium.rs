@@ -427,9 +427,7 @@ mod tests {
 
     #[test]
     fn deflections_have_their_angle() {
-        let axis = Vector::new(0.6, 0.0, -0.8);
-        let axis = Vector { x: axis.x, y: axis.y, z: axis.z };
-        let axis = Vector::gather(|_| [axis.x, axis.y, axis.z]);
+        let axis = Vector::splat([0.6, 0.0, -0.8]);
         let angles = F32s::from([0.0, 1e-6, 1e-4, 0.01, 0.3, 0.7, 0.999, 1.0]);
         let found = half_sine2(axis, deflect(axis, angles, F32s::splat(0.3))).to_array();
         for (found, expected) in found.iter().zip(angles.to_array()) {

@@ -95,8 +95,8 @@ impl Sensor {
             (film[0] * F32s::splat(2.0 / self.width as f32) - one) * F32s::splat(self.half_size[0]);
         let y = (one - film[1] * F32s::splat(2.0 / self.height as f32))
             * F32s::splat(self.half_size[1]);
-        let [right, up, forward] = [self.right, self.up, self.forward].map(splat);
-        let position = splat(self.position);
+        let [right, up, forward] = [self.right, self.up, self.forward].map(Vector::splat);
+        let position = Vector::splat(self.position);
         let pixel_area = F32s::splat(self.pixel_area());
         if !self.perspective {
             let origin = right.mul_add(x, up.mul_add(y, position));
@@ -182,11 +182,6 @@ impl Sensor {
     }
 }
 
-#[inline(always)]
-fn splat(vector: Vec3) -> Vector<F32s> {
-    Vector { x: F32s::splat(vector.x), y: F32s::splat(vector.y), z: F32s::splat(vector.z) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,9 +213,7 @@ mod tests {
             let u = [0.3, 0.6];
             let film = [F32s::splat(17.25), F32s::splat(8.5)];
             let (origin, direction, pdf) = sensor.rays(film, || u.map(F32s::splat));
-            let row = |v: Vector<F32s>| {
-                Vec3::new(v.x.to_array()[0], v.y.to_array()[0], v.z.to_array()[0])
-            };
+            let row = |v: Vector<F32s>| Vec3::from_array(v.lane(0).into());
             let point = row(origin) + row(direction) * 2.5;
             let connection = sensor.connect(point, u).expect("on the film");
             assert_eq!(connection.pixel, 8 * 40 + 17);

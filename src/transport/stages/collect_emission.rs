@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use crate::geometry::HitColumns;
+use crate::math::lanes;
 use crate::scattering::Scene;
 use crate::scattering::emission::{MetEmission, met_emission};
 use crate::scene::baked::NONE;
@@ -10,7 +13,6 @@ use crate::transport::tables::measured::Measured;
 use crate::transport::tables::paths::PathTable;
 
 use super::collect_sensor::SensorSide;
-use super::row_of;
 
 /// How a met emitter shares the light with other ways to the same path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,8 +44,8 @@ pub fn collect_emission<const N: usize, C: SensorSide<N>>(
         if scene.emitter_seen(primitive) == NONE {
             continue;
         }
-        let direction = row_of(&paths.rays.direction, row);
-        let position = row_of(&paths.rays.origin, row) + direction * hits.t[row];
+        let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
+        let position = Vec3::from(lanes::row_of(&paths.rays.origin, row)) + direction * hits.t[row];
         let Some(met) = met_emission(scene, primitive, position, direction) else { continue };
         let weight = match strategy {
             _ if path_length == 1 => 1.0,

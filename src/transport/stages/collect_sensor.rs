@@ -18,7 +18,6 @@ use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::states::LightState;
 
 use super::scatter_light::{copy_axis, multiply};
-use super::splat;
 
 /// The verbs of the sensor side.
 pub trait SensorSide<const N: usize>: CarrierTable {
@@ -193,13 +192,9 @@ impl<const N: usize> SensorSide<N> for SensorCarriers<N> {
     ) {
         let class = self.class(row);
         let light = match class {
-            FRESH => {
-                let up = Vector::new(film_up.x, film_up.y, film_up.z);
-                light.turned(film_axis(-k, up), k)
-            }
+            FRESH => light.turned(film_axis(-k, film_up.to_array().into()), k),
             FULL | COMMON | ROW | RANK_ONE => {
-                let [x, y, z] = &self.axis;
-                light.turned(Vector::new(x[row], y[row], z[row]), k)
+                light.turned(lanes::row_of(&self.axis, row).into(), k)
             }
             _ => *light,
         };
@@ -337,7 +332,7 @@ fn begin_matrix<const N: usize, K: StoredKernel>(
     for row in part.rows.clone().step_by(LANES) {
         let ray = Vector::load(direction, row);
         let axis = Vector::load(&kernels.axis, row);
-        let turn = Rotation::between(axis, film_axis(ray, splat(film_up)), -ray);
+        let turn = Rotation::between(axis, film_axis(ray, Vector::splat(film_up)), -ray);
         for channel in 0..wavelengths::<N>(class) {
             let kernel = K::load(kernels, part.event.channel(channel), row);
             store_matrix(carriers, channel, row, end, kernel.first_event(turn));

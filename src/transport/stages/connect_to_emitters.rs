@@ -50,7 +50,7 @@ pub fn connect_to_emitters<const N: usize, C>(
         }
         let segments = segments(paths, surfaces, scene.reach, &chosen, row, live);
         for (lane, &segment) in segments.iter().enumerate().take(live) {
-            let value = row_of_lanes(&values, lane);
+            let value = lanes::row_of_lanes(&values, lane);
             if value.iter().any(|&value| value > 0.0) {
                 connections.push(segment, value, (row + lane) as u32);
             }
@@ -95,16 +95,6 @@ pub(super) fn vertex_lanes<'a, const N: usize>(
     }
 }
 
-/// One lane of values per wavelength.
-#[inline(always)]
-pub(super) fn row_of_lanes<const N: usize>(values: &[[f32; LANES]; N], lane: usize) -> [f32; N] {
-    let mut row = [0.0; N];
-    for (row, values) in row.iter_mut().zip(values) {
-        *row = values[lane];
-    }
-    row
-}
-
 /// One emitter a row, and a point or direction on it.
 #[inline(always)]
 fn choose<const N: usize, C>(
@@ -140,8 +130,8 @@ fn segments<const N: usize, C>(
     let offset = end - origin;
     let length = offset.length();
     let towards = offset * (F32s::splat(1.0) / length);
-    let origin = to_rows(origin);
-    let direction = to_rows(Vector::select(chosen.finite, towards, chosen.direction));
+    let origin = origin.to_rows();
+    let direction = Vector::select(chosen.finite, towards, chosen.direction).to_rows();
     let t_max = Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array();
     let none = Segment { origin: [0.0; 3], direction: [0.0; 3], t_max: 0.0, inside: NONE };
     let mut segments = [none; LANES];
@@ -154,11 +144,4 @@ fn segments<const N: usize, C>(
         };
     }
     segments
-}
-
-/// The lanes of a vector as rows.
-#[inline(always)]
-pub(super) fn to_rows(vector: Vector<F32s>) -> [[f32; 3]; LANES] {
-    let [x, y, z] = [vector.x, vector.y, vector.z].map(F32s::to_array);
-    std::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
 }

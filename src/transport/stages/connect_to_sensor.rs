@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::offset_origin;
-use crate::math::{F32s, LANES, Real, Vector, lanes, warp};
+use crate::math::{F32s, LANES, Real, U32s, Vector, lanes, warp};
 use crate::polarization::{film_axis, s_axis};
 use crate::scattering::Scene;
 use crate::scattering::diffuse::Facing;
@@ -18,8 +18,6 @@ use crate::transport::tables::vertices::VertexTable;
 use crate::transport::{Chunk, LightModel};
 
 use super::collect_emission::Strategy;
-use super::connect_to_emitters::{row_of_lanes, to_rows};
-use super::row_of;
 
 /// Connects all vertices, each to the pixel that sees it. `light_paths` is the number of light
 /// paths an iteration. With [`Strategy::Unidirectional`] nothing else finds these paths.
@@ -43,7 +41,7 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
                 return None;
             }
             let lens = lens_of(vertices, chunk, scene, row + lane);
-            scene.sensor.connect(row_of(&vertices.position, row + lane), lens)
+            scene.sensor.connect(lanes::row_of(&vertices.position, row + lane).into(), lens)
         });
         if found.iter().all(Option::is_none) {
             continue;
@@ -57,12 +55,10 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
         let turn = light_turn(vertices, scene, direction, (row, live));
         let importance = field(|found| found.pdf_area) * F32s::splat(1.0 / light_paths);
         let factor = importance * weight(vertices, &turn, importance, strategy, row);
-        let origin = to_rows(offset_origin(
-            Vector::load(&vertices.position, row),
-            Vector::load(&vertices.geometric_normal, row),
-            direction,
-            F32s::splat(scene.reach),
-        ));
+        let position = Vector::load(&vertices.position, row);
+        let normal = Vector::load(&vertices.geometric_normal, row);
+        let reach = F32s::splat(scene.reach);
+        let origin = offset_origin(position, normal, direction, reach).to_rows();
         let mut values = [[0.0; LANES]; N];
         for (n, values) in values.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], row);
@@ -70,7 +66,7 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
         }
         let states = departing_states::<N, M>(vertices, scene, direction, (row, live));
         for (lane, found) in found.iter().enumerate() {
-            let value = row_of_lanes(&values, lane);
+            let value = lanes::row_of_lanes(&values, lane);
             let Some(found) = found.as_ref().filter(|_| value.iter().any(|&v| v > 0.0)) else {
                 continue;
             };
@@ -101,8 +97,8 @@ fn lens_of<const N: usize>(
     let (column, line, iteration) = chunk.place(vertices.slot[row] as usize);
     let path = line * scene.sensor.width + column;
     let seed = path_seed(chunk.seed, Stream::Light, path);
-    let splat = crate::math::U32s::splat;
-    draw(splat(seed), splat(iteration), vertices.path_length[row], Purpose::LensConnection)
+    let [seed, iteration] = [seed, iteration].map(U32s::splat);
+    draw(seed, iteration, vertices.path_length[row], Purpose::LensConnection)
         .map(|u| u.to_array()[0])
 }
 
@@ -131,8 +127,8 @@ fn in_film_frame<const N: usize>(
     direction: Vec3,
     film_up: Vec3,
 ) -> LightState<N> {
-    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
-    state.turned(film_axis(vector(-direction), vector(film_up)), vector(direction))
+    let direction = Vector::from(direction.to_array());
+    state.turned(film_axis(-direction, film_up.to_array().into()), direction)
 }
 
 /// The normals of eight light vertices.
@@ -194,10 +190,10 @@ pub(super) fn departing_states<const N: usize, M: LightModel<N>>(
     for_each_volume(vertices, (row, live), |medium, mask| {
         let PhaseFunction::Table(table) = &scene.medium(medium).phase else { return };
         let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, direction)));
-        let (axis, k_in) = (to_rows(s_axis(k_in, direction)), to_rows(k_in));
+        let (axis, k_in) = (s_axis(k_in, direction).to_rows(), k_in.to_rows());
         let mask = mask.to_bits().to_array();
         for lane in (0..live).filter(|&lane| mask[lane] != 0) {
-            let [axis, k_in] = [axis[lane], k_in[lane]].map(|[x, y, z]| Vector::new(x, y, z));
+            let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
             states[lane] = Some(match vertices.state[row + lane] {
                 NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
                 state => vertices.states[state as usize].scattered(&kernels[lane], axis, k_in),
@@ -219,10 +215,7 @@ fn for_each_volume<const N: usize>(
         if medium == NONE || volumes[..lane].contains(&medium) {
             continue;
         }
-        let same = lanes::each(|lane| {
-            let is = volumes.get(lane).is_some_and(|&other| other == medium);
-            f32::from_bits(if is { u32::MAX } else { 0 })
-        });
-        work(medium, F32s::from(same));
+        let same = lanes::each(|lane| volumes.get(lane).is_some_and(|&other| other == medium));
+        work(medium, lanes::mask_of(same));
     }
 }

@@ -3,8 +3,6 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scattering::Met;
@@ -17,9 +15,7 @@ use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
-use super::connect_to_emitters::{row_of_lanes, to_rows};
 use super::connect_to_sensor::{departing_states, light_turn};
-use super::{row_of, splat};
 
 /// Connects each of the rows `rows`, which have met `event`, to all vertices of its slot's light
 /// path that keep the whole within the greatest path length.
@@ -76,7 +72,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
         event: Event,
         row: usize,
     ) -> Self {
-        let normal = row_of(&surfaces.geometric_normal, row);
+        let normal = lanes::row_of(&surfaces.geometric_normal, row);
         let mut beta = [F32s::splat(0.0); N];
         for (beta, column) in beta.iter_mut().zip(&paths.beta) {
             *beta = F32s::splat(column[row]);
@@ -84,9 +80,9 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
         Self {
             row: row as u32,
             inside: paths.media.inside(row),
-            position: splat(row_of(&surfaces.position, row)),
-            normal: splat(normal),
-            given: -splat(row_of(&paths.rays.direction, row)),
+            position: Vector::splat(lanes::row_of(&surfaces.position, row)),
+            normal: Vector::splat(normal),
+            given: -Vector::splat(lanes::row_of(&paths.rays.direction, row)),
             scatters: match event.met {
                 Met::Medium(medium) => VertexLanes::Volume(scene.medium(medium)),
                 Met::Surface(_) => on_surface(surfaces, scene, normal, row),
@@ -122,11 +118,11 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
         }
         let normal = Vector::load(&vertices.geometric_normal, first);
         let reach = F32s::splat(scene.reach);
-        let from = to_rows(offset_origin(self.position, self.normal, direction, reach));
-        let to = to_rows(offset_origin(position, normal, -direction, reach));
+        let from = offset_origin(self.position, self.normal, direction, reach).to_rows();
+        let to = offset_origin(position, normal, -direction, reach).to_rows();
         let states = departing_states::<N, M>(vertices, scene, -direction, (first, live));
         for lane in 0..live {
-            let mut value = row_of_lanes(&values, lane);
+            let mut value = lanes::row_of_lanes(&values, lane);
             let fits = vertices.path_length[first + lane] <= vertex_length_max;
             if !fits || !value.iter().any(|&value| value > 0.0) {
                 continue;
@@ -175,7 +171,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
 pub(super) fn on_surface<'a, const N: usize>(
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
-    normal: Vec3,
+    normal: [f32; 3],
     row: usize,
 ) -> VertexLanes<'a, N> {
     let material = scene.material_at(surfaces.primitive[row]);
@@ -185,8 +181,8 @@ pub(super) fn on_surface<'a, const N: usize>(
         *brdf = F32s::splat(reflectance * BRDF);
     }
     let facing = Facing {
-        geometric: splat(normal),
-        shading: splat(row_of(&surfaces.shading_normal, row)),
+        geometric: Vector::splat(normal),
+        shading: Vector::splat(lanes::row_of(&surfaces.shading_normal, row)),
         two_sided: two_sided.simd_gt(F32s::splat(0.5)),
     };
     VertexLanes::Surface { facing, brdf }

@@ -88,7 +88,7 @@ fn start_row<const N: usize, C>(
 
 /// [`offset_origin`] for one point.
 pub(super) fn leave(position: Vec3, normal: Vec3, direction: Vec3, reach: f32) -> Vec3 {
-    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
-    let origin = offset_origin(vector(position), vector(normal), vector(direction), reach);
-    Vec3::new(origin.x, origin.y, origin.z)
+    let [position, normal, direction] =
+        [position, normal, direction].map(|vector| Vector::from(vector.to_array()));
+    Vec3::from_array(offset_origin(position, normal, direction, reach).into())
 }

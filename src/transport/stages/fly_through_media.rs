@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{HitColumns, IN_MEDIUM, TraceScratch, offset_distance, trace_closest};
-use crate::math::{F32s, LANES, Real, U32s, lanes};
+use crate::math::{F32s, LANES, Real, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{KEEP, MaterialKind, NONE};
 use crate::transport::sampler::{Purpose, draw};
@@ -81,9 +81,9 @@ fn first_pieces<const N: usize, C>(
                 }
                 None if is_null_boundary(scene, hits.primitive[row]) => {
                     let rays = &paths.rays;
-                    let at = |c: &[Vec<f32>; 3]| [c[0][row], c[1][row], c[2][row]];
+                    let of = |columns| lanes::row_of(columns, row);
                     let to = flights.len;
-                    flights.push(row as u32, at(&rays.origin), at(&rays.direction), inside);
+                    flights.push(row as u32, of(&rays.origin), of(&rays.direction), inside);
                     (flights.hits.t[to], flights.hits.primitive[to]) = (t, hits.primitive[row]);
                     flights.len = to;
                     step_over(flights, to, scene);
@@ -167,7 +167,7 @@ pub(super) fn step_over<const N: usize>(
     index: usize,
     scene: &Scene<N>,
 ) {
-    let of = |c: &[Vec<f32>; 3]| Vec3::new(c[0][index], c[1][index], c[2][index]);
+    let of = |columns| Vec3::from(lanes::row_of(columns, index));
     let (origin, direction) = (of(&flights.rays.origin), of(&flights.rays.direction));
     let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
     let position = origin + direction * t;
@@ -219,9 +219,9 @@ fn weigh<const N: usize, C>(
     }
     let meets = lanes::each(|lane| {
         let met = hits.primitive[of(lane)];
-        if met >= IN_MEDIUM && met != NONE { u32::MAX } else { 0 }
+        met >= IN_MEDIUM && met != NONE
     });
-    let meets: F32s = bytemuck::cast(U32s::from(meets));
+    let meets = lanes::mask_of(meets);
     let one = F32s::splat(1.0);
     let mut densities = [one; N];
     let mut values = [one; N];

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::math::{LANES, Vector};
+use crate::math::{LANES, Vector, lanes};
 use crate::polarization::s_axis;
 use crate::scattering::medium::{PhaseFunction, PhaseLookup, half_sine2};
 use crate::scattering::{Met, Scene};
@@ -16,7 +16,6 @@ use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::{LightState, kernels_of_lanes};
 
 use super::collect_sensor::SensorSide;
-use super::connect_to_emitters::to_rows;
 
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
@@ -62,26 +61,22 @@ fn gather_scattered<const N: usize, C: SensorSide<N>>(
     }
     let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
-    let k_out = -Vector::gather(|lane| {
-        let [x, y, z] = &paths.rays.direction;
-        [x[target(lane)], y[target(lane)], z[target(lane)]]
-    });
+    let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
     let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, k_out)));
-    let axis = to_rows(s_axis(k_in, k_out));
-    let (k_in, k_out) = (to_rows(k_in), to_rows(k_out));
+    let axis = s_axis(k_in, k_out).to_rows();
+    let (k_in, k_out) = (k_in.to_rows(), k_out.to_rows());
     for (lane, index) in rows.clone().enumerate() {
         if connections.blocked[index] != 0 {
             continue;
         }
-        let vector = |[x, y, z]: [f32; 3]| Vector::new(x, y, z);
-        let (axis, k_in) = (vector(axis[lane]), vector(k_in[lane]));
+        let (axis, k_in) = (axis[lane].into(), k_in[lane].into());
         let light = match connections.state[index] {
             NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
             state => connections.states[state as usize].scattered(&kernels[lane], axis, k_in),
         };
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
-        let along = (vector(k_out[lane]), film_up);
+        let along = (k_out[lane].into(), film_up);
         paths.carriers.measure_polarized(measured, place, connections.value[index], &light, along);
     }
 }

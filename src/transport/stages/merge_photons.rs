@@ -23,7 +23,6 @@ use crate::transport::tables::states::LightState;
 
 use super::collect_sensor::SensorSide;
 use super::connect_to_vertices::on_surface;
-use super::{row_of, splat};
 
 /// Merges the rows `rows`, which have met `event`, with the photons of their map whose paths have
 /// `length_max` segments at most.
@@ -106,7 +105,7 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
 
     #[inline(always)]
     fn direction(&self, row: usize) -> Vector<F32s> {
-        splat(row_of(&self.paths.rays.direction, row))
+        Vector::splat(lanes::row_of(&self.paths.rays.direction, row))
     }
 
     /// Adds intensity that scatters towards the sensor, per `factor` of every wavelength.
@@ -160,8 +159,11 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
         SurfaceState {
             query,
             sums: [F32s::splat(0.0); N],
-            geometric: turned(splat(row_of(&self.0.surfaces.geometric_normal, query))),
-            shading: turned(splat(row_of(&self.0.surfaces.shading_normal, query))),
+            geometric: turned(Vector::splat(lanes::row_of(
+                &self.0.surfaces.geometric_normal,
+                query,
+            ))),
+            shading: turned(Vector::splat(lanes::row_of(&self.0.surfaces.shading_normal, query))),
         }
     }
 
@@ -193,7 +195,7 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: SurfaceState<N>) {
         let gather = &self.0;
-        let normal = row_of(&gather.surfaces.geometric_normal, state.query);
+        let normal = lanes::row_of(&gather.surfaces.geometric_normal, state.query);
         let vertex = on_surface(gather.surfaces, gather.scene, normal, row);
         let VertexLanes::Surface { facing, brdf } = vertex else {
             return;
@@ -410,13 +412,9 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
                 *stokes = sum.reduce_add();
             }
         }
-        let one = |vector: Vector<F32s>| {
-            let [x, y, z] = [vector.x, vector.y, vector.z].map(|lanes| lanes.to_array()[0]);
-            Vector::new(x, y, z)
-        };
-        let light = LightState { stokes, axis: one(axis) };
+        let light = LightState { stokes, axis: axis.lane(0) };
         let place = (row, gather.paths.identity.slot[row] as usize);
-        let along = (one(k_out), gather.scene.sensor.up());
+        let along = (k_out.lane(0), gather.scene.sensor.up());
         gather.paths.carriers.measure_polarized(gather.measured, place, value, &light, along);
     }
 }

@@ -22,19 +22,3 @@ pub mod store_light_vertices;
 pub mod store_photons;
 pub mod trace_connections;
 pub mod weigh_arrival;
-
-use glam::Vec3;
-
-use crate::math::{F32s, Vector};
-
-/// One vector in all lanes.
-#[inline(always)]
-fn splat(vector: Vec3) -> Vector<F32s> {
-    Vector { x: F32s::splat(vector.x), y: F32s::splat(vector.y), z: F32s::splat(vector.z) }
-}
-
-/// One row of three columns.
-#[inline(always)]
-fn row_of(columns: &[Vec<f32>; 3], row: usize) -> Vec3 {
-    Vec3::new(columns[0][row], columns[1][row], columns[2][row])
-}

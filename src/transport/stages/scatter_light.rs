@@ -118,8 +118,7 @@ impl<const N: usize> LightSide<N> for LightCarriers<N> {
                     *stokes = column[row];
                 }
             }
-            let [x, y, z] = &self.axis;
-            states.push(LightState { stokes, axis: Vector::new(x[row], y[row], z[row]) });
+            states.push(LightState { stokes, axis: lanes::row_of(&self.axis, row).into() });
         }
     }
 
@@ -130,11 +129,9 @@ impl<const N: usize> LightSide<N> for LightCarriers<N> {
         if class.iter().all(|&class| class as usize == UNPOLARIZED) {
             return states;
         }
-        let polarized = lanes::each(|lane| {
-            let is = class.get(lane).is_some_and(|&class| class as usize == POLARIZED);
-            f32::from_bits(if is { u32::MAX } else { 0 })
-        });
-        let polarized = F32s::from(polarized);
+        let polarized =
+            lanes::each(|lane| class.get(lane).is_some_and(|&class| class as usize == POLARIZED));
+        let polarized = lanes::mask_of(polarized);
         let axis = Vector::load(&self.axis, row);
         let turn = Rotation::between(axis, direction.any_perpendicular(), direction);
         for (n, state) in states.iter_mut().enumerate() {

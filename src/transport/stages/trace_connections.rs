@@ -59,8 +59,8 @@ fn cross_boundaries<const N: usize>(
     flights.clear(connections.len);
     for row in 0..connections.len {
         let rays = &connections.rays;
-        let at = |columns: &[Vec<f32>; 3]| [columns[0][row], columns[1][row], columns[2][row]];
-        flights.push(row as u32, at(&rays.origin), at(&rays.direction), connections.inside[row]);
+        let of = |columns| lanes::row_of(columns, row);
+        flights.push(row as u32, of(&rays.origin), of(&rays.direction), connections.inside[row]);
     }
     connections.blocked[..connections.len].fill(0);
     while flights.len > 0 {

@@ -43,9 +43,9 @@ fn look_at(
     nearest: &mut [f32],
     position: &[Column; 3],
     rows: std::ops::Range<usize>,
-    [x, y, z]: [f32; 3],
+    point: [f32; 3],
 ) {
-    let center = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
+    let center = Vector::splat(point);
     let last = nearest.len() - 1;
     for row in rows.clone().step_by(LANES) {
         let squared = (Vector::load(position, row) - center).length_squared();

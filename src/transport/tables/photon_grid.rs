@@ -232,7 +232,7 @@ impl<const N: usize> PhotonGrid<N> {
             let queries = order.queries(start..places.end.min(start + BLOCK));
             for (index, &query) in queries.iter().enumerate() {
                 let row = order.row(query);
-                block[index] = [points[0][row], points[1][row], points[2][row]];
+                block[index] = lanes::row_of(points, row);
                 states[index] = Some(visitor.begin(row));
             }
             for (point, state) in block.iter().zip(&mut states[..queries.len()]) {
@@ -263,8 +263,7 @@ impl<const N: usize> PhotonGrid<N> {
             self.find_runs(&mut candidates.runs, corner);
             candidates.rewind(&self.photons.position);
         }
-        let [x, y, z] = point;
-        let center = Vector { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) };
+        let center = Vector::splat(point);
         loop {
             let hits = candidates.test(center, F32s::splat(self.radius_squared));
             for hit in &candidates.hits[..hits] {
