@@ -1,6 +1,6 @@
 //! Sunstone: a bidirectional, polarized, data-oriented light-transport renderer.
 //!
-//! The modules are floors; each imports only from lower ones (`tests/floors.rs` checks):
+//! The modules are floors; each imports only from lower ones (`tests/floors` checks):
 //!
 //! | floor | module | holds |
 //! |---|---|---|
