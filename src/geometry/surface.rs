@@ -239,11 +239,12 @@ fn on_spheres(
     shapes: &Shapes,
 ) -> Points {
     let first = shapes.triangles.len() as u32;
-    let spheres =
-        lanes::each(|lane| match shapes.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
+    let spheres = lanes::each(|lane| {
+        match shapes.spheres.get(primitive[lane].wrapping_sub(first) as usize) {
             Some(sphere) => (sphere.center.to_array(), sphere.radius),
             None => ([0.0; 3], 0.0),
-        });
+        }
+    });
     let center = Vector::gather(|lane| spheres[lane].0);
     let radius = F32s::from(lanes::each(|lane| spheres[lane].1));
     let origin = Vector::load(&rays.origin, row);
