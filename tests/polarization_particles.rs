@@ -16,7 +16,7 @@ fn suspension(sizes: &Sizes, n: f64, k: f64) -> Suspension<'_> {
 fn one_size_is_one_sphere() {
     for (radius_um, n, k) in [(0.005, 1.5, 0.0), (0.3, 1.5, 0.01), (2.0, 1.2, 0.0), (5.0, 1.0, 0.1)]
     {
-        let sizes = Sizes::monodisperse(radius_um);
+        let sizes = Sizes::monodisperse(radius_um).unwrap();
         let suspension = suspension(&sizes, n, k);
         let found = suspension.scattering(514);
         let x = 2.0 * PI * 1.33 / 0.55 * radius_um;
@@ -47,7 +47,8 @@ fn one_size_is_one_sphere() {
 #[test]
 fn moments_of_distributions() {
     let (mean, sd): (f64, f64) = (0.002, 0.0006);
-    let alone = |radius: f64| suspension(&Sizes::monodisperse(radius), 1.5, 0.0).scattering(4);
+    let alone =
+        |radius: f64| suspension(&Sizes::monodisperse(radius).unwrap(), 1.5, 0.0).scattering(4);
     let unit = alone(mean).sigma_s / mean.powi(3);
     let v = (sd / mean).powi(2);
     // E[r^j] over mean^j: log-normal (1 + v)^(j (j - 1) / 2), gamma the product of 1 + i v.
@@ -64,17 +65,18 @@ fn moments_of_distributions() {
         let expected = unit * moment * mean.powi(3);
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
     }
-    // A triangle from 0 to 2 mean: E[r^3] by volume is 1.8 mean^3... of the tabulated density.
-    let radii = [0.0, mean, 2.0 * mean];
+    // A triangle from a to b with its top at c: E[r^3] is the sum of all products of three of
+    // them, each once, over 10.
+    let radii = [0.1 * mean, mean, 2.0 * mean];
     let table = Sizes::table(&radii, &[0.0, 1.0, 0.0], Amount::Volume).unwrap();
-    let third = 1.5;
+    let third = 1.5731;
     let found = suspension(&table, 1.5, 0.0).scattering(4).sigma_s;
     assert!((found / (unit * third * mean.powi(3)) - 1.0).abs() < 2e-3, "{found}");
 }
 
 #[test]
 fn two_kinds_of_particles_add_up() {
-    let (small, large) = (Sizes::monodisperse(0.1), Sizes::monodisperse(1.0));
+    let (small, large) = (Sizes::monodisperse(0.1).unwrap(), Sizes::monodisperse(1.0).unwrap());
     let [a, b] = [(&small, 1.6, 0.0), (&large, 1.4, 0.01)]
         .map(|(sizes, n, k)| suspension(sizes, n, k).scattering(64));
     let mut both = suspension(&small, 1.6, 0.0);
@@ -98,6 +100,7 @@ fn what_is_no_distribution_is_refused() {
         (&[1.0, 2.0], &[1.0, -1.0]),
         (&[1.0, 2.0], &[1.0, f64::NAN]),
         (&[-1.0, 2.0], &[1.0, 1.0]),
+        (&[0.0, 2.0], &[1.0, 1.0]),
     ] {
         assert!(Sizes::table(radii, density, Amount::Number).is_err(), "{radii:?} {density:?}");
     }

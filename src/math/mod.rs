@@ -2,11 +2,13 @@
 
 pub mod hash;
 pub mod lanes;
+pub mod range;
 pub mod real;
 pub mod statistics;
 pub mod vector;
 pub mod warp;
 
 pub use lanes::{F32s, LANES, U32s};
+pub use range::{Fault, Range};
 pub use real::Real;
 pub use vector::Vector;

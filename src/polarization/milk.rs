@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use super::particles::{Amount, Particles, Scattering, Sizes, Suspension};
 use super::particles::{log_normal, log_normal_parameters};
+use crate::math::{Fault, Range};
 
 /// First wavelength of the tables and their step, in nanometers.
 const FIRST_NM: f64 = 375.0;
@@ -63,6 +64,9 @@ const CASEIN_MAX_UM: f64 = 0.15;
 const CASEIN_MEAN_UM: f64 = 0.043;
 const CASEIN_SD: f64 = 0.23;
 
+/// Shares by weight.
+const PERCENT: Range = Range::new("within [0, 100]", |x| (0.0..=100.0).contains(&x));
+
 /// Milk, or milk in water.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Milk {
@@ -90,6 +94,23 @@ pub struct MilkOptics {
 pub const MILK_WAVELENGTHS_NM: [f64; 2] = [FIRST_NM, FIRST_NM + STEP_NM * (ROWS - 1) as f64];
 
 impl Milk {
+    /// Refuses what is no milk: percentages out of range, or that leave nothing that scatters, or
+    /// no water.
+    ///
+    /// # Errors
+    /// With the field and the remedy.
+    pub fn check(&self) -> Result<(), Fault> {
+        PERCENT.check("fat_percent", self.fat_percent)?;
+        PERCENT.check("protein_percent", self.protein_percent)?;
+        Range::FRACTION.check("dilution", self.dilution)?;
+        let filled: f64 = self.volume_fractions().iter().sum();
+        if filled > 1e-12 && filled < 1.0 {
+            return Ok(());
+        }
+        let problem = format!("fat and casein would fill {filled} of the volume");
+        Err(Fault::new("", problem, "give percentages by weight"))
+    }
+
     /// Shares of the volume: fat, casein.
     pub fn volume_fractions(&self) -> [f64; 2] {
         let weight = self.dilution * MILK_DENSITY / 100.0;
@@ -138,7 +159,7 @@ fn sizes() -> [Sizes; 2] {
     let casein =
         Sizes::from_density(range, Amount::Volume, |radius| log_normal(turned(radius), parameters));
     // Both are constants with particles in their ranges; a unit test looks at them.
-    [fat, casein].map(|sizes| sizes.unwrap_or_else(|_| Sizes::monodisperse(FAT_MEAN_UM)))
+    [fat, casein].map(|sizes| sizes.unwrap_or_else(|_| Sizes::alone(FAT_MEAN_UM)))
 }
 
 fn interpolate(table: &[f64; ROWS], wavelength_nm: f64) -> f64 {

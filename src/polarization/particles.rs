@@ -9,11 +9,15 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use super::mie::{MieSphere, PhaseElements};
+use crate::math::{Fault, Range};
 
 /// Nodes of a distribution, equally spaced in the logarithm of the radius.
 const NODES: usize = 768;
 /// Smallest size parameter that the series is good for.
 const SIZE_PARAMETER_MIN: f64 = 1e-6;
+/// Radii that distributions are given with.
+const RADIUS_UM: Range =
+    Range::new("within [0.0001, 1000] micrometers", |x| (1e-4..=1e3).contains(&x));
 /// Angles that are summed side by side.
 const LANES: usize = 4;
 
@@ -41,22 +45,33 @@ impl fmt::Debug for Sizes {
 }
 
 impl Sizes {
+    /// Spheres of one radius, within [0.0001, 1000] micrometers as all radii.
+    ///
+    /// # Errors
+    /// When the radius is not.
+    pub fn monodisperse(radius_um: f64) -> Result<Self, Fault> {
+        RADIUS_UM.check("radius_um", radius_um)?;
+        Ok(Self::alone(radius_um))
+    }
+
     /// Spheres of one radius, greater than zero.
-    pub fn monodisperse(radius_um: f64) -> Self {
+    pub(super) fn alone(radius_um: f64) -> Self {
         Self { nodes: vec![(radius_um, 1.0)] }
     }
 
-    /// A log-normal density of the radius with this mean and standard deviation, both greater
-    /// than zero. Without a range it extends as far as it matters.
+    /// A log-normal density of the radius with this mean and standard deviation, not less than a
+    /// thousandth of the mean. Without a range (least and greatest radius) it extends as far as it
+    /// matters.
     ///
     /// # Errors
-    /// When the density is zero throughout the range.
+    /// When a number is not as described, or the density is zero throughout the range.
     pub fn log_normal(
         mean_um: f64,
         sd_um: f64,
         of: Amount,
         range_um: Option<[f64; 2]>,
-    ) -> Result<Self, &'static str> {
+    ) -> Result<Self, Fault> {
+        check_density(mean_um, sd_um, range_um)?;
         // Light that is scattered forwards goes as the square of the volume.
         const REACH: f64 = 5.0;
         let [alpha, beta] = log_normal_parameters(mean_um, sd_um);
@@ -69,17 +84,18 @@ impl Sizes {
     }
 
     /// A gamma density of the radius, `r^(p-1) exp(-r/q)`, with this mean `p q` and standard
-    /// deviation `q sqrt(p)`, both greater than zero. Without a range it extends as far as it
-    /// matters.
+    /// deviation `q sqrt(p)`, not less than a thousandth of the mean. Without a range (least and
+    /// greatest radius) it extends as far as it matters.
     ///
     /// # Errors
-    /// When the density is zero throughout the range.
+    /// When a number is not as described, or the density is zero throughout the range.
     pub fn gamma(
         mean_um: f64,
         sd_um: f64,
         of: Amount,
         range_um: Option<[f64; 2]>,
-    ) -> Result<Self, &'static str> {
+    ) -> Result<Self, Fault> {
+        check_density(mean_um, sd_um, range_um)?;
         const REACH: f64 = 7.0;
         let (power, scale) = ((mean_um / sd_um).powi(2), sd_um * sd_um / mean_um);
         let shift = if of == Amount::Number { 6.0 } else { 3.0 };
@@ -94,20 +110,19 @@ impl Sizes {
         })
     }
 
-    /// A density that is linear between radii, at least two, increasing and not negative.
+    /// A density, not negative, that is linear between radii, at least two and increasing.
     ///
     /// # Errors
     /// When there are not as many radii as values, they are not as described, or all is zero.
-    pub fn table(radii_um: &[f64], density: &[f64], of: Amount) -> Result<Self, &'static str> {
+    pub fn table(radii_um: &[f64], density: &[f64], of: Amount) -> Result<Self, Fault> {
         if radii_um.len() < 2 || radii_um.len() != density.len() {
-            return Err("needs as many radii as values, and at least two");
+            return Err(unfit("needs as many radii as values, and at least two"));
         }
-        if !radii_um.is_sorted_by(|a, b| a < b) || radii_um[0] < 0.0 {
-            return Err("needs radii in increasing order, each once and none negative");
+        if !radii_um.is_sorted_by(|a, b| a < b) {
+            return Err(unfit("needs radii in increasing order, each once"));
         }
-        if !density.iter().all(|value| *value >= 0.0 && value.is_finite()) {
-            return Err("needs finite values that are not negative");
-        }
+        radii_um.iter().try_for_each(|radius| RADIUS_UM.check("radii_um", *radius))?;
+        density.iter().try_for_each(|value| Range::NOT_NEGATIVE.check("density", *value))?;
         let last = radii_um[radii_um.len() - 1];
         Self::from_density([radii_um[0].max(1e-4 * last), last], of, |radius| {
             let upper = radii_um.partition_point(|&at| at < radius).clamp(1, radii_um.len() - 1);
@@ -122,7 +137,7 @@ impl Sizes {
         range_um: [f64; 2],
         of: Amount,
         density: impl Fn(f64) -> f64,
-    ) -> Result<Self, &'static str> {
+    ) -> Result<Self, Fault> {
         let [low, high] = range_um.map(f64::ln);
         let step = (high - low) / NODES as f64;
         let node = |index: usize| {
@@ -134,7 +149,7 @@ impl Sizes {
         let mut nodes: Vec<(f64, f64)> = (0..NODES).map(node).collect();
         let total: f64 = nodes.iter().map(|(_, share)| share).sum();
         if !(total > 0.0 && total.is_finite()) {
-            return Err("has no particles in its range");
+            return Err(unfit("has no particles in its range"));
         }
         nodes.iter_mut().for_each(|(_, share)| *share /= total);
         nodes.retain(|(_, share)| *share > 0.0);
@@ -150,6 +165,27 @@ impl Sizes {
     pub fn radius_max_um(&self) -> f64 {
         self.nodes.iter().fold(0.0, |greatest, (radius, _)| radius.max(greatest))
     }
+}
+
+/// Refuses mean, standard deviation and range of a density that is no density of radii.
+fn check_density(mean_um: f64, sd_um: f64, range_um: Option<[f64; 2]>) -> Result<(), Fault> {
+    RADIUS_UM.check("mean_um", mean_um)?;
+    RADIUS_UM.check("sd_um", sd_um)?;
+    if sd_um < 1e-3 * mean_um {
+        let problem = "is less than a thousandth of the mean";
+        return Err(Fault::new("sd_um", problem, "use monodisperse"));
+    }
+    let Some([low, high]) = range_um else { return Ok(()) };
+    RADIUS_UM.check("range_um", low)?;
+    RADIUS_UM.check("range_um", high)?;
+    if low < high {
+        return Ok(());
+    }
+    Err(Fault::new("range_um", "must be two radii in micrometers, the lesser first", ""))
+}
+
+fn unfit(problem: &str) -> Fault {
+    Fault::new("", problem, "check radii and density")
 }
 
 /// Mean and standard deviation of the logarithm from those of the quantity.

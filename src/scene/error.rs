@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use crate::math::Fault;
+
 /// A scene that cannot be loaded or baked. It displays as
 /// `file: node, mesh, material or camera, field: what is wrong` and a second line with the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -28,14 +30,20 @@ impl SceneError {
         }
     }
 
-    /// The same error with the file's name.
+    /// The error that a fault is in the object of this name.
+    pub(super) fn at(name: &str, fault: Fault) -> Self {
+        let separator = if fault.field.is_empty() { "" } else { ", " };
+        Self::new(format!("{name}{separator}{}", fault.field), fault.problem, fault.remedy)
+    }
+
+    /// The same error with the file's name; none if that is empty.
     #[must_use]
     pub(super) fn in_file(mut self, file: &Path) -> Self {
         self.file = file.display().to_string();
         self
     }
 
-    /// Which object and field of the file the error is about; empty if the whole file.
+    /// Which object and field of the scene the error is about; empty if the whole file.
     pub fn place(&self) -> &str {
         &self.place
     }

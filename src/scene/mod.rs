@@ -6,7 +6,6 @@
 
 mod bake;
 pub mod baked;
-mod describe;
 mod error;
 mod gltf;
 pub mod instanced;

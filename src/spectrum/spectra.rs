@@ -1,6 +1,7 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
 use super::{Color, RGB_WAVELENGTHS_NM};
+use crate::math::{Fault, Range};
 
 /// A quantity that may depend on wavelength: a reflectance, an index of refraction, a radiance.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,24 @@ pub enum Spectrum {
 pub struct SpectrumTable {
     wavelengths_nm: Vec<f32>,
     values: Vec<f32>,
+}
+
+impl From<f32> for Spectrum {
+    fn from(constant: f32) -> Self {
+        Self::Constant(constant)
+    }
+}
+
+impl From<[f32; 3]> for Spectrum {
+    fn from(rgb: [f32; 3]) -> Self {
+        Self::Rgb(rgb)
+    }
+}
+
+impl From<SpectrumTable> for Spectrum {
+    fn from(table: SpectrumTable) -> Self {
+        Self::Table(table)
+    }
 }
 
 /// A render asks for a wavelength that a table does not cover.
@@ -85,6 +104,15 @@ impl Spectrum {
             Self::Rgb(rgb) => rgb,
             Self::Table(table) => &table.values,
         }
+    }
+
+    /// Refuses a spectrum that has values outside of a range, or not finite. `field` is what errors
+    /// call it.
+    ///
+    /// # Errors
+    /// With the first such value.
+    pub fn check(&self, field: &str, range: Range) -> Result<(), Fault> {
+        self.values().iter().try_for_each(|value| range.check(field, *value))
     }
 
     /// Itself times a number.
@@ -167,6 +195,16 @@ mod tests {
         let outside = spectrum.sample::<1>(mono(701.0)).unwrap_err();
         assert_eq!((outside.first_nm, outside.last_nm), (400.0, 700.0));
         assert_eq!(spectrum.sample::<3>(Color::Rgb), Ok([3.5, 2.5, 1.5]));
+    }
+
+    #[test]
+    fn values_outside_of_a_range_are_named() {
+        assert_eq!(Spectrum::from(0.5).check("k", Range::UNIT), Ok(()));
+        let fault = Spectrum::from([0.1, -0.2, 0.3]).check("k", Range::UNIT).unwrap_err();
+        assert_eq!(fault.problem, "-0.2 must be within [0, 1]");
+        let table = Spectrum::table(&[400.0, 500.0], &[1.0, 1.5]).unwrap();
+        assert!(table.check("k", Range::UNIT).is_err() && table.check("k", Range::ANY).is_ok());
+        assert!(Spectrum::Constant(f32::NAN).check("k", Range::ANY).is_err());
     }
 
     #[test]

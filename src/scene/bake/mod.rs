@@ -21,7 +21,7 @@ use super::baked::{
     BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Optics, Projection, Shapes,
 };
 use super::error::SceneError;
-use super::world::{Bsdf, Emission, FillsScene, Film, Lens, Medium, Name, Sides, Transform, World};
+use super::world::{Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World};
 use crate::polarization::Block;
 use crate::polarization::elements::{exact_sin_cos_deg, polarizer_block, retarder_block};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
@@ -39,7 +39,8 @@ pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>
 /// Places all shapes and the camera in world space. Wavelengths have no part in it.
 ///
 /// # Errors
-/// When a triangle has no area left in `f32`, coordinates are out of range, or there is no camera.
+/// When the world is not as it should be ([`World::check`]), a triangle has no area left in `f32`, or
+/// coordinates are out of range.
 pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
     shapes(world).map_err(|error| error.in_file(&world.file))
 }
@@ -48,8 +49,8 @@ pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
 /// channels of `color`; `shapes` are those of the same world.
 ///
 /// # Errors
-/// When `N` does not fit, a spectrum's table does not cover the wavelengths, nothing emits, or a
-/// medium lets no light in.
+/// When the world is not as it should be ([`World::check`]), `N` does not fit, a spectrum's table
+/// does not cover the wavelengths, nothing emits, or a medium lets no light in.
 pub fn bake_optics<const N: usize>(
     world: &World,
     shapes: &Shapes,
@@ -59,6 +60,7 @@ pub fn bake_optics<const N: usize>(
 }
 
 fn shapes(world: &World) -> Result<Shapes, SceneError> {
+    world.check()?;
     let rows = Rows::of(world);
     let primitives = primitives::primitives(world, &rows)?;
     let bounds = bounds(world, &primitives)?;
@@ -84,6 +86,7 @@ fn optics_of<const N: usize>(
         let problem = format!("{N} channels were asked for, but {color:?} has another number");
         return Err(SceneError::new("bake", problem, ""));
     }
+    world.check()?;
     let materials = materials(world, color)?;
     let media = media::media(world, color)?;
     let emitters = emitters::emitters(world, color, &materials, shapes)?;
@@ -240,7 +243,7 @@ fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, 
 }
 
 fn camera(world: &World) -> Result<Camera, SceneError> {
-    type Components<'a> = (&'a Transform, &'a Lens, Option<&'a Film>);
+    type Components<'a> = (&'a Transform, &'a Lens, Option<&'a Resolution>);
     let cameras =
         world.in_order::<Components, _>(|(place, lens, film)| (*place, *lens, film.copied()));
     let Some((place, lens, film)) = cameras.into_iter().next() else {
@@ -264,6 +267,6 @@ fn camera(world: &World) -> Result<Camera, SceneError> {
         right: right.as_vec3(),
         up: up.as_vec3(),
         forward: up.cross(right).as_vec3(),
-        resolution: film.map(|film| film.resolution),
+        resolution: film.map(|Resolution(sides)| sides),
     })
 }

@@ -1,15 +1,13 @@
 //! The camera: which node's, how it projects, and its film.
 
-use std::f32::consts::PI;
-
 use gltf::json::camera::{Camera, Orthographic, Perspective, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
-use super::extension::{Body, CAMERA, FILM, Range};
-use super::hierarchy::{PlacedNode, is_orthogonal};
+use super::extension::{Body, CAMERA, FILM};
+use super::hierarchy::PlacedNode;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Film, Lens, Transform};
+use crate::scene::world::{Lens, Name, Resolution};
 
 impl Import<'_> {
     /// Adds the camera of the given name, or the first of the scene.
@@ -43,20 +41,16 @@ impl Import<'_> {
             });
         };
         let node = document.label("nodes", placed.node);
-        let to_world = placed.to_world;
-        if !is_orthogonal(&to_world) || to_world.matrix3.determinant() < 0.0 {
-            let problem = "the camera is sheared or mirrored";
-            let remedy = "give it, and its parents, positive scales without rotation in between";
-            return Err(SceneError::new(node, problem, remedy));
-        }
+        let place = placed.to_world;
+        Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
         let label = format!("{node}, {}", document.label("cameras", camera));
         let body = Body::of(&document.value["cameras"][camera], &label, &CAMERA)?;
         let lens = lens(&root.cameras[camera], &body)?;
-        let film = match body.object("film", &FILM)? {
-            Some(film) => film.resolution("resolution")?,
+        let resolution = match body.object("film", &FILM)? {
+            Some(film) => resolution(&film)?,
             None => None,
         };
-        if let (Some([width, height]), Some(aspect)) = (film, aspect(&lens))
+        if let (Some(Resolution([width, height])), Some(aspect)) = (resolution, aspect(&lens))
             && (width as f32 / height as f32 / aspect - 1.0).abs() > 0.01
         {
             self.warn(format!(
@@ -64,14 +58,14 @@ impl Import<'_> {
                  aspect ratio {aspect}, so the picture is stretched"
             ));
         }
-        let (order, name) = self.identity(label);
-        let entity = self.entities.spawn((order, name, Transform(to_world), lens));
-        if let Some(resolution) = film {
-            // The entity has just been spawned, so this cannot fail.
-            let _ = self.entities.insert_one(entity, Film { resolution });
-        }
-        Ok(())
+        let put = self.world.put_camera(Name(label), lens, place, resolution);
+        put.map(|_| ()).map_err(|fault| body.place(fault))
     }
+}
+
+fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {
+    let Some(sides) = film.counts("resolution") else { return Ok(None) };
+    Resolution::of(&sides).map(Some).map_err(|fault| film.place(fault))
 }
 
 /// Width over height that the projection asks for.
@@ -83,31 +77,31 @@ fn aspect(lens: &Lens) -> Option<f32> {
 }
 
 fn lens(camera: &Camera, body: &Body) -> Result<Lens, SceneError> {
-    match (camera.type_, &camera.perspective, &camera.orthographic) {
+    let lens = match (camera.type_, &camera.perspective, &camera.orthographic) {
         (Checked::Valid(Type::Perspective), Some(perspective), _) => {
-            perspective_lens(perspective, body)
+            perspective_lens(perspective, body)?
         }
         (Checked::Valid(Type::Orthographic), _, Some(orthographic)) => {
-            orthographic_lens(orthographic, body)
+            orthographic_lens(orthographic, body)?
         }
         _ => {
             let remedy = "type is perspective or orthographic, with an object of that name";
-            Err(SceneError::new(body.label(), "has no projection", remedy))
+            return Err(SceneError::new(body.label(), "has no projection", remedy));
         }
-    }
+    };
+    lens.check().map_err(|fault| match fault.field.as_str() {
+        "yfov" => SceneError::at(body.label(), fault),
+        "aspect" => SceneError::at(body.label(), fault.of("aspectRatio")),
+        "half_width" => SceneError::at(body.label(), fault.of("xmag")),
+        "half_height" => SceneError::at(body.label(), fault.of("ymag")),
+        _ => body.place(fault),
+    })?;
+    Ok(lens)
 }
 
 fn perspective_lens(camera: &Perspective, body: &Body) -> Result<Lens, SceneError> {
-    let label = body.label();
-    if !(camera.yfov > 0.0 && camera.yfov < PI) {
-        let problem = format!("{} must be greater than 0 and less than pi radians", camera.yfov);
-        return Err(SceneError::new(format!("{label}, yfov"), problem, ""));
-    }
-    if let Some(aspect) = camera.aspect_ratio {
-        Range::POSITIVE.check(f64::from(aspect), &format!("{label}, aspectRatio"))?;
-    }
-    let aperture = body.number("aperture_radius", Range::NOT_NEGATIVE)?.unwrap_or(0.0);
-    let focus = body.number("focus_distance", Range::POSITIVE)?;
+    let aperture = body.number("aperture_radius")?.unwrap_or(0.0);
+    let focus = body.number("focus_distance")?;
     if aperture > 0.0 && focus.is_none() {
         let problem = "needs `focus_distance` too";
         return Err(SceneError::new(body.field("aperture_radius"), problem, "add it"));
@@ -121,18 +115,11 @@ fn perspective_lens(camera: &Perspective, body: &Body) -> Result<Lens, SceneErro
 }
 
 fn orthographic_lens(camera: &Orthographic, body: &Body) -> Result<Lens, SceneError> {
-    let label = body.label();
     for key in ["aperture_radius", "focus_distance"] {
         if body.has(key) {
             let problem = "an orthographic camera has no lens";
             return Err(SceneError::new(body.field(key), problem, "remove it"));
         }
     }
-    let half = |magnification: f32, field: &str| {
-        Range::POSITIVE.check(f64::from(magnification), &format!("{label}, {field}"))
-    };
-    Ok(Lens::Orthographic {
-        half_width: half(camera.xmag, "xmag")? as f32,
-        half_height: half(camera.ymag, "ymag")? as f32,
-    })
+    Ok(Lens::Orthographic { half_width: camera.xmag, half_height: camera.ymag })
 }

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
+use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
 use crate::spectrum::{Spectrum, SpectrumTable};
 
@@ -132,55 +133,6 @@ pub const ALL: [&Keys; 14] = [
     &SPECTRUM,
 ];
 
-/// A set of numbers, and its name in errors.
-#[derive(Clone, Copy)]
-pub struct Range {
-    text: &'static str,
-    contains: fn(f64) -> bool,
-}
-
-impl Range {
-    /// Finite numbers.
-    pub const ANY: Self = Self { text: "a finite number", contains: |_| true };
-    /// More than zero.
-    pub const POSITIVE: Self =
-        Self { text: "greater than 0", contains: |x| x as f32 >= f32::MIN_POSITIVE };
-    /// Zero or more.
-    pub const NOT_NEGATIVE: Self = Self { text: "not negative", contains: |x| x >= 0.0 };
-    /// From zero to one.
-    pub const UNIT: Self = Self { text: "within [0, 1]", contains: |x| (0.0..=1.0).contains(&x) };
-    /// Between -1 and 1, both excluded.
-    pub const MEAN_COSINE: Self =
-        Self { text: "within (-1, 1)", contains: |x| (x as f32).abs() < 1.0 };
-    /// From zero to a half.
-    pub const HALF: Self = Self { text: "within [0, 0.5]", contains: |x| (0.0..=0.5).contains(&x) };
-    /// Greater than zero, one at most.
-    pub const FRACTION: Self =
-        Self { text: "greater than 0 and at most 1", contains: |x| 1e-30 < x && x <= 1.0 };
-    /// Shares in percent.
-    pub const PERCENT: Self =
-        Self { text: "within [0, 100]", contains: |x| (0.0..=100.0).contains(&x) };
-    /// Indices of refraction of particles and their host.
-    pub const INDEX: Self =
-        Self { text: "within [0.05, 20]", contains: |x| (0.05..=20.0).contains(&x) };
-    /// Extinction coefficients of particles and their host.
-    pub const EXTINCTION: Self =
-        Self { text: "within [0, 20]", contains: |x| (0.0..=20.0).contains(&x) };
-    /// Radii of particles in micrometers.
-    pub const RADIUS_UM: Self =
-        Self { text: "within [0.0001, 1000] micrometers", contains: |x| (1e-4..=1e3).contains(&x) };
-    /// One or more.
-    pub const AT_LEAST_ONE: Self = Self { text: "at least 1", contains: |x| x >= 1.0 };
-
-    /// The number, if it is finite as an `f32` too and in the range.
-    pub fn check(self, number: f64, field: &str) -> Result<f64, SceneError> {
-        if (number as f32).is_finite() && (self.contains)(number) {
-            return Ok(number);
-        }
-        Err(SceneError::new(field, format!("{number} must be {}", self.text), String::new()))
-    }
-}
-
 /// The extension's keys of one object of the file.
 pub struct Body<'a> {
     /// The object's name in errors.
@@ -280,13 +232,21 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// A number within a range.
-    pub fn number(&self, key: &str, range: Range) -> Result<Option<f64>, SceneError> {
+    /// Where a fault is in the file: at the key of its field, or the object itself.
+    pub fn place(&self, fault: Fault) -> SceneError {
+        if fault.field.is_empty() {
+            return SceneError::at(&self.label, fault);
+        }
+        SceneError::at(&self.field(&fault.field), fault.of(""))
+    }
+
+    /// A number.
+    pub fn number(&self, key: &str) -> Result<Option<f64>, SceneError> {
         let Some((value, field)) = self.values.get(key) else { return Ok(None) };
         let Some(number) = value.as_f64() else {
             return Err(SceneError::new(field, "is not a number", String::new()));
         };
-        range.check(number, field).map(Some)
+        finite(number, field).map(Some)
     }
 
     /// An index into an array of the file.
@@ -334,11 +294,11 @@ impl<'a> Body<'a> {
         array.iter().enumerate().map(object).collect::<Result<_, _>>().map(Some)
     }
 
-    /// Numbers within a range.
-    pub fn numbers(&self, key: &str, range: Range) -> Result<Option<Vec<f64>>, SceneError> {
+    /// Numbers.
+    pub fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>, SceneError> {
         let Some((value, field)) = self.values.get(key) else { return Ok(None) };
         let wrong = || SceneError::new(field, "is not an array of numbers", String::new());
-        let number = |value: &Value| range.check(value.as_f64().ok_or_else(wrong)?, field);
+        let number = |value: &Value| finite(value.as_f64().ok_or_else(wrong)?, field);
         let array = value.as_array().ok_or_else(wrong)?;
         array.iter().map(number).collect::<Result<_, _>>().map(Some)
     }
@@ -368,35 +328,22 @@ impl<'a> Body<'a> {
         Body::nested(value, field.clone(), keys).map(Some)
     }
 
-    /// Width and height in pixels.
-    pub fn resolution(&self, key: &str) -> Result<Option<[u32; 2]>, SceneError> {
-        const SIDE_MAX: u64 = 65_536;
-        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
-        let sides: Option<Vec<u64>> =
-            value.as_array().and_then(|sides| sides.iter().map(Value::as_u64).collect());
-        match sides.as_deref() {
-            Some(&[width, height])
-                if (1..=SIDE_MAX).contains(&width) && (1..=SIDE_MAX).contains(&height) =>
-            {
-                Ok(Some([width as u32, height as u32]))
-            }
-            _ => {
-                let problem =
-                    format!("must be [width, height], whole numbers from 1 to {SIDE_MAX}");
-                Err(SceneError::new(field, problem, String::new()))
-            }
-        }
+    /// Whole numbers; none if anything else stands there.
+    pub fn counts(&self, key: &str) -> Option<Vec<u64>> {
+        let (value, _) = self.values.get(key)?;
+        let counts = value.as_array()?.iter().map(Value::as_u64).collect::<Option<_>>();
+        Some(counts.unwrap_or_default())
     }
 
-    /// A spectrum whose values are all within a range.
-    pub fn spectrum(&self, key: &str, range: Range) -> Result<Option<Spectrum>, SceneError> {
+    /// A spectrum.
+    pub fn spectrum(&self, key: &str) -> Result<Option<Spectrum>, SceneError> {
         let Some((value, field)) = self.values.get(key) else { return Ok(None) };
         let number = |value: &Value| {
             let number = value.as_f64().ok_or_else(|| not_a_spectrum(field))?;
-            range.check(number, field).map(|number| number as f32)
+            finite(number, field).map(|number| number as f32)
         };
         if value.is_object() {
-            return spectrum_table(value, field, range).map(Some);
+            return spectrum_table(value, field).map(Some);
         }
         let Some(array) = value.as_array() else {
             return Ok(Some(Spectrum::Constant(number(value)?)));
@@ -424,18 +371,24 @@ fn not_a_spectrum(field: &str) -> SceneError {
     SceneError::new(field, "is not a spectrum", remedy)
 }
 
-fn spectrum_table(value: &Value, field: &str, range: Range) -> Result<Spectrum, SceneError> {
+fn spectrum_table(value: &Value, field: &str) -> Result<Spectrum, SceneError> {
     Body::nested(value, field.to_owned(), &SPECTRUM)?;
-    let column = |key: &str, range: Range| -> Result<Vec<f32>, SceneError> {
+    let column = |key: &str| -> Result<Vec<f32>, SceneError> {
         let rows = value[key].as_array().ok_or_else(|| not_a_spectrum(field))?;
         let number = |row: &Value| {
             let number = row.as_f64().ok_or_else(|| not_a_spectrum(field))?;
-            range.check(number, &format!("{field}.{key}")).map(|number| number as f32)
+            finite(number, &format!("{field}.{key}")).map(|number| number as f32)
         };
         rows.iter().map(number).collect()
     };
-    let table = SpectrumTable::new(column("nm", Range::POSITIVE)?, column("value", range)?);
+    let table = SpectrumTable::new(column("nm")?, column("value")?);
     table.map(Spectrum::Table).map_err(|problem| SceneError::new(field, problem, String::new()))
+}
+
+/// The number, if it is finite as an `f32` too.
+fn finite(number: f64, field: &str) -> Result<f64, SceneError> {
+    Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
+    Ok(number)
 }
 
 /// Equality that does not tell 1 from 1.0.

@@ -2,14 +2,13 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::DAffine3;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
-use super::extension::{Body, LIGHT, Range};
+use super::extension::{Body, LIGHT};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Punctual, PunctualKind, Transform};
+use crate::scene::world::{Name, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
@@ -21,7 +20,7 @@ impl Import<'_> {
         &mut self,
         index: usize,
         node: &str,
-        to_world: DAffine3,
+        place: Transform,
     ) -> Result<(), SceneError> {
         let document = self.document;
         let lights = document.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
@@ -38,12 +37,16 @@ impl Import<'_> {
         }
         let kind = kind(light, &label)?;
         let intensity = intensity(light, &Body::of(value, &label, &LIGHT)?)?;
-        if intensity.values().iter().any(|value| *value > 0.0) {
-            let (order, name) = self.identity(label);
-            let light = Punctual { kind, intensity };
-            self.entities.spawn((order, name, Transform(to_world), light));
-        }
-        Ok(())
+        let light = Punctual { kind, intensity };
+        let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
+            light.check()
+        } else {
+            self.world.put_light(Name(label.clone()), light, place).map(|_| ())
+        };
+        put.map_err(|fault| match fault.field.as_str() {
+            "intensity" => SceneError::at(&label, fault.of("intensity times color, in watts")),
+            _ => SceneError::at(&label, fault),
+        })
     }
 }
 
@@ -53,15 +56,13 @@ fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {
         Checked::Valid(Type::Directional) => Ok(PunctualKind::Directional),
         Checked::Valid(Type::Spot) => {
             let spot = light.spot.clone().unwrap_or_default();
-            let (inner, outer) =
-                (f64::from(spot.inner_cone_angle), f64::from(spot.outer_cone_angle));
-            // Blender writes equal angles for a spot without soft edge, so that is fine.
-            if inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= FRAC_PI_2 + 1e-6 {
-                return Ok(PunctualKind::Spot { inner, outer: outer.min(FRAC_PI_2) });
-            }
-            let problem = format!("innerConeAngle {inner} and outerConeAngle {outer} do not fit");
-            let remedy = "radians, 0 <= inner <= outer <= pi/2";
-            Err(SceneError::new(format!("{label}, spot"), problem, remedy))
+            // A right angle is a little larger as an `f32`.
+            let angle = |angle: f32| match f64::from(angle) {
+                angle if angle <= FRAC_PI_2 + 1e-6 => angle.min(FRAC_PI_2),
+                angle => angle,
+            };
+            let (inner, outer) = (angle(spot.inner_cone_angle), angle(spot.outer_cone_angle));
+            Ok(PunctualKind::Spot { inner, outer })
         }
         Checked::Invalid => {
             let remedy = "use point, spot or directional";
@@ -81,9 +82,5 @@ fn intensity(light: &Light, body: &Body) -> Result<Spectrum, SceneError> {
             return Err(SceneError::new(body.field("units"), problem, remedy));
         }
     };
-    let field = format!("{}, intensity times color", body.label());
-    for channel in light.color {
-        Range::NOT_NEGATIVE.check(f64::from(light.intensity * channel), &field)?;
-    }
     Ok(Spectrum::Rgb(light.color).scaled(light.intensity * unit))
 }

@@ -8,20 +8,23 @@
 //! - metallic 0, no transmission: Lambertian of baseColor, without glTF's dielectric coat;
 //! - no material: Lambertian of reflectance 0.8.
 
-use gltf::json::Material;
+use gltf::json;
 use hecs::Entity;
 use serde_json::Value;
 
 use super::Import;
-use super::extension::{Body, MATERIAL, Range};
+use super::extension::{Body, MATERIAL};
+use crate::math::Range;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Bsdf, Emission, Sides};
-use crate::spectrum::{Spectrum, metal, metal_names};
+use crate::scene::world::{Bsdf, Emission, Material, Name, Sides};
+use crate::spectrum::{Spectrum, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
 const DEFAULT_IOR: f32 = 1.5;
 /// Reflectance of what has no material.
 const DEFAULT_REFLECTANCE: f32 = 0.8;
+/// Where glTF states an index of refraction.
+const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// Greatest F0 of a metal that has no eta and k: they would be infinite at 1.
 const F0_MAX: f32 = 0.999;
 
@@ -44,32 +47,24 @@ impl Import<'_> {
         if let Some(&entity) = self.materials.get(&index) {
             return Ok(entity);
         }
-        let (label, bsdf, emission, two_sided) = match index {
+        let (label, material) = match index {
             Some(index) => {
                 let label = self.document.label("materials", index);
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
                 let emission = emission(material, &label)?;
-                if bsdf == Bsdf::Null && emission.is_some() {
-                    let remedy = "remove emissiveFactor, or use the bsdf absorber";
-                    let problem = "a null surface is not there, so it cannot emit";
-                    return Err(SceneError::new(label, problem, remedy));
-                }
-                (label, bsdf, emission, material.double_sided)
+                let sides = Sides { two_sided: material.double_sided };
+                (label, Material { bsdf, sides, emission })
             }
             None => {
                 let remark = "has no material and is taken as a diffuse surface of reflectance";
                 self.warn(format!("{user} {remark} {DEFAULT_REFLECTANCE}"));
-                let reflectance = Spectrum::Constant(DEFAULT_REFLECTANCE);
-                ("default material".to_owned(), Bsdf::Diffuse { reflectance }, None, true)
+                let material = Material::from(Bsdf::diffuse(DEFAULT_REFLECTANCE)).two_sided();
+                ("default material".to_owned(), material)
             }
         };
-        let (order, name) = self.identity(label);
-        let entity = self.entities.spawn((order, name, bsdf, Sides { two_sided }));
-        if let Some(emission) = emission {
-            // The entity has just been spawned, so this cannot fail.
-            let _ = self.entities.insert_one(entity, emission);
-        }
+        let put = self.world.put_material(Name(label.clone()), material);
+        let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
         self.materials.insert(index, entity);
         Ok(entity)
     }
@@ -91,7 +86,11 @@ impl Import<'_> {
         self.metallic_roughness(material, label)
     }
 
-    fn metallic_roughness(&mut self, material: &Material, label: &str) -> Result<Bsdf, SceneError> {
+    fn metallic_roughness(
+        &mut self,
+        material: &json::Material,
+        label: &str,
+    ) -> Result<Bsdf, SceneError> {
         const ADVICE: &str = "use factors of 0 or 1, or SUNSTONE_polarization with a `bsdf`";
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
@@ -99,7 +98,9 @@ impl Import<'_> {
         let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
         let [red, green, blue, alpha] = pbr.base_color_factor.0;
         for factor in [red, green, blue, metallic, roughness, transmission] {
-            Range::UNIT.check(f64::from(factor), &format!("{label}, pbrMetallicRoughness"))?;
+            Range::UNIT
+                .check("pbrMetallicRoughness", factor)
+                .map_err(|fault| SceneError::at(label, fault))?;
         }
         if alpha < 1.0 {
             self.warn(format!("{label}: alpha is ignored, surfaces are opaque"));
@@ -119,7 +120,9 @@ impl Import<'_> {
                 if [red, green, blue] != [1.0; 3] {
                     self.warn(format!("{label}: the color of the glass is ignored"));
                 }
-                Ok(Bsdf::Dielectric { ior: khr_ior(material, label)?, exterior_ior: 1.0 })
+                let bsdf = Bsdf::dielectric(khr_ior(material));
+                bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_IOR)))?;
+                Ok(bsdf)
             }
             (0.0, 1.0) => refuse("is rough glass, which is not supported yet"),
             (0.0, 0.0) => {
@@ -128,7 +131,7 @@ impl Import<'_> {
                         "{label}: rendered as Lambertian of its base color, without glTF's coat"
                     ));
                 }
-                Ok(Bsdf::Diffuse { reflectance: Spectrum::Rgb([red, green, blue]) })
+                Ok(Bsdf::diffuse([red, green, blue]))
             }
             (0.0, _) => refuse("mixes transmission and reflection by a partial factor"),
             _ => refuse("mixes metal and dielectric by a partial metallicFactor"),
@@ -137,7 +140,11 @@ impl Import<'_> {
 }
 
 /// The model that `bsdf` names.
-fn extension_model(model: &str, body: &Body, material: &Material) -> Result<Bsdf, SceneError> {
+fn extension_model(
+    model: &str,
+    body: &Body,
+    material: &json::Material,
+) -> Result<Bsdf, SceneError> {
     let names: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
     let remedy = format!("use one of {}", names.join(", "));
     if PLANNED_MODELS.contains(&model) {
@@ -153,35 +160,37 @@ fn extension_model(model: &str, body: &Body, material: &Material) -> Result<Bsdf
         let problem = format!("means nothing for a {model}");
         return Err(SceneError::new(body.field(key), problem, remedy));
     }
-    let axis_deg = body.number("axis_deg", Range::ANY)?.unwrap_or(0.0);
+    let bsdf = described(model, body, material)?;
+    bsdf.check().map_err(|fault| match fault.field.as_str() {
+        "ior" if !body.has("ior") => SceneError::at(body.label(), fault.of(KHR_IOR)),
+        "ior over exterior_ior" => SceneError::at(body.label(), fault),
+        _ => body.place(fault),
+    })?;
+    Ok(bsdf)
+}
+
+/// The model with the numbers of its keys.
+fn described(model: &str, body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
     match model {
         "diffuse" => {
             let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
             let base_color = Spectrum::Rgb([red, green, blue]);
-            let reflectance = body.spectrum("reflectance", Range::UNIT)?.unwrap_or(base_color);
-            for value in reflectance.values() {
-                Range::UNIT.check(f64::from(*value), &body.field("reflectance"))?;
-            }
-            Ok(Bsdf::Diffuse { reflectance })
+            Ok(Bsdf::diffuse(body.spectrum("reflectance")?.unwrap_or(base_color)))
         }
         "conductor" => conductor(body),
         "dielectric" => {
-            let ior = body.number("ior", Range::POSITIVE)?.map(|ior| ior as f32);
-            let ior = ior.map_or_else(|| khr_ior(material, body.label()), Ok)?;
-            let exterior_ior = body.number("exterior_ior", Range::POSITIVE)?.unwrap_or(1.0);
-            Range::POSITIVE.check(
-                f64::from(ior) / exterior_ior,
-                &format!("{}, ior over exterior_ior", body.label()),
-            )?;
-            Ok(Bsdf::Dielectric { ior, exterior_ior: exterior_ior as f32 })
+            let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
+            let exterior_ior = body.number("exterior_ior")?.unwrap_or(1.0) as f32;
+            Ok(Bsdf::Dielectric { ior, exterior_ior })
         }
         "null" => Ok(Bsdf::Null),
         "polarizer" => {
-            let ratio = body.number("extinction_ratio", Range::AT_LEAST_ONE)?;
+            let ratio = body.number("extinction_ratio")?;
             Ok(Bsdf::Polarizer { axis_deg, extinction_ratio: ratio.unwrap_or(f64::INFINITY) })
         }
-        "retarder" => match body.number("retardance_deg", Range::ANY)? {
-            Some(retardance_deg) => Ok(Bsdf::Retarder { axis_deg, retardance_deg }),
+        "retarder" => match body.number("retardance_deg")? {
+            Some(retardance_deg) => Ok(Bsdf::retarder(axis_deg, retardance_deg)),
             None => {
                 let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
                 Err(SceneError::new(body.field("retardance_deg"), "is missing", remedy))
@@ -192,46 +201,33 @@ fn extension_model(model: &str, body: &Body, material: &Material) -> Result<Bsdf
 }
 
 fn conductor(body: &Body) -> Result<Bsdf, SceneError> {
-    let names = || metal_names().collect::<Vec<_>>().join(", ");
-    let eta = body.spectrum("eta", Range::POSITIVE)?;
-    let k = body.spectrum("k", Range::NOT_NEGATIVE)?;
-    match (body.word("metal")?, eta, k) {
-        (Some(name), None, None) => {
-            let Some((eta, k)) = metal(name) else {
-                let problem = format!("`{name}` is not tabulated");
-                let remedy = format!("use one of {}, or give `eta` and `k`", names());
-                return Err(SceneError::new(body.field("metal"), problem, remedy));
-            };
-            Ok(Bsdf::Conductor { eta, k })
-        }
+    match (body.word("metal")?, body.spectrum("eta")?, body.spectrum("k")?) {
+        (Some(name), None, None) => Bsdf::tabulated(name).map_err(|fault| body.place(fault)),
         (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
         _ => {
-            let remedy = format!("with `metal` one of {}", names());
+            let names: Vec<&str> = metal_names().collect();
+            let remedy = format!("with `metal` one of {}", names.join(", "));
             let problem = "a conductor takes either `metal` or both `eta` and `k`";
             Err(SceneError::new(body.label(), problem, remedy))
         }
     }
 }
 
-fn khr_ior(material: &Material, label: &str) -> Result<f32, SceneError> {
+fn khr_ior(material: &json::Material) -> f32 {
     let ior = material.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref());
-    let ior = ior.map_or(DEFAULT_IOR, |ior| ior.ior.0);
-    Range::POSITIVE.check(f64::from(ior), &format!("{label}, KHR_materials_ior.ior"))?;
-    Ok(ior)
+    ior.map_or(DEFAULT_IOR, |ior| ior.ior.0)
 }
 
 /// emissiveFactor times emissiveStrength is the radiance.
-fn emission(material: &Material, label: &str) -> Result<Option<Emission>, SceneError> {
+fn emission(material: &json::Material, label: &str) -> Result<Option<Emission>, SceneError> {
     let factor = material.emissive_factor.0;
     let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-    let field = format!("{label}, emissiveFactor times emissiveStrength");
-    for channel in factor {
-        Range::NOT_NEGATIVE.check(f64::from(channel) * f64::from(strength), &field)?;
-    }
-    let radiance = Spectrum::Rgb(factor).scaled(strength);
-    let emits = radiance.values().iter().any(|value| *value > 0.0);
-    Ok(emits.then_some(Emission { radiance }))
+    let emission = Emission { radiance: Spectrum::Rgb(factor).scaled(strength) };
+    let field = "emissiveFactor times emissiveStrength";
+    emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
+    let emits = emission.radiance.values().iter().any(|value| *value > 0.0);
+    Ok(emits.then_some(emission))
 }
 
 /// Refuses a material that has a texture anywhere.

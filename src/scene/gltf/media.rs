@@ -1,15 +1,9 @@
 //! Participating media, and which of them lie on the two sides of a surface.
 
-use hecs::Entity;
-
-use super::extension::{Body, MEDIUM, Range, SCENE};
+use super::extension::{Body, MEDIUM, SCENE};
 use super::{Import, particles};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Boundary, Bsdf, Filling, FillsScene, Medium, Phase};
-use crate::spectrum::Spectrum;
-
-/// Most media that a scene may have.
-const MEDIA_MAX: usize = 4096;
+use crate::scene::world::{Boundary, Filling, MEDIA_MAX, Medium, Name, Phase};
 
 /// Values of `phase`, with the keys that they take beside `COMMON_KEYS`.
 const PHASES: [(&str, &[&str]); 5] = [
@@ -43,14 +37,14 @@ impl Import<'_> {
             }
             for body in &bodies {
                 let medium = self.medium(body)?;
-                let (order, name) = self.identity(body.label().to_owned());
-                self.media.push(self.entities.spawn((order, name, medium)));
+                let name = Name(body.label().to_owned());
+                let put = self.world.put_medium(name, medium);
+                self.media.push(put.map_err(|fault| body.place(fault))?);
             }
         }
         for owner in &owners {
             if let Some(Some(index)) = owner.index_or_none("medium", "media", self.media.len())? {
-                // The entity has just been spawned, so this cannot fail.
-                let _ = self.entities.insert_one(self.media[index], FillsScene);
+                self.world.set_scene_medium(self.media[index])?;
             }
         }
         Ok(())
@@ -77,19 +71,13 @@ impl Import<'_> {
         }
         body.word("name")?;
         let phase = self.phase(model, body)?;
-        let coefficient = |key: &str| {
-            let spectrum = body.spectrum(key, Range::NOT_NEGATIVE)?;
-            if spectrum.is_none() && model != "mie" {
-                return Err(body.missing(key, "give sigma_a and sigma_s, in 1/m"));
-            }
-            Ok(spectrum)
-        };
-        Ok(Medium { sigma_a: coefficient("sigma_a")?, sigma_s: coefficient("sigma_s")?, phase })
+        let (sigma_a, sigma_s) = (body.spectrum("sigma_a")?, body.spectrum("sigma_s")?);
+        Ok(Medium { sigma_a, sigma_s, phase })
     }
 
     fn phase(&mut self, model: &str, body: &Body) -> Result<Phase, SceneError> {
         match model {
-            "hg" => match body.spectrum("g", Range::MEAN_COSINE)? {
+            "hg" => match body.spectrum("g")? {
                 Some(g) => Ok(Phase::HenyeyGreenstein { g }),
                 None => {
                     let remedy = "give the mean cosine of the scattering angle, within (-1, 1)";
@@ -99,10 +87,10 @@ impl Import<'_> {
             "mie" => particles::phase(body),
             "mueller_table" => Ok(Phase::Table(self.phase_matrices(body)?)),
             "rayleigh" => {
-                let depolarization = body.number("depolarization", Range::HALF)?.unwrap_or(0.0);
+                let depolarization = body.number("depolarization")?.unwrap_or(0.0);
                 Ok(Phase::Rayleigh { depolarization })
             }
-            _ => Ok(Phase::HenyeyGreenstein { g: Spectrum::Constant(0.0) }),
+            _ => Ok(Phase::isotropic()),
         }
     }
 
@@ -114,31 +102,5 @@ impl Import<'_> {
             Ok(index.map(|index| index.map_or(clear, |index| Filling::Medium(self.media[index]))))
         };
         Ok(Boundary { interior: filling("interior")?, exterior: filling("exterior")? })
-    }
-
-    /// Refuses media about an opaque surface, and a null surface without any.
-    pub fn check_boundary(
-        &self,
-        node: &Body,
-        boundary: &Boundary,
-        material: Entity,
-    ) -> Result<(), SceneError> {
-        // The material has been added before, so it is there.
-        let Ok(bsdf) = self.entities.get::<&Bsdf>(material) else { return Ok(()) };
-        let stated = [("interior", boundary.interior), ("exterior", boundary.exterior)];
-        let first = stated.into_iter().find(|(_, filling)| filling.is_some());
-        match first {
-            Some((key, _)) if !bsdf.transmits() => {
-                let problem = "an opaque surface has nothing behind it";
-                let remedy = "remove it, or use a material that transmits: dielectric or null";
-                Err(SceneError::new(node.field(key), problem, remedy))
-            }
-            None if *bsdf == Bsdf::Null => {
-                let problem = "a null surface without media is not there at all";
-                let remedy = "add `interior`, the index of what is inside in `media`";
-                Err(SceneError::new(node.label(), problem, remedy))
-            }
-            _ => Ok(()),
-        }
     }
 }

@@ -23,10 +23,10 @@ use std::sync::Arc;
 use hecs::Entity;
 
 use self::document::Document;
-use self::extension::{Body, ENVIRONMENT, NODE, Range, SCENE};
+use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::hierarchy::PlacedNode;
 use super::error::SceneError;
-use super::world::{Ball, Boundary, Environment, Geometry, MadeOf, Name, Order, Transform, World};
+use super::world::{Ball, Boundary, Environment, Geometry, Name, Skin, World};
 
 /// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
 ///
@@ -64,13 +64,15 @@ fn import(
         let mut import = Import::new(&document);
         let scene = import.scene()?;
         import.add_scene(scene, camera)?;
+        let file_name = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = document.root.scenes[scene].name.clone();
-        Ok((import.entities, import.warnings, name))
+        let Import { mut world, warnings, .. } = import;
+        world.name = name.unwrap_or_else(file_name);
+        world.file = path.to_owned();
+        world.warnings = warnings;
+        Ok(world)
     };
-    let (entities, warnings, name) = import().map_err(|error: SceneError| error.in_file(path))?;
-    let file_name = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = name.unwrap_or_else(file_name);
-    Ok(World { entities, name, file: path.to_owned(), warnings })
+    import().map_err(|error: SceneError| error.in_file(path))
 }
 
 /// Keys of the vendor extension, by the name of their definition in `sunstone.schema.json`.
@@ -81,9 +83,8 @@ pub fn extension_keys() -> impl Iterator<Item = (&'static str, &'static [&'stati
 /// A scene on its way from the document to the world.
 struct Import<'a> {
     document: &'a Document,
-    entities: hecs::World,
+    world: World,
     warnings: Vec<String>,
-    order: u32,
     /// Medium entities, by index in the file.
     media: Vec<Entity>,
     /// Material entities, by index in the file; `None` is the material of what has none.
@@ -104,20 +105,13 @@ impl<'a> Import<'a> {
         }
         Self {
             document,
-            entities: hecs::World::new(),
+            world: World::new(""),
             warnings,
-            order: 0,
             media: Vec::new(),
             materials: BTreeMap::new(),
             geometries: BTreeMap::new(),
             elements: 0,
         }
-    }
-
-    /// The components that every entity has.
-    fn identity(&mut self, name: String) -> (Order, Name) {
-        self.order += 1;
-        (Order(self.order), Name(name))
     }
 
     fn warn(&mut self, warning: String) {
@@ -180,12 +174,7 @@ impl<'a> Import<'a> {
         body: &Body,
         boundary: Boundary,
     ) -> Result<(), SceneError> {
-        let radius = self.sphere_radius(body)?;
-        if !hierarchy::is_similarity(&placed.to_world) {
-            let remedy = "apply the scale, or scale all axes by the same factor";
-            let problem = "a sphere cannot be scaled differently along its axes, or sheared";
-            return Err(SceneError::new(body.label(), problem, remedy));
-        }
+        let ball = self.ball(body)?;
         let materials = self.document.root.materials.len();
         let own = body.index("material", "materials", materials)?;
         let mesh = self.document.root.nodes[placed.node].mesh;
@@ -205,22 +194,25 @@ impl<'a> Import<'a> {
             }
             _ => own.or(stand_in),
         };
-        let material = self.material(material, body.label())?;
-        self.check_boundary(body, &boundary, material)?;
-        let (order, name) = self.identity(format!("{}, sphere", body.label()));
-        let (transform, ball, of) = (Transform(placed.to_world), Ball { radius }, MadeOf(material));
-        self.entities.spawn((order, name, transform, ball, of, boundary));
-        Ok(())
+        let skin = Skin { material: self.material(material, body.label())?, boundary };
+        let name = Name(format!("{}, sphere", body.label()));
+        let put = self.world.put_ball(name, ball, skin, placed.to_world);
+        put.map(|_| ()).map_err(|fault| body.place(fault))
     }
 
-    fn sphere_radius(&self, body: &Body) -> Result<f64, SceneError> {
+    fn ball(&self, body: &Body) -> Result<Ball, SceneError> {
         const DEFAULT_RADIUS: f64 = 0.5;
         if body.has("shape") && body.has("sphere_radius") {
             let problem = "a node has either `shape` or `sphere_radius`";
             return Err(SceneError::new(body.label(), problem, "remove one of them"));
         }
-        if let Some(radius) = body.number("sphere_radius", Range::POSITIVE)? {
-            return Ok(radius);
+        let checked = |radius: f64, field: String| {
+            let ball = Ball { radius };
+            ball.check().map_err(|fault| SceneError::at(&field, fault.of("")))?;
+            Ok(ball)
+        };
+        if let Some(radius) = body.number("sphere_radius")? {
+            return checked(radius, body.field("sphere_radius"));
         }
         let shapes = &self.document.value["extensions"]["KHR_implicit_shapes"]["shapes"];
         let len = shapes.as_array().map_or(0, Vec::len);
@@ -233,8 +225,8 @@ impl<'a> Import<'a> {
         }
         let radius = &shapes[index]["sphere"]["radius"];
         match radius.as_f64() {
-            Some(radius) => Range::POSITIVE.check(radius, &format!("{field}, sphere.radius")),
-            None if radius.is_null() => Ok(DEFAULT_RADIUS),
+            Some(radius) => checked(radius, format!("{field}, sphere.radius")),
+            None if radius.is_null() => Ok(Ball { radius: DEFAULT_RADIUS }),
             None => Err(SceneError::new(format!("{field}, sphere.radius"), "is not a number", "")),
         }
     }
@@ -243,25 +235,25 @@ impl<'a> Import<'a> {
     fn add_environment(&mut self, scene: usize) -> Result<(), SceneError> {
         let value = &self.document.value;
         let label = self.document.label("scenes", scene);
-        let mut found: Option<(String, Environment)> = None;
+        let mut found: Option<String> = None;
         for (object, label) in [(&value["scenes"][scene], label.as_str()), (value, "root")] {
             let body = Body::of(object, label, &SCENE)?;
             let Some(environment) = body.object("environment", &ENVIRONMENT)? else { continue };
             let field = body.field("environment");
-            let Some(radiance) = environment.spectrum("radiance", Range::NOT_NEGATIVE)? else {
+            let Some(radiance) = environment.spectrum("radiance")? else {
                 return Err(SceneError::new(field, "has no `radiance`", "add it"));
             };
-            if let Some((other, _)) = &found {
+            if let Some(other) = &found {
                 let problem = format!("is described twice, by {other} too");
                 return Err(SceneError::new(field, problem, "keep one of them"));
             }
-            found = Some((field, Environment { radiance }));
-        }
-        if let Some((_, environment)) = found
-            && environment.radiance.values().iter().any(|value| *value > 0.0)
-        {
-            let identity = self.identity("environment".to_owned());
-            self.entities.spawn((identity.0, identity.1, environment));
+            let sky = Environment { radiance };
+            let put = match sky.radiance.values().iter().all(|value| *value == 0.0) {
+                true => sky.check(),
+                false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
+            };
+            put.map_err(|fault| environment.place(fault))?;
+            found = Some(field);
         }
         Ok(())
     }

@@ -1,14 +1,12 @@
 //! Media of spheres: suspensions of particles, and milk.
 
-use super::extension::{Body, DISTRIBUTION, HOST, MILK, PARTICLES, Range};
+use super::extension::{Body, DISTRIBUTION, HOST, MILK, PARTICLES};
 use crate::polarization::milk::Milk;
 use crate::polarization::particles::{Amount, Sizes};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Component, Phase, Spheres};
 use crate::spectrum::Spectrum;
 
-/// Most kinds of particles in one medium.
-const COMPONENTS_MAX: usize = 16;
 /// Values of a distribution's `kind`, with the keys that they take.
 const KINDS: [(&str, &[&str]); 4] = [
     ("gamma", &["mean_um", "of", "range_um", "sd_um"]),
@@ -37,44 +35,35 @@ pub fn phase(body: &Body) -> Result<Phase, SceneError> {
 
 fn milk(body: &Body) -> Result<Milk, SceneError> {
     let part = |key: &str| {
-        let percent = body.number(key, Range::PERCENT)?;
+        let percent = body.number(key)?;
         percent.ok_or_else(|| body.missing(key, "whole milk has 3.5 % fat and 3.4 % protein"))
     };
     let (fat_percent, protein_percent) = (part("fat_percent")?, part("protein_percent")?);
-    let dilution = body.number("dilution", Range::FRACTION)?.unwrap_or(1.0);
+    let dilution = body.number("dilution")?.unwrap_or(1.0);
     let milk = Milk { fat_percent, protein_percent, dilution };
-    let filled: f64 = milk.volume_fractions().iter().sum();
-    if !(filled > 1e-12 && filled < 1.0) {
-        let problem = format!("fat and casein would fill {filled} of the volume");
-        return Err(SceneError::new(body.label(), problem, "give percentages by weight"));
-    }
+    milk.check().map_err(|fault| body.place(fault))?;
     Ok(milk)
 }
 
 fn spheres(medium: &Body, particles: &[Body], host: &Body) -> Result<Spheres, SceneError> {
-    let field = || medium.field("particles");
-    if particles.is_empty() || particles.len() > COMPONENTS_MAX {
-        let problem = format!("has {} kinds of particles", particles.len());
-        let remedy = format!("give one to {COMPONENTS_MAX}");
-        return Err(SceneError::new(field(), problem, remedy));
-    }
     let components: Vec<Component> =
         particles.iter().map(component).collect::<Result<_, SceneError>>()?;
-    let filled: f64 = components.iter().map(|component| component.volume_fraction).sum();
-    if filled > 1.0 {
-        let problem = format!("fill {filled} of the volume");
-        return Err(SceneError::new(field(), problem, "lower the volume fractions"));
-    }
     let (host_eta, host_k) = index(host)?;
-    Ok(Spheres { components, host_eta, host_k })
+    let spheres = Spheres { components, host_eta, host_k };
+    spheres.check().map_err(|fault| match fault.field.as_str() {
+        "host_eta" => host.place(fault.of("eta")),
+        "host_k" => host.place(fault.of("k")),
+        _ => medium.place(fault.of("particles")),
+    })?;
+    Ok(spheres)
 }
 
 /// Index of refraction n - i k.
 fn index(body: &Body) -> Result<(Spectrum, Spectrum), SceneError> {
-    let Some(eta) = body.spectrum("eta", Range::INDEX)? else {
+    let Some(eta) = body.spectrum("eta")? else {
         return Err(body.missing("eta", "give the real part of the index of refraction"));
     };
-    let k = body.spectrum("k", Range::EXTINCTION)?;
+    let k = body.spectrum("k")?;
     Ok((eta, k.unwrap_or(Spectrum::Constant(0.0))))
 }
 
@@ -83,12 +72,14 @@ fn component(body: &Body) -> Result<Component, SceneError> {
     let Some(distribution) = body.object("distribution", &DISTRIBUTION)? else {
         return Err(body.missing("distribution", "give the sizes of the particles"));
     };
-    let Some(volume_fraction) = body.number("volume_fraction", Range::FRACTION)? else {
+    let Some(volume_fraction) = body.number("volume_fraction")? else {
         let remedy = "give the share of the volume that the particles fill";
         return Err(body.missing("volume_fraction", remedy));
     };
     let (eta, k) = index(body)?;
-    Ok(Component { sizes: sizes(&distribution)?, eta, k, volume_fraction })
+    let component = Component { sizes: sizes(&distribution)?, eta, k, volume_fraction };
+    component.check().map_err(|fault| body.place(fault))?;
+    Ok(component)
 }
 
 fn sizes(body: &Body) -> Result<Sizes, SceneError> {
@@ -110,33 +101,28 @@ fn sizes(body: &Body) -> Result<Sizes, SceneError> {
         return Err(SceneError::new(body.field(key), problem, remedy));
     }
     let radius = |key: &str| {
-        let radius = body.number(key, Range::RADIUS_UM)?;
+        let radius = body.number(key)?;
         radius.ok_or_else(|| body.missing(key, "give it in micrometers"))
     };
     let sizes = match kind {
-        "monodisperse" => Ok(Sizes::monodisperse(radius("radius_um")?)),
+        "monodisperse" => Sizes::monodisperse(radius("radius_um")?),
         "table" => {
-            let column = |key: &str, range: Range| {
-                let column = body.numbers(key, range)?;
+            let column = |key: &str| {
+                let column = body.numbers(key)?;
                 column.ok_or_else(|| body.missing(key, "give the radii and the density at each"))
             };
-            let radii = column("radii_um", Range::RADIUS_UM)?;
-            Sizes::table(&radii, &column("density", Range::NOT_NEGATIVE)?, amount(body)?)
+            Sizes::table(&column("radii_um")?, &column("density")?, amount(body)?)
         }
         _ => {
             let (mean, sd) = (radius("mean_um")?, radius("sd_um")?);
             let (of, range) = (amount(body)?, range(body)?);
-            if sd < 1e-3 * mean {
-                let problem = "is less than a thousandth of the mean";
-                return Err(SceneError::new(body.field("sd_um"), problem, "use monodisperse"));
-            }
             match kind {
                 "gamma" => Sizes::gamma(mean, sd, of, range),
                 _ => Sizes::log_normal(mean, sd, of, range),
             }
         }
     };
-    sizes.map_err(|problem| SceneError::new(body.label(), problem, "check radii and density"))
+    sizes.map_err(|fault| body.place(fault))
 }
 
 /// What the density counts.
@@ -156,9 +142,9 @@ fn amount(body: &Body) -> Result<Amount, SceneError> {
 
 /// Least and greatest radius.
 fn range(body: &Body) -> Result<Option<[f64; 2]>, SceneError> {
-    match body.numbers("range_um", Range::RADIUS_UM)?.as_deref() {
+    match body.numbers("range_um")?.as_deref() {
         None => Ok(None),
-        Some(&[low, high]) if low < high => Ok(Some([low, high])),
+        Some(&[low, high]) => Ok(Some([low, high])),
         Some(_) => {
             let problem = "must be two radii in micrometers, the lesser first";
             Err(SceneError::new(body.field("range_um"), problem, ""))

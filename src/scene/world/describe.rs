@@ -6,9 +6,9 @@ use std::fmt::{self, Write};
 use glam::DVec3;
 use hecs::Entity;
 
-use super::world::{
-    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Film, Lens,
-    MadeOf, Medium, Mesh, Name, Phase, Punctual, Sides, Transform, World,
+use super::{
+    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
+    Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
 use crate::polarization::milk::Milk;
 use crate::spectrum::Spectrum;
@@ -160,8 +160,8 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
 }
 
 fn write_camera(world: &World, text: &mut String) -> fmt::Result {
-    type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Option<&'a Film>);
-    let cameras = world.in_order::<Components, _>(|(name, place, lens, film)| {
+    type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Option<&'a Resolution>);
+    let cameras = world.in_order::<Components, _>(|(name, place, lens, resolution)| {
         let lens = match lens {
             Lens::Perspective { yfov, aperture_radius, .. } => {
                 let degrees = yfov.to_degrees();
@@ -171,10 +171,10 @@ fn write_camera(world: &World, text: &mut String) -> fmt::Result {
                 format!("orthographic, {} wide and {} high", 2.0 * half_width, 2.0 * half_height)
             }
         };
-        let film = film.map_or_else(String::new, |film| {
-            format!(", {} x {} pixels", film.resolution[0], film.resolution[1])
+        let pixels = resolution.map_or_else(String::new, |Resolution([width, height])| {
+            format!(", {width} x {height} pixels")
         });
-        format!("  {}: {lens}{film}, at {}", name.0, vector(place.0.translation))
+        format!("  {}: {lens}{pixels}, at {}", name.0, vector(place.0.translation))
     });
     lines(text, &cameras)
 }

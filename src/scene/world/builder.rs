@@ -1,0 +1,353 @@
+//! Making a world: what programs call, and what readers of files call with their own names.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use hecs::{DynamicBundle, Entity, EntityBuilder};
+
+use super::material::check_material;
+use super::{
+    Ball, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order,
+    Punctual, Resolution, Skin, Transform, World,
+};
+use crate::math::Fault;
+use crate::scene::error::SceneError;
+use crate::spectrum::Spectrum;
+
+/// Functions that add return the entity, or say which of its fields is wrong and add nothing.
+/// Errors call an entity by its kind and name, ``sphere `ball` `` for instance; an empty name is
+/// replaced by a number.
+///
+/// ```
+/// use sunstone::internals::scene::world::{Bsdf, Geometry, Lens, Material, Transform, World};
+/// use glam::{DVec3, Vec3};
+///
+/// let mut world = World::new("room");
+/// let white = world.add_material("white", Material::from(Bsdf::diffuse(0.7)).two_sided())?;
+/// let glass = world.add_material("glass", Bsdf::dielectric(1.5))?;
+/// let steel = world.add_material("plate", Bsdf::metal("Al")?)?;
+/// let lamp = world.add_material("lamp", Material::emitter([20.0, 18.0, 15.0]))?;
+/// let walls = Geometry::cuboid(Vec3::splat(-1.0), Vec3::splat(1.0));
+/// world.add_mesh("walls", walls, white, Transform::IDENTITY)?;
+/// let under = |y, size| Geometry::quad(Vec3::Y * y, Vec3::X * size, Vec3::Z * size);
+/// world.add_mesh("lamp", under(0.99, 0.3), lamp, Transform::IDENTITY)?;
+/// world.add_mesh("plate", Geometry::quad(Vec3::NEG_Y * 0.9, Vec3::Z, Vec3::X), steel,
+///     Transform::IDENTITY)?;
+/// world.add_sphere("ball", 0.4, glass, DVec3::new(0.2, -0.4, 0.0))?;
+/// let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
+/// world.set_camera("eye", Lens::pinhole(1.2), place)?;
+///
+/// let error = world.add_material("snow", Bsdf::diffuse(2.5)).unwrap_err();
+/// assert_eq!(error.to_string(), "material `snow`, reflectance: 2.5 must be within [0, 1]");
+/// # Ok::<(), sunstone::internals::scene::SceneError>(())
+/// ```
+impl World {
+    /// An empty scene.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self::from_file(PathBuf::new(), name.into(), Vec::new())
+    }
+
+    /// Adds a material: what it scatters, and perhaps emits.
+    ///
+    /// # Errors
+    /// When a value is not physical.
+    pub fn add_material(
+        &mut self,
+        name: &str,
+        material: impl Into<Material>,
+    ) -> Result<Entity, SceneError> {
+        self.called("material", name, |world, name| world.put_material(name, material.into()))
+    }
+
+    /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
+    /// `Arc` are kept once.
+    ///
+    /// # Errors
+    /// When an index is out of range, a value is not finite, a triangle has no area, the transform
+    /// is singular, or the skin does not go together.
+    pub fn add_mesh(
+        &mut self,
+        name: &str,
+        geometry: impl Into<Arc<Geometry>>,
+        skin: impl Into<Skin>,
+        place: impl Into<Transform>,
+    ) -> Result<Entity, SceneError> {
+        let (mesh, skin, place) = (Mesh(geometry.into()), skin.into(), place.into());
+        self.called("mesh", name, |world, name| world.put_mesh(name, mesh, skin, place))
+    }
+
+    /// Adds an analytic sphere about the origin of its place, of a material of this world.
+    ///
+    /// # Errors
+    /// When the radius is not greater than zero, the transform is singular or would make it an
+    /// ellipsoid, or the skin does not go together.
+    pub fn add_sphere(
+        &mut self,
+        name: &str,
+        radius: f64,
+        skin: impl Into<Skin>,
+        place: impl Into<Transform>,
+    ) -> Result<Entity, SceneError> {
+        let (ball, skin, place) = (Ball { radius }, skin.into(), place.into());
+        self.called("sphere", name, |world, name| world.put_ball(name, ball, skin, place))
+    }
+
+    /// Adds a light without extent, that shines along the -z axis of its place.
+    ///
+    /// # Errors
+    /// When its intensity or its cone is not physical, or the transform is singular.
+    pub fn add_light(
+        &mut self,
+        name: &str,
+        light: Punctual,
+        place: impl Into<Transform>,
+    ) -> Result<Entity, SceneError> {
+        let place = place.into();
+        self.called("light", name, |world, name| world.put_light(name, light, place))
+    }
+
+    /// Adds a medium, which fills nothing yet.
+    ///
+    /// # Errors
+    /// When a value is not physical.
+    pub fn add_medium(
+        &mut self,
+        name: &str,
+        medium: impl Into<Medium>,
+    ) -> Result<Entity, SceneError> {
+        self.called("medium", name, |world, name| world.put_medium(name, medium.into()))
+    }
+
+    /// Puts the camera in its place: the only one, in place of that which was there.
+    ///
+    /// # Errors
+    /// When the projection is none, or the place is sheared, mirrored or singular.
+    pub fn set_camera(
+        &mut self,
+        name: &str,
+        lens: Lens,
+        place: impl Into<Transform>,
+    ) -> Result<Entity, SceneError> {
+        let place = place.into();
+        let camera =
+            self.called("camera", name, |world, name| world.put_camera(name, lens, place, None))?;
+        self.keep_only::<Lens>(camera);
+        Ok(camera)
+    }
+
+    /// Has the camera ask for a film size: width and height in pixels, from 1 to 65,536.
+    ///
+    /// # Errors
+    /// When there is no camera, or a side is out of range.
+    pub fn set_resolution(&mut self, resolution: [u32; 2]) -> Result<(), SceneError> {
+        let cameras =
+            self.in_order::<(Entity, &Name, &Lens), _>(|(camera, name, _)| (camera, name.clone()));
+        let Some((camera, name)) = cameras.into_iter().next() else {
+            let problem = "the world has no camera";
+            return Err(SceneError::new("resolution", problem, "set the camera first"));
+        };
+        let resolution = Resolution(resolution);
+        resolution.check().map_err(|fault| SceneError::at(&name.0, fault))?;
+        self.insert(camera, resolution);
+        Ok(())
+    }
+
+    /// Has light of a radiance in W/(m^2 sr) come from everywhere outside the scene, in place of
+    /// what came from there.
+    ///
+    /// # Errors
+    /// When the radiance is negative or not finite.
+    pub fn set_environment(&mut self, radiance: impl Into<Spectrum>) -> Result<Entity, SceneError> {
+        let environment = Environment { radiance: radiance.into() };
+        let name = Name("environment".to_owned());
+        let added = self.put_environment(name, environment);
+        let added = added.map_err(|fault| SceneError::at("environment", fault))?;
+        self.keep_only::<Environment>(added);
+        Ok(added)
+    }
+
+    /// Fills the scene outside all boundaries with a medium of this world, or with none.
+    ///
+    /// # Errors
+    /// When the entity is not a medium of this world.
+    pub fn set_scene_medium(
+        &mut self,
+        medium: impl Into<Option<Entity>>,
+    ) -> Result<(), SceneError> {
+        let medium = medium.into();
+        if let Some(medium) = medium {
+            self.check_medium("medium", medium).map_err(|fault| SceneError::at("scene", fault))?;
+        }
+        for filling in self.in_order::<(Entity, &FillsScene), _>(|(filling, _)| filling) {
+            // It has just been found, so this cannot fail.
+            let _ = self.entities.remove_one::<FillsScene>(filling);
+        }
+        if let Some(medium) = medium {
+            self.insert(medium, FillsScene);
+        }
+        Ok(())
+    }
+
+    /// Adds with a name in the words of programs, which errors get.
+    fn called(
+        &mut self,
+        kind: &str,
+        name: &str,
+        put: impl FnOnce(&mut Self, Name) -> Result<Entity, Fault>,
+    ) -> Result<Entity, SceneError> {
+        let name = match name {
+            "" => format!("{kind} {}", self.order + 1),
+            name => format!("{kind} `{name}`"),
+        };
+        put(self, Name(name.clone())).map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Removes all entities with a component but one.
+    fn keep_only<T: hecs::Component>(&mut self, kept: Entity) {
+        for other in self.in_order::<(Entity, &T), _>(|(entity, _)| entity) {
+            if other != kept {
+                // It has just been found, so this cannot fail.
+                let _ = self.entities.despawn(other);
+            }
+        }
+    }
+}
+
+/// What readers of files add, with the names and orders of their own. All return the fault of a
+/// field, and readers know where in the file that stands.
+impl World {
+    /// An empty scene that a file describes.
+    pub(in crate::scene) fn from_file(file: PathBuf, name: String, warnings: Vec<String>) -> Self {
+        let (entities, checked) = Default::default();
+        Self { entities, name, file, warnings, order: 0, checked }
+    }
+
+    pub(in crate::scene) fn put_material(
+        &mut self,
+        name: Name,
+        Material { bsdf, sides, emission }: Material,
+    ) -> Result<Entity, Fault> {
+        check_material(&bsdf, emission.as_ref())?;
+        Ok(match emission {
+            Some(emission) => self.spawn(name, (bsdf, sides, emission)),
+            None => self.spawn(name, (bsdf, sides)),
+        })
+    }
+
+    pub(in crate::scene) fn put_mesh(
+        &mut self,
+        name: Name,
+        mesh: Mesh,
+        skin: Skin,
+        place: Transform,
+    ) -> Result<Entity, Fault> {
+        place.check()?;
+        self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
+        self.check_once(&name, &mesh.0)?;
+        Ok(self.spawn(name, (place, mesh, MadeOf(skin.material), skin.boundary)))
+    }
+
+    pub(in crate::scene) fn put_ball(
+        &mut self,
+        name: Name,
+        ball: Ball,
+        skin: Skin,
+        place: Transform,
+    ) -> Result<Entity, Fault> {
+        ball.check()?;
+        Ball::check_place(&place)?;
+        self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
+        Ok(self.spawn(name, (place, ball, MadeOf(skin.material), skin.boundary)))
+    }
+
+    pub(in crate::scene) fn put_light(
+        &mut self,
+        name: Name,
+        light: Punctual,
+        place: Transform,
+    ) -> Result<Entity, Fault> {
+        place.check()?;
+        light.check()?;
+        Ok(self.spawn(name, (place, light)))
+    }
+
+    pub(in crate::scene) fn put_medium(
+        &mut self,
+        name: Name,
+        medium: Medium,
+    ) -> Result<Entity, Fault> {
+        medium.check()?;
+        Ok(self.spawn(name, (medium,)))
+    }
+
+    /// Adds a camera to those that are there.
+    pub(in crate::scene) fn put_camera(
+        &mut self,
+        name: Name,
+        lens: Lens,
+        place: Transform,
+        resolution: Option<Resolution>,
+    ) -> Result<Entity, Fault> {
+        Lens::check_place(&place)?;
+        lens.check()?;
+        let Some(resolution) = resolution else { return Ok(self.spawn(name, (place, lens))) };
+        resolution.check()?;
+        Ok(self.spawn(name, (place, lens, resolution)))
+    }
+
+    /// Adds an environment to those that are there.
+    pub(in crate::scene) fn put_environment(
+        &mut self,
+        name: Name,
+        environment: Environment,
+    ) -> Result<Entity, Fault> {
+        environment.check()?;
+        Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Drops triangles with two corners in one place from a geometry, checks it, and keeps in mind
+    /// that it is as it should be. Returns it and how many were dropped.
+    pub(in crate::scene) fn cleaned(
+        &mut self,
+        mut geometry: Geometry,
+    ) -> Result<(Arc<Geometry>, usize), Fault> {
+        let dropped = geometry.clean()?;
+        let geometry = Arc::new(geometry);
+        self.keep_in_mind(&geometry);
+        Ok((geometry, dropped))
+    }
+
+    /// Checks a geometry that has not been seen before, and says what will be mended in it.
+    fn check_once(&mut self, name: &Name, geometry: &Arc<Geometry>) -> Result<(), Fault> {
+        if self.is_checked(geometry) {
+            return Ok(());
+        }
+        geometry.check()?;
+        self.keep_in_mind(geometry);
+        let behind = geometry.corners_behind();
+        if behind > 0 {
+            self.warnings.push(format!(
+                "{}: {behind} corners have a normal on the back of their triangle (or none); it \
+                 is mirrored to the front",
+                name.0
+            ));
+        }
+        Ok(())
+    }
+
+    fn keep_in_mind(&mut self, geometry: &Arc<Geometry>) {
+        self.checked.insert(Arc::as_ptr(geometry).addr(), Arc::downgrade(geometry));
+    }
+
+    fn spawn(&mut self, name: Name, components: impl DynamicBundle) -> Entity {
+        self.order += 1;
+        let mut entity = EntityBuilder::new();
+        entity.add(Order(self.order)).add(name).add_bundle(components);
+        self.entities.spawn(entity.build())
+    }
+
+    fn insert(&mut self, entity: Entity, component: impl hecs::Component) {
+        // Callers have just found it, so this cannot fail.
+        let _ = self.entities.insert_one(entity, component);
+    }
+}

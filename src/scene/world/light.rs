@@ -1,0 +1,89 @@
+//! Lights without a surface: punctual ones and the environment.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::math::{Fault, Range};
+use crate::spectrum::Spectrum;
+
+/// A light without extent, along the -z axis of its transform.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Punctual {
+    /// Its shape.
+    pub kind: PunctualKind,
+    /// Radiant intensity in W/sr, or irradiance in W/m^2 if directional; not negative. Zero
+    /// throughout emits nothing.
+    pub intensity: Spectrum,
+}
+
+/// Shapes of punctual lights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PunctualKind {
+    /// The same in all directions.
+    Point,
+    /// A cone.
+    Spot {
+        /// Half angle of full intensity in radians, at least 0.
+        inner: f64,
+        /// Half angle of the whole cone in radians, greater than 0, at most pi/2, not less than
+        /// `inner`.
+        outer: f64,
+    },
+    /// Infinitely far away.
+    Directional,
+}
+
+impl Punctual {
+    /// The same radiant intensity in W/sr in all directions.
+    pub fn point(intensity: impl Into<Spectrum>) -> Self {
+        Self { kind: PunctualKind::Point, intensity: intensity.into() }
+    }
+
+    /// A cone: radiant intensity on its axis in W/sr, half angles of full intensity and of the
+    /// whole in radians.
+    pub fn spot(intensity: impl Into<Spectrum>, inner: f64, outer: f64) -> Self {
+        Self { kind: PunctualKind::Spot { inner, outer }, intensity: intensity.into() }
+    }
+
+    /// Parallel light: irradiance in W/m^2 on a plane that faces it.
+    pub fn directional(irradiance: impl Into<Spectrum>) -> Self {
+        Self { kind: PunctualKind::Directional, intensity: irradiance.into() }
+    }
+
+    /// Refuses what cannot shine.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        self.kind.check()?;
+        self.intensity.check("intensity", Range::NOT_NEGATIVE)
+    }
+}
+
+impl PunctualKind {
+    fn check(&self) -> Result<(), Fault> {
+        match *self {
+            Self::Point | Self::Directional => Ok(()),
+            // Blender writes equal angles for a spot without soft edge, so that is fine.
+            Self::Spot { inner, outer }
+                if inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= FRAC_PI_2 =>
+            {
+                Ok(())
+            }
+            Self::Spot { inner, outer } => {
+                let problem = format!("the inner angle {inner} and the outer {outer} do not fit");
+                Err(Fault::new("spot", problem, "radians, 0 <= inner <= outer <= pi/2"))
+            }
+        }
+    }
+}
+
+/// Constant radiance from all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// Radiance in W/(m^2 sr); not negative. Zero throughout emits nothing.
+    pub radiance: Spectrum,
+}
+
+impl Environment {
+    /// Refuses what cannot shine.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        self.radiance.check("radiance", Range::NOT_NEGATIVE)
+    }
+}

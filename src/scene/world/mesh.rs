@@ -1,0 +1,163 @@
+//! Meshes: indexed triangles, and the checks that they can be rendered.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::math::Fault;
+
+/// Triangles, shared by all instances of a mesh.
+#[derive(Clone, Debug)]
+pub struct Mesh(pub Arc<Geometry>);
+
+/// Indexed triangles in the space of the mesh, counter-clockwise from the front.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Geometry {
+    /// Vertex positions, finite.
+    pub positions: Vec<Vec3>,
+    /// Vertex normals of any length, as many as positions, or none: then the triangles are flat.
+    /// Finite; zero where a vertex has none of its own.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, as many as positions, or none; finite. Nothing reads them yet.
+    pub texture_coordinates: Vec<Vec2>,
+    /// Corners: rows of `positions`. Not empty; every triangle has an area.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Geometry {
+    /// Flat triangles.
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions, triangles, ..Self::default() }
+    }
+
+    /// A parallelogram about `center` that faces along `u` cross `v`, its half edges.
+    pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Self {
+        let corners = [center - u - v, center + u - v, center + u + v, center - u + v];
+        Self::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    }
+
+    /// A box along the axes, given by its least and greatest corner; its faces look outwards.
+    pub fn cuboid(low: Vec3, high: Vec3) -> Self {
+        let corner = |at: u32| {
+            let side =
+                |axis: u32, low: f32, high: f32| if at >> axis & 1 == 0 { low } else { high };
+            Vec3::new(side(0, low.x, high.x), side(1, low.y, high.y), side(2, low.z, high.z))
+        };
+        // Corners in the order of their bits x, y, z; two triangles to each face.
+        let faces =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        Self::new((0..8).map(corner).collect(), faces.into_iter().flat_map(halves).collect())
+    }
+
+    /// Drops triangles with two corners in one place, which strips and the poles of spheres are
+    /// full of; returns how many. Refuses all else that cannot be rendered.
+    pub(crate) fn clean(&mut self) -> Result<usize, Fault> {
+        self.check_vertices()?;
+        if let Some(index) = self.first_flat(|corners| !is_line(corners)) {
+            return Err(flat(index));
+        }
+        let before = self.triangles.len();
+        let positions = &self.positions;
+        self.triangles.retain(|triangle| !is_line(triangle.map(|row| positions[row as usize])));
+        self.check_is_there()?;
+        Ok(before - self.triangles.len())
+    }
+
+    /// Refuses what cannot be rendered.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        self.check_vertices()?;
+        match self.first_flat(|_| true) {
+            Some(index) => Err(flat(index)),
+            None => self.check_is_there(),
+        }
+    }
+
+    /// Corners whose normal is on the back of their triangle, or that have none in a mesh that
+    /// has normals. They are mirrored to the front.
+    pub(crate) fn corners_behind(&self) -> usize {
+        let behind = self.triangles.iter().flat_map(|triangle| {
+            let front = scaled_normal(self.corners(triangle));
+            let normals = triangle.map(|row| self.normals.get(row as usize));
+            normals.map(|own| own.is_some_and(|own| front.dot(own.as_dvec3()) <= 0.0))
+        });
+        behind.filter(|behind| *behind).count()
+    }
+
+    fn corners(&self, triangle: &[u32; 3]) -> [Vec3; 3] {
+        triangle.map(|row| self.positions[row as usize])
+    }
+
+    /// Refuses vertices that are not finite or do not belong together, and corners without vertex.
+    fn check_vertices(&self) -> Result<(), Fault> {
+        let count = self.positions.len();
+        if let Some(vertex) = self.positions.iter().position(|position| !position.is_finite()) {
+            let problem = format!("vertex {vertex} is not finite");
+            return Err(Fault::new("positions", problem, "clean the mesh up"));
+        }
+        let mut corners = self.triangles.as_flattened().iter();
+        if let Some(index) = corners.find(|index| **index as usize >= count) {
+            let problem = format!("{index} is not one of the {count} vertices");
+            return Err(Fault::new("triangles", problem, "count vertices from 0"));
+        }
+        let fits = |length: usize| length == 0 || length == count;
+        if !fits(self.normals.len()) {
+            let problem = format!("{} normals for {count} vertices", self.normals.len());
+            return Err(Fault::new("normals", problem, "give one to each vertex, or none"));
+        }
+        if let Some(vertex) = self.normals.iter().position(|normal| !normal.is_finite()) {
+            let problem = format!("the normal of vertex {vertex} is not finite");
+            return Err(Fault::new("normals", problem, "clean the mesh up"));
+        }
+        let texture = &self.texture_coordinates;
+        if !fits(texture.len()) {
+            let problem = format!("{} for {count} vertices", texture.len());
+            let remedy = "give one pair to each vertex, or none";
+            return Err(Fault::new("texture_coordinates", problem, remedy));
+        }
+        if let Some(vertex) = texture.iter().position(|pair| !pair.is_finite()) {
+            let problem = format!("those of vertex {vertex} are not finite");
+            return Err(Fault::new("texture_coordinates", problem, "clean the mesh up"));
+        }
+        Ok(())
+    }
+
+    /// The first triangle without area among those that are wanted.
+    fn first_flat(&self, wanted: impl Fn([Vec3; 3]) -> bool) -> Option<usize> {
+        self.triangles.iter().position(|triangle| {
+            let corners = self.corners(triangle);
+            !has_area(corners) && wanted(corners)
+        })
+    }
+
+    fn check_is_there(&self) -> Result<(), Fault> {
+        if self.triangles.is_empty() {
+            return Err(Fault::new("", "has no triangle with an area", "remove it or mend it"));
+        }
+        Ok(())
+    }
+}
+
+fn flat(index: usize) -> Fault {
+    let problem = format!("triangle {index} has no area: its corners are in line");
+    Fault::new("", problem, "dissolve it in the modeling program")
+}
+
+/// Whether two corners are in one place.
+fn is_line([a, b, c]: [Vec3; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    let (ab, ac) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
+    // Far from zero in most triangles, and without a root; the others are asked in earnest.
+    let sine2 = ab.cross(ac).length_squared();
+    sine2 > 1e-20 * ab.length_squared() * ac.length_squared()
+        || scaled_normal([a, b, c]) != DVec3::ZERO
+}
+
+/// The normal of a triangle, of any length; zero only if its area is.
+fn scaled_normal([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let (ab, ac) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
+    ab.normalize_or_zero().cross(ac.normalize_or_zero())
+}

@@ -1,0 +1,136 @@
+//! The scene as the user describes it: entities with components in a hecs world.
+//!
+//! | entity | components |
+//! |---|---|
+//! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits |
+//! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
+//! | part of a mesh instance | those of all shapes, [`Mesh`] |
+//! | sphere | those of all shapes, [`Ball`] |
+//! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
+//! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if the scene asks for one |
+//! | environment | [`Order`], [`Name`], [`Environment`] |
+//!
+//! Each component knows what is wrong with it. Readers of files parse and add with the functions
+//! of `builder`, as programs do, and these check what they add; `check` looks at the whole again
+//! before it is baked, as a program may have edited it. `bake` adds what depends on the wavelengths
+//! and on world space.
+
+mod builder;
+mod camera;
+mod check;
+mod describe;
+mod light;
+mod material;
+mod medium;
+mod mesh;
+mod particles;
+mod phase_matrix;
+mod shape;
+mod transform;
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Weak;
+
+use hecs::Entity;
+
+pub use self::camera::{Lens, Resolution};
+pub use self::light::{Environment, Punctual, PunctualKind};
+pub use self::material::{Bsdf, Emission, Material, Sides};
+pub(super) use self::medium::MEDIA_MAX;
+pub use self::medium::{FillsScene, Medium, Phase};
+pub use self::mesh::{Geometry, Mesh};
+pub use self::particles::{Component, Spheres};
+pub use self::phase_matrix::TabulatedMatrix;
+pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub use self::transform::Transform;
+
+/// A scene: made in code, or read from a file, and edited.
+pub struct World {
+    entities: hecs::World,
+    pub(super) name: String,
+    pub(super) file: PathBuf,
+    pub(super) warnings: Vec<String>,
+    /// The [`Order`] of the last entity.
+    order: u32,
+    /// The geometries that have been checked, by address. Nobody can change them any more, as
+    /// who wants a shared value with weak references for himself is given a copy, and no other
+    /// will stand at the address, which they keep.
+    checked: HashMap<usize, Weak<Geometry>>,
+}
+
+impl fmt::Debug for World {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let count = self.entities.len();
+        write!(f, "World {:?} from {:?} of {count} entities", self.name, self.file)
+    }
+}
+
+impl World {
+    /// The entities; see the module's table for their components.
+    pub fn entities(&self) -> &hecs::World {
+        &self.entities
+    }
+
+    /// The entities, to be edited. Whatever is done to them is checked before the scene is baked:
+    /// see [`World::check`].
+    pub fn entities_mut(&mut self) -> &mut hecs::World {
+        &mut self.entities
+    }
+
+    /// The first entity of a name: the whole of its [`Name`], or else what stands in that in
+    /// quotes, which is what the file or the program calls it.
+    pub fn find(&self, name: &str) -> Option<Entity> {
+        let quoted = [format!("\"{name}\""), format!("`{name}`")];
+        let found = self.in_order::<(Entity, &Name), _>(|(entity, Name(whole))| {
+            let is_part = || quoted.iter().any(|part| whole.contains(part));
+            (
+                if whole == name {
+                    0
+                } else if is_part() {
+                    1
+                } else {
+                    2
+                },
+                entity,
+            )
+        });
+        let best = found.into_iter().min_by_key(|(rank, _)| *rank)?;
+        (best.0 < 2).then_some(best.1)
+    }
+
+    /// The scene's own name, or the file's if it has none.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the scene asks for and the renderer ignores, one sentence each.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Entities that match a query, in their order, each turned into what `f` makes of it.
+    pub(super) fn in_order<Q: hecs::Query, T>(
+        &self,
+        f: impl for<'a> Fn(Q::Item<'a>) -> T,
+    ) -> Vec<T> {
+        let mut query = self.entities.query::<(&Order, Q)>();
+        let mut rows: Vec<(u32, T)> =
+            query.iter().map(|(order, components)| (order.0, f(components))).collect();
+        rows.sort_by_key(|(order, _)| *order);
+        rows.into_iter().map(|(_, row)| row).collect()
+    }
+}
+
+/// Position in the file, or in the order of what was added: what makes the order of all tables a
+/// function of the scene alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order(pub u32);
+
+/// How errors and reports call the entity: its kind, with its index and name in a file as in
+/// ``material 3 "glass"``, or as a program named it, as in ``material `glass` ``.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name(pub String);
