@@ -21,7 +21,9 @@ use super::baked::{
     BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Optics, Projection, Shapes,
 };
 use super::error::SceneError;
-use super::world::{Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World};
+use super::world::{
+    Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World,
+};
 use crate::polarization::Block;
 use crate::polarization::elements::{exact_sin_cos_deg, polarizer_block, retarder_block};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
