@@ -1,12 +1,11 @@
 //! Whole renders of the reference scenes, one thread: every integrator in both modes.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
-use sunstone::internals::scattering::Scene;
-use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::render::{Integrator, Mode, Options, PlacedWorld, Renderer, Settings};
+use sunstone::internals::scene::load;
 
 const EDGE: u32 = 128;
 const ITERATIONS: u32 = 4;
@@ -16,28 +15,30 @@ fn renders(criterion: &mut Criterion) {
     for name in ["cornell", "mirror"] {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/reference");
         let world = load(&folder.join(name).with_extension("gltf")).expect("a shipped scene");
-        let tables = bake::<3>(&world, Color::Rgb).expect("a shipped scene");
-        let scene = Scene::new(tables, EDGE, EDGE);
+        let world = PlacedWorld::new(world).expect("a shipped scene");
         let mut group = criterion.benchmark_group(format!("render/{name}/rgb"));
         group.sample_size(10);
         group.throughput(Throughput::Elements(u64::from(EDGE * EDGE * ITERATIONS)));
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
             for mode in [Mode::Scalar, Mode::Polarized] {
-                let settings = Settings {
+                let settings = Settings::new(Options {
                     integrator,
                     mode,
-                    color: Color::Rgb,
-                    iterations: ITERATIONS,
-                    replicates: 1,
+                    width: Some(EDGE),
+                    height: Some(EDGE),
+                    samples: ITERATIONS,
                     path_length_max: 12,
                     roulette_after: 100,
-                    seed: 0,
-                    photons: Photons::default(),
-                    time_limit: None,
-                };
+                    ..Options::default()
+                });
+                let settings = settings.expect("sound options");
                 let id = BenchmarkId::new(format!("{integrator:?}"), format!("{mode:?}"));
                 group.bench_with_input(id, &settings, |bench, settings| {
-                    bench.iter(|| pool.install(|| render(&scene, settings, &|_| ())));
+                    bench.iter(|| {
+                        let mut renderer =
+                            Renderer::new(&world, settings).expect("a shipped scene");
+                        pool.install(|| renderer.run(|_| ControlFlow::Continue(())));
+                    });
                 });
             }
         }

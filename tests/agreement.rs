@@ -18,9 +18,10 @@
 mod support;
 
 use std::fs;
+use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
@@ -50,7 +51,7 @@ struct Rendered {
 
 /// All integrators that apply.
 fn render_all<const N: usize>(
-    scene: &Scene<N>,
+    scene: &Arc<Scene<N>>,
     mode: Mode,
     color: Color,
     photons_reach_media: bool,
@@ -77,7 +78,7 @@ fn render_all<const N: usize>(
         let share = if scene.has_media() { 0.011 } else { 0.006 };
         let radius = Some(share * scene.shapes.bounds.radius);
         let photons = Photons { per_iteration: 10_000, samples: 4, alpha: 1.0, radius };
-        let settings = Settings { roulette_after, seed, photons, ..settings };
+        let settings = Options { roulette_after, seed, photons, ..settings };
         Rendered { integrator, images: replicates(scene, &settings, REPLICATES), mask }
     };
     all.into_iter().map(render).collect()

@@ -14,12 +14,13 @@ mod support;
 use std::cmp::Ordering;
 use std::fmt::Write;
 use std::fs;
-use std::sync::Mutex;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use glam::Vec3;
 use serde_json::json;
 use sunstone::internals::math::F32s;
-use sunstone::internals::render::{self, Integrator, Mode, Photons, Settings};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 
@@ -72,20 +73,21 @@ impl Effort {
 }
 
 /// What each of the numbers of iterations makes of every pixel, from one render.
-fn render(scene: &Scene<1>, photons: Photons, seed: u32, iterations: &[u32]) -> Vec<Vec<f64>> {
+fn render(scene: &Arc<Scene<1>>, photons: Photons, seed: u32, iterations: &[u32]) -> Vec<Vec<f64>> {
     let last = iterations[iterations.len() - 1];
     // Four segments: the light leaves the ball at once, or on the other side after a reflection.
     let settings = settings(Integrator::Ppm, Mode::Polarized, MONO, last, 4);
     let seed = settings.seed + 7919 * seed;
-    let images = Mutex::new(Vec::new());
-    render::render(scene, &Settings { photons, seed, ..settings }, &|so_far| {
-        if iterations.contains(&so_far.iterations) {
-            let image = so_far.image();
-            let pixels = image.planes[0].iter().map(|&value| f64::from(value)).collect();
-            images.lock().expect("nothing panics here").push(pixels);
+    let settings = Settings::new(Options { photons, seed, ..settings }).expect("sound options");
+    let mut images = Vec::new();
+    Renderer::of(Arc::clone(scene), &settings).run(|so_far| {
+        if iterations.contains(&so_far.samples) {
+            let image = so_far.preview();
+            images.push(image.planes[0].iter().map(|&value| f64::from(value)).collect());
         }
+        ControlFlow::Continue(())
     });
-    images.into_inner().expect("nothing panics here")
+    images
 }
 
 /// Mean radiance of the floor in every pixel. A share of 0.04 of the light is reflected inside the
@@ -225,7 +227,7 @@ fn photons(per_iteration: u32, radius: f32, alpha: f32) -> Photons {
 /// Measures noise or, if the truth is given, bias.
 fn measure(
     name: &str,
-    scene: &Scene<1>,
+    scene: &Arc<Scene<1>>,
     photons: Photons,
     truth: Option<&[f64]>,
     effort: Effort,
@@ -265,7 +267,7 @@ fn noisy(alpha: f32) -> Photons {
     photons(3_000, 0.05, alpha)
 }
 
-fn lamps() -> [Scene<1>; 2] {
+fn lamps() -> [Arc<Scene<1>>; 2] {
     [false, true].map(|in_fog| scene::<1>(&lamp(in_fog), MONO, [EDGE; 2]))
 }
 

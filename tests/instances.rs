@@ -3,8 +3,10 @@
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
 
+use std::sync::Arc;
+
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::spectrum::Color;
 
@@ -19,7 +21,7 @@ const REPLICATES: u32 = 32;
 /// About 3,000 numbers are compared, of which a normal one exceeds this with a chance of 4e-8.
 const LIMIT: f64 = 5.5;
 
-fn flock_of(kind: Flock) -> Scene<3> {
+fn flock_of(kind: Flock) -> Arc<Scene<3>> {
     scene::<3>(&flock(kind), Color::Rgb, SIZE)
 }
 
@@ -45,10 +47,10 @@ fn instances_render_as_copies_do() {
     for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
         let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 6);
         let photons = Photons { per_iteration: 10_000, samples: 4, ..settings.photons };
-        let settings = Settings { photons, ..settings };
+        let settings = Options { photons, ..settings };
         let ours = replicates(&shared, &settings, REPLICATES);
         let theirs = replicates(&copied, &settings, REPLICATES);
-        let others = replicates(&copied, &Settings { seed: 1 << 20, ..settings }, REPLICATES);
+        let others = replicates(&copied, &Options { seed: 1 << 20, ..settings }, REPLICATES);
         let [same, other] = [&theirs, &others].map(|reference| differences(&ours, reference));
         let scores: Vec<f64> = same.iter().filter_map(score).collect();
         let [low, high] = rms_limits(scores.len() / 3);

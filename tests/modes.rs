@@ -3,15 +3,16 @@
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
 
+use std::sync::Arc;
+
 use rayon::ThreadPoolBuilder;
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::session::Session;
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
-use support::rendering::{MONO, image, in_package, light_mask, scene, settings, world};
+use support::rendering::{MONO, image, in_package, light_mask, rendered, scene, settings, world};
 use support::scenes::depolarizers;
 use support::statistics::cells;
 
@@ -28,8 +29,8 @@ fn assert_same_bits(first: &[f32], second: &[f32], what: &str) {
 }
 
 /// One image in each mode from the same random numbers.
-fn both_modes<const N: usize>(scene: &Scene<N>, settings: &Settings) -> [StokesImage; 2] {
-    [Mode::Scalar, Mode::Polarized].map(|mode| image(scene, &Settings { mode, ..*settings }))
+fn both_modes<const N: usize>(scene: &Arc<Scene<N>>, settings: &Options) -> [StokesImage; 2] {
+    [Mode::Scalar, Mode::Polarized].map(|mode| image(scene, &Options { mode, ..*settings }))
 }
 
 /// Without a polarizing event there is no carrier, and intensities are the same operations.
@@ -41,7 +42,7 @@ fn depolarizers_give_the_same_bits_in_both_modes() {
             let settings = settings(integrator, Mode::Scalar, color, 24, 6);
             // Roulette, too, must play alike.
             let [scalar, polarized] =
-                both_modes(&scene, &Settings { roulette_after: 3, ..settings });
+                both_modes(&scene, &Options { roulette_after: 3, ..settings });
             assert!(scalar.planes[0].iter().any(|&value| value > 0.0));
             for plane in 0..N {
                 let what = format!("{integrator:?}, {N} wavelengths");
@@ -92,7 +93,7 @@ fn modes_share_their_noise() {
         let pairs: Vec<[StokesImage; 2]> = (0..PAIRS)
             .map(|pair| {
                 let settings = settings(integrator, Mode::Scalar, MONO, 32, 8);
-                both_modes(&scene, &Settings { seed: settings.seed + pair, ..settings })
+                both_modes(&scene, &Options { seed: settings.seed + pair, ..settings })
             })
             .collect();
         let (mut same, mut other) = (0.0, 0.0);
@@ -122,9 +123,9 @@ fn intensity_is_the_first_stokes_component() {
         for integrator in INTEGRATORS {
             let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 8);
             let polarized = image(&scene, &settings);
-            let intensity = image(&scene, &Settings { mode: Mode::Intensity, ..settings });
+            let intensity = image(&scene, &Options { mode: Mode::Intensity, ..settings });
             assert_eq!((intensity.components, intensity.planes.len()), (1, 3));
-            let scalar = image(&scene, &Settings { mode: Mode::Scalar, ..settings });
+            let scalar = image(&scene, &Options { mode: Mode::Scalar, ..settings });
             let brightest = polarized.planes[..3].iter().flatten().fold(0.0, |a: f32, b| a.max(*b));
             let mut effect = 0.0_f32;
             for plane in 0..3 {
@@ -159,7 +160,7 @@ fn threads_change_no_bit() {
             for mode in [Mode::Scalar, Mode::Intensity, Mode::Polarized] {
                 let settings = settings(integrator, mode, Color::Rgb, 39, 8);
                 let photons = Photons { per_iteration: 40_000, samples: 13, ..Photons::default() };
-                let settings = Settings { replicates: 3, roulette_after: 4, photons, ..settings };
+                let settings = Options { replicates: 3, roulette_after: 4, photons, ..settings };
                 let with_threads = |threads: usize| {
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     pool.expect("threads start").install(|| image(&scene, &settings))
@@ -190,26 +191,29 @@ fn stepping_changes_no_bit() {
         // Three iterations of photons, or three waves without.
         let iterations = if integrator == Integrator::Ppm { 12 } else { 48 };
         let of =
-            |mode| Settings { photons, ..settings(integrator, mode, Color::Rgb, iterations, 8) };
+            |mode| Options { photons, ..settings(integrator, mode, Color::Rgb, iterations, 8) };
         let both = [of(Mode::Scalar), of(Mode::Polarized)];
-        let mut sessions = both.each_ref().map(|settings| Session::new(&scene, settings));
+        let mut renderers = both.map(|options| {
+            let settings = Settings::new(options).expect("fit to each other");
+            Renderer::of(Arc::clone(&scene), &settings)
+        });
         let mut radii: Vec<Vec<f32>> = Vec::new();
         for _ in 0..3 {
-            sessions.iter_mut().for_each(Session::step);
-            let [scalar, polarized] = sessions.each_ref().map(Session::radii);
+            renderers.iter_mut().for_each(Renderer::step);
+            let [scalar, polarized] = renderers.each_ref().map(Renderer::radii);
             assert_eq!(scalar, polarized, "{integrator:?}");
             radii.push(scalar);
         }
         let shrink = radii.windows(2).all(|pair| pair[0].iter().zip(&pair[1]).all(|(a, b)| a > b));
         assert!(shrink, "{radii:?}");
         assert_eq!(radii[0].len(), if integrator == Integrator::Ppm { 2 } else { 0 });
-        for (session, settings) in sessions.into_iter().zip(&both) {
-            let profile = session.profile();
-            let (stepped, whole) = (session.finish(), render(&scene, settings, &|_| ()));
-            assert_eq!(stepped.iterations, whole.iterations, "{integrator:?}");
-            assert_eq!(stepped.profile.photons, whole.profile.photons, "{integrator:?}");
-            assert_eq!(profile.rays_closest, whole.profile.rays_closest, "{integrator:?}");
-            let (stepped, whole) = (stepped.film.develop(), whole.film.develop());
+        for (stepped, options) in renderers.into_iter().zip(&both) {
+            let whole = rendered(&scene, options);
+            assert_eq!(stepped.samples(), whole.samples(), "{integrator:?}");
+            let [profile, expected] = [stepped.profile(), whole.profile()];
+            assert_eq!(profile.photons, expected.photons, "{integrator:?}");
+            assert_eq!(profile.rays_closest, expected.rays_closest, "{integrator:?}");
+            let (stepped, whole) = (stepped.finish(), whole.finish());
             for (stepped, whole) in stepped.planes.iter().zip(&whole.planes) {
                 assert_same_bits(stepped, whole, &format!("{integrator:?}"));
             }

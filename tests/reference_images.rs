@@ -18,7 +18,7 @@ use std::ops::Range;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::image::npy::{read_npy, read_npy_with_stderr};
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons};
 
 use support::evidence;
 use support::rendering::{MONO, in_package, light_mask, replicates, scene, settings, world};
@@ -95,7 +95,7 @@ fn check_photons(
     let size = [reference.width as u32, reference.height as u32];
     let scene = scene::<1>(&world, MONO, size);
     let settings = settings(integrator, Mode::Polarized, MONO, iterations, case.path_length_max);
-    let settings = Settings { photons, ..settings };
+    let settings = Options { photons, ..settings };
     let images = replicates(&scene, &settings, REPLICATES);
     let mut mask = match integrator {
         Integrator::Light => light_mask(&scene),

@@ -22,7 +22,7 @@ use std::fs;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use sunstone::internals::math::hash::combine;
-use sunstone::internals::render::{Integrator, Mode, Settings};
+use sunstone::internals::render::{Integrator, Mode, Options};
 use sunstone::internals::scene::World;
 
 use support::gltf::Document;
@@ -209,7 +209,7 @@ fn score(table: &Table, csv: &Csv, row: usize, integrator: Integrator, iteration
     // Rows and modes have seeds of their own, or their noise would be the same.
     let name = combine(table.file.len() as u32, table.mode as u32);
     let first = combine(name, row as u32) & 0x00ff_ff00;
-    let settings = Settings { seed: settings.seed + first, ..settings };
+    let settings = Options { seed: settings.seed + first, ..settings };
     let images = replicates(&scene, &settings, REPLICATES);
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     let s0 = csv.number(row, table.columns[0]);

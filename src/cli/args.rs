@@ -1,12 +1,14 @@
 //! The command line as typed.
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArguments;
 use crate::image::visualize::Map;
+use crate::render::{Integrator, Mode};
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
 #[derive(Debug, Parser)]
@@ -61,28 +63,45 @@ pub enum Command {
     Bench(BenchArguments),
 }
 
-/// Integrators by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum IntegratorName {
-    /// From the sensor, with next-event estimation: plain path tracing
-    Path,
-    /// From the emitters, connected to the sensor; sees nothing behind glass or in mirrors
-    Light,
-    /// From both, with all connections, each weighted by what it is good at
-    Bdpt,
-    /// Progressive photon mapping: sees caustics in mirrors and through glass, blurred at first
-    Ppm,
+/// An integrator, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorName(pub Integrator);
+
+impl ValueEnum for IntegratorName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<Vec<IntegratorName>> =
+            LazyLock::new(|| Integrator::ALL.iter().copied().map(IntegratorName).collect());
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()).help(self.0.summary()))
+    }
 }
 
-/// Modes by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModeName {
-    /// Light without polarization, its intensity; traces the same paths as `polarized`
-    Scalar,
-    /// Polarized light, its intensity: S0 of `polarized`, at less cost
-    Intensity,
-    /// Polarized light, its Stokes vector: S0 to S3
-    Polarized,
+/// A mode, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModeName(pub Mode);
+
+impl ValueEnum for ModeName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: [ModeName; Mode::ALL.len()] = {
+            let [a, b, c] = Mode::ALL;
+            [ModeName(a), ModeName(b), ModeName(c)]
+        };
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            Mode::Scalar => {
+                "Light without polarization, its intensity; traces the same paths as `polarized`"
+            }
+            Mode::Intensity => "Polarized light, its intensity: S0 of `polarized`, at less cost",
+            Mode::Polarized => "Polarized light, its Stokes vector: S0 to S3",
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
+    }
 }
 
 /// Color modes by name.

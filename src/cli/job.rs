@@ -3,30 +3,18 @@
 use std::fmt::Display;
 use std::time::Duration;
 
-use crate::render::{Integrator, Mode, Photons, Settings};
-use crate::scene::baked::{Camera, Projection};
+use crate::render::settings::{SAMPLES_MAX, check_color, check_photons};
+use crate::render::{Options, Photons, Settings};
 use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{ColorName, IntegratorName, ModeName, PhotonArguments, RenderArguments};
+use super::args::{ColorName, PhotonArguments, RenderArguments};
 use super::files::extension;
 
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
-/// Most light paths an iteration: their photons are counted in 32 bits.
-pub(super) const PHOTONS_MAX: u32 = 1 << 28;
 /// Replicates where variances are asked for and no number is given.
 const REPLICATES: u32 = 16;
-/// Film width where neither the scene nor the command line names one, in pixels.
-const WIDTH: u32 = 512;
-/// Largest film edge in pixels: what a Radiance picture can have.
-pub(super) const EDGE_MAX: u32 = 65_535;
-/// Most pixels of a film: they are counted in 32 bits.
-const PIXELS_MAX: u64 = 1 << 31;
-/// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
-pub(super) const SPP_MAX: u32 = 1 << 30;
-/// Most segments of a path that can be asked for; nothing needs more.
-pub(super) const PATH_LENGTH_MAX: u32 = 65_535;
 /// Most threads that can be asked for.
 const THREADS_MAX: usize = 4096;
 /// Wavelength where none is named, in nanometers.
@@ -35,51 +23,39 @@ const WAVELENGTH_NM: f32 = 550.0;
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
     let photons = photons(arguments)?;
-    let iterations = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
-    within("--max-path-length", arguments.max_path_length, PATH_LENGTH_MAX, "")?;
+    let samples = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
     check_threads(arguments.threads)?;
-    for (name, edge) in [("--width", arguments.width), ("--height", arguments.height)] {
-        if let Some(edge) = edge {
-            within(name, edge, EDGE_MAX, "")?;
-        }
-    }
     if arguments.variance && extension(&arguments.output) != "exr" {
         return Err(CliError::Usage(format!(
             "--variance needs an .exr output, and {} is none: other formats store no variances",
             arguments.output.display()
         )));
     }
-    Ok(Settings {
-        integrator: integrator(arguments.integrator),
-        mode: mode(arguments.mode),
+    let options = Options {
+        integrator: arguments.integrator.0,
+        mode: arguments.mode.0,
         color: color(arguments.color, arguments.wavelength)?,
-        iterations,
-        replicates: replicates(arguments, iterations / photons.samples)?,
+        width: arguments.width,
+        height: arguments.height,
+        samples,
+        replicates: replicates(arguments, samples / photons.samples)?,
         path_length_max: arguments.max_path_length,
         roulette_after: arguments.roulette_after,
         seed: arguments.seed,
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,
-    })
+    };
+    Ok(Settings::new(options)?)
 }
 
-/// The integrator of a name.
-pub(super) fn integrator(name: IntegratorName) -> Integrator {
-    match name {
-        IntegratorName::Path => Integrator::Path,
-        IntegratorName::Light => Integrator::Light,
-        IntegratorName::Bdpt => Integrator::Bdpt,
-        IntegratorName::Ppm => Integrator::Ppm,
-    }
-}
-
-/// The mode of a name.
-pub(super) fn mode(name: ModeName) -> Mode {
-    match name {
-        ModeName::Scalar => Mode::Scalar,
-        ModeName::Intensity => Mode::Intensity,
-        ModeName::Polarized => Mode::Polarized,
-    }
+/// What the command line calls a setting.
+pub(super) fn option_of(setting: &str) -> String {
+    let name = match setting {
+        "samples" => "spp",
+        "path_length_max" => "max-path-length",
+        name => name,
+    };
+    format!("--{}", name.replace('_', "-"))
 }
 
 pub(super) fn check_threads(threads: Option<usize>) -> Result<(), CliError> {
@@ -109,14 +85,9 @@ pub(super) fn color(name: ColorName, wavelength: Option<f32>) -> Result<Color, C
             "--wavelength goes with --color mono; RGB has three wavelengths of its own".into(),
         )),
         (ColorName::Mono, wavelength) => {
-            let wavelength_nm = wavelength.unwrap_or(WAVELENGTH_NM);
-            if wavelength_nm.is_finite() && wavelength_nm > 0.0 {
-                Ok(Color::Mono { wavelength_nm })
-            } else {
-                Err(CliError::Usage(format!(
-                    "--wavelength must be a positive number of nanometers, not {wavelength_nm}"
-                )))
-            }
+            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
+            check_color(color)?;
+            Ok(color)
         }
     }
 }
@@ -146,11 +117,11 @@ pub(super) fn samples(
     samples: u32,
 ) -> Result<u32, CliError> {
     if let Some(iterations) = iterations {
-        within("--iterations", iterations, SPP_MAX / samples, "")?;
+        within("--iterations", iterations, SAMPLES_MAX / samples, "")?;
         return Ok(iterations * samples);
     }
     let spp = spp.unwrap_or(default.next_multiple_of(samples));
-    within("--spp", spp, SPP_MAX, "")?;
+    within("--spp", spp, SAMPLES_MAX, "")?;
     if spp.is_multiple_of(samples) {
         return Ok(spp);
     }
@@ -169,24 +140,18 @@ fn photons(arguments: &RenderArguments) -> Result<Photons, CliError> {
         ("--alpha", alpha.is_some()),
     ];
     let typed = typed.into_iter().find(|(_, is)| *is);
-    if let (Some((name, _)), true) = (typed, arguments.integrator != IntegratorName::Ppm) {
+    if let (Some((name, _)), true) = (typed, !arguments.integrator.0.shoots_photons()) {
         return Err(CliError::Usage(format!("{name} goes with --integrator ppm")));
     }
     let default = Photons::default();
-    let per_iteration = photons.unwrap_or(default.per_iteration);
-    within("--photons", per_iteration, PHOTONS_MAX, "")?;
-    let samples = samples_per_iteration.unwrap_or(default.samples);
-    within("--samples-per-iteration", samples, SPP_MAX, "")?;
-    let alpha = alpha.unwrap_or(default.alpha);
-    if !(alpha > 0.0 && alpha <= 1.0) {
-        let problem = format!("--alpha must be greater than 0 and at most 1, not {alpha}");
-        return Err(CliError::Usage(problem));
-    }
-    if let Some(radius) = radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
-        let problem = format!("--radius must be a length greater than 0, not {radius}");
-        return Err(CliError::Usage(problem));
-    }
-    Ok(Photons { per_iteration, samples, alpha, radius: *radius })
+    let photons = Photons {
+        per_iteration: photons.unwrap_or(default.per_iteration),
+        samples: samples_per_iteration.unwrap_or(default.samples),
+        alpha: alpha.unwrap_or(default.alpha),
+        radius: *radius,
+    };
+    check_photons(&photons)?;
+    Ok(photons)
 }
 
 /// A time in seconds, not negative.
@@ -197,50 +162,13 @@ pub(super) fn seconds(name: &str, seconds: Option<f64>) -> Result<Option<Duratio
         .map_err(|_| CliError::Usage(format!("{name} must be a number of seconds, not {seconds}")))
 }
 
-/// The size of the film: what was typed, else what the scene asks for, else a default; an edge
-/// that is not given follows from the other and the camera's aspect.
-pub(super) fn film_size(
-    arguments: &RenderArguments,
-    camera: &Camera,
-) -> Result<(u32, u32), CliError> {
-    let aspect = match (camera.resolution, camera.projection) {
-        (Some([width, height]), _) => width as f32 / height as f32,
-        (None, Projection::Perspective { aspect, .. }) => aspect.unwrap_or(1.0),
-        (None, Projection::Orthographic { half_width, half_height }) => half_width / half_height,
-    };
-    let edge = |value: f32| (value.round() as u32).max(1);
-    let (width, height) = match (arguments.width, arguments.height) {
-        (Some(width), Some(height)) => (width, height),
-        (Some(width), None) => (width, edge(width as f32 / aspect)),
-        (None, Some(height)) => (edge(height as f32 * aspect), height),
-        (None, None) => match camera.resolution {
-            Some([width, height]) => (width, height),
-            None => (WIDTH, edge(WIDTH as f32 / aspect)),
-        },
-    };
-    check_film_size(width, height)?;
-    Ok((width, height))
-}
-
-/// Refuses a film that could not be counted or stored.
-pub(super) fn check_film_size(width: u32, height: u32) -> Result<(), CliError> {
-    let pixels = u64::from(width) * u64::from(height);
-    if width > EDGE_MAX || height > EDGE_MAX || pixels > PIXELS_MAX {
-        return Err(CliError::Usage(format!(
-            "a film of {width} x {height} pixels is too large: --width and --height go up to \
-             {EDGE_MAX}, and their product up to {PIXELS_MAX}"
-        )));
-    }
-    Ok(())
-}
-
 /// Refuses a film that the memory does not hold, before the system ends the render for it.
 ///
 /// Counts what every render needs: the sums of the film in double precision, and the image that
 /// is developed from them, with their variances. The tables of paths come on top; they are small.
 pub(super) fn check_memory(
-    settings: &Settings,
-    (width, height): (u32, u32),
+    settings: &Options,
+    [width, height]: [u32; 2],
     available: Option<u64>,
 ) -> Result<(), CliError> {
     let components = settings.mode.components() as u64;

@@ -7,12 +7,13 @@ mod images;
 mod job;
 pub mod processor;
 mod render;
-mod system;
 
 use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
+
+use crate::render::{RenderError, SettingsError};
 
 use args::{Arguments, Command};
 
@@ -34,6 +35,21 @@ enum CliError {
     /// The system refused something.
     #[error("{0}")]
     System(String),
+}
+
+impl From<SettingsError> for CliError {
+    fn from(SettingsError { setting, rule }: SettingsError) -> Self {
+        Self::Usage(format!("{} {rule}", job::option_of(setting)))
+    }
+}
+
+impl From<RenderError> for CliError {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Scene(error) => error.into(),
+            RenderError::Settings(error) => error.into(),
+        }
+    }
 }
 
 /// Runs the program: 0 done, 1 something went wrong, 2 the command line was wrong.

@@ -5,8 +5,10 @@
 use crate::scattering::Scene;
 use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
+use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
+use super::Schedule;
 use super::light_walk::{self, light_paths, splat_vertices};
 use super::profile::Stage;
 use super::sensor_walk::{
@@ -17,7 +19,7 @@ use super::workspace::Workspace;
 const STRATEGY: Strategy = Strategy::Bidirectional;
 
 /// Measures one chunk into `workspace.measured` and splats into `workspace.splats`.
-pub fn bdpt<const N: usize, M: LightModel<N>>(
+fn bdpt<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
@@ -65,4 +67,24 @@ fn connect_vertices<const N: usize, M: LightModel<N>>(
         });
         measure_connections(w, scene, met);
     });
+}
+
+/// The integrator.
+pub struct Bdpt;
+
+impl Schedule for Bdpt {
+    const NAME: &str = "bdpt";
+    const SUMMARY: &str = "From both, with all connections, each weighted by what it is good at";
+    const MEASURES: bool = true;
+    const SPLATS: bool = true;
+    const PHOTONS: bool = false;
+
+    fn chunk<const N: usize, M: LightModel<N>>(
+        workspace: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        chunk: &Chunk,
+        _photons: Option<&PhotonMaps<N>>,
+    ) {
+        bdpt(workspace, scene, chunk);
+    }
 }

@@ -2,13 +2,15 @@
 
 use crate::scattering::Scene;
 use crate::transport::stages::collect_emission::Strategy;
+use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
+use super::Schedule;
 use super::light_walk::{splat_emission, splat_vertices, start, store_vertices};
 use super::workspace::Workspace;
 
 /// Splats one chunk of light paths into `workspace.splats`.
-pub fn light<const N: usize, M: LightModel<N>>(
+fn light<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
@@ -17,4 +19,25 @@ pub fn light<const N: usize, M: LightModel<N>>(
     splat_emission(workspace, scene, chunk);
     store_vertices(workspace, scene, chunk);
     splat_vertices(workspace, scene, chunk, Strategy::Unidirectional);
+}
+
+/// The integrator.
+pub struct Light;
+
+impl Schedule for Light {
+    const NAME: &str = "light";
+    const SUMMARY: &str =
+        "From the emitters, connected to the sensor; sees nothing behind glass or in mirrors";
+    const MEASURES: bool = false;
+    const SPLATS: bool = true;
+    const PHOTONS: bool = false;
+
+    fn chunk<const N: usize, M: LightModel<N>>(
+        workspace: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        chunk: &Chunk,
+        _photons: Option<&PhotonMaps<N>>,
+    ) {
+        light(workspace, scene, chunk);
+    }
 }

@@ -12,6 +12,7 @@ use crate::transport::stages::merge_photons::merge_photons;
 use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
+use super::Schedule;
 use super::profile::Stage;
 use super::sensor_walk::{arrive, connect_emitters, depart, for_each_connectable, start, trace};
 use super::workspace::Workspace;
@@ -19,7 +20,7 @@ use super::workspace::Workspace;
 const STRATEGY: Strategy = Strategy::Merging;
 
 /// Measures one chunk into `workspace.measured`.
-pub fn ppm<const N: usize, M: LightModel<N>>(
+fn ppm<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
@@ -68,4 +69,26 @@ fn merge<const N: usize, M: LightModel<N>>(
             merge_photons::<N, M>(measured, order, paths, surfaces, map, scene, of_event);
         });
     });
+}
+
+/// The integrator.
+pub struct Ppm;
+
+impl Schedule for Ppm {
+    const NAME: &str = "ppm";
+    const SUMMARY: &str =
+        "Progressive photon mapping: sees caustics in mirrors and through glass, blurred at first";
+    const MEASURES: bool = true;
+    const SPLATS: bool = false;
+    const PHOTONS: bool = true;
+
+    fn chunk<const N: usize, M: LightModel<N>>(
+        workspace: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        chunk: &Chunk,
+        photons: Option<&PhotonMaps<N>>,
+    ) {
+        let photons = photons.expect("photons are shot before they are gathered");
+        ppm(workspace, scene, chunk, photons);
+    }
 }

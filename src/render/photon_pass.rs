@@ -13,7 +13,8 @@ use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
-use super::{Pool, Settings};
+use super::Settings;
+use super::tiles::Pool;
 
 /// Light paths that are shot and stored together.
 const BATCH: u32 = 16 * ROWS as u32;

@@ -137,6 +137,16 @@ impl<const N: usize> Scene<N> {
         self.media.len() > 1 || self.has_null_boundaries
     }
 
+    /// Whether some surfaces leave light a single way, so that light paths cannot connect them to
+    /// the sensor.
+    pub fn has_specular_surfaces(&self) -> bool {
+        let kind = |material: u32| self.optics.materials[material as usize].kind;
+        self.shapes.surfaces.iter().any(|surface| {
+            let kind = kind(surface.material);
+            !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
+        })
+    }
+
     /// A medium; a clear one for [`NONE`].
     #[inline(always)]
     pub fn medium(&self, row: u32) -> &Medium<N> {

@@ -26,6 +26,16 @@ pub enum Color {
     },
 }
 
+impl std::fmt::Display for Color {
+    /// `RGB`, or the wavelength.
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::Rgb => write!(f, "RGB"),
+            Self::Mono { wavelength_nm } => write!(f, "{wavelength_nm} nm"),
+        }
+    }
+}
+
 impl Color {
     /// Number of channels, the `N` of the renderer's tables.
     pub fn channels(self) -> usize {

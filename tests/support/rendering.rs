@@ -1,12 +1,14 @@
 //! Renders for tests: scenes by path or world, images by replicate, and which pixels the light
 //! tracer can fill.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::math::{F32s, LANES, Vector};
-use sunstone::internals::render::{Integrator, Mode, Photons, Settings, render};
+use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE, Surface};
 use sunstone::internals::scene::{World, bake, load};
@@ -31,9 +33,13 @@ pub fn world(path: &Path) -> World {
 }
 
 /// Bakes a scene for a film of `width` times `height` pixels.
-pub fn scene<const N: usize>(world: &World, color: Color, [width, height]: [u32; 2]) -> Scene<N> {
+pub fn scene<const N: usize>(
+    world: &World,
+    color: Color,
+    [width, height]: [u32; 2],
+) -> Arc<Scene<N>> {
     let tables = bake::<N>(world, color).unwrap_or_else(|error| panic!("{error}"));
-    Scene::new(tables, width, height)
+    Arc::new(Scene::new(tables, width, height))
 }
 
 /// One randomization of `iterations` samples, without roulette. Integrators get seeds of their
@@ -44,42 +50,49 @@ pub fn settings(
     color: Color,
     iterations: u32,
     path_length_max: u32,
-) -> Settings {
+) -> Options {
     let seed = match integrator {
         Integrator::Path => 0x1000_0000,
         Integrator::Light => 0x2000_0000,
         Integrator::Bdpt => 0x3000_0000,
         Integrator::Ppm => 0x4000_0000,
     };
-    Settings {
+    Options {
         integrator,
         mode,
         color,
-        iterations,
-        replicates: 1,
+        samples: iterations,
         path_length_max,
         roulette_after: path_length_max + 1,
         seed,
         // More than one chunk of them, few enough to be quick.
         photons: Photons { per_iteration: 2_000, ..Photons::default() },
-        time_limit: None,
+        ..Options::default()
     }
 }
 
 /// One image.
-pub fn image<const N: usize>(scene: &Scene<N>, settings: &Settings) -> StokesImage {
-    render(scene, settings, &|_| {}).film.develop()
+pub fn image<const N: usize>(scene: &Arc<Scene<N>>, options: &Options) -> StokesImage {
+    rendered(scene, options).finish()
+}
+
+/// A render that is done.
+pub fn rendered<const N: usize>(scene: &Arc<Scene<N>>, options: &Options) -> Renderer {
+    let settings = Settings::new(*options).unwrap_or_else(|error| panic!("{error}"));
+    let mut renderer = Renderer::of(Arc::clone(scene), &settings);
+    renderer.run(|_| ControlFlow::Continue(()));
+    renderer
 }
 
 /// `count` independent images of the same scene: their spread is the error of their mean, for
 /// any sum over pixels too, whatever correlation there is between those.
 pub fn replicates<const N: usize>(
-    scene: &Scene<N>,
-    settings: &Settings,
+    scene: &Arc<Scene<N>>,
+    settings: &Options,
     count: u32,
 ) -> Vec<StokesImage> {
     let seeds = (0..count).into_par_iter().map(|replicate| settings.seed + replicate);
-    seeds.map(|seed| image(scene, &Settings { seed, ..*settings })).collect()
+    seeds.map(|seed| image(scene, &Options { seed, ..*settings })).collect()
 }
 
 /// Share of all directions that an emitter must take up, as seen from the edge of the scene, for

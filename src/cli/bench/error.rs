@@ -1,24 +1,26 @@
 //! `bench error`.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use super::args::ErrorArguments;
 use super::measure::{Taken, machine, progress_bar, timed};
 use super::report::{check_outputs, deliver};
-use super::subject::{Renderable, load};
+use super::subject::load;
 use super::work;
 use crate::bench::Machine;
 use crate::bench::convergence::{
     ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
 };
+use crate::cli::args::IntegratorName;
 use crate::cli::files::say;
-use crate::cli::render::{color_of, mode_of, name_of};
-use crate::cli::{CliError, job, system};
+use crate::cli::{CliError, job};
 use crate::image::StokesImage;
 use crate::image::compare::{ComponentComparison, compare, in_words, relative_variance};
 use crate::image::load as load_image;
-use crate::render::Settings;
+use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
+use crate::render::{Options, PlacedWorld, Renderer, Settings, system};
 use crate::spectrum::Color;
 
 /// Replicates of a reference that is rendered, for its variances.
@@ -26,62 +28,61 @@ const REPLICATES: u32 = 16;
 
 /// Errors over time.
 pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
-    let mut settings = settings(arguments)?;
+    let options = options(arguments)?;
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &inputs(arguments))?;
     let given = arguments.reference.as_ref().map(|path| load_image(path)).transpose()?;
-    let size_of = |image: &StokesImage| (image.width as u32, image.height as u32);
+    let size_of = |image: &StokesImage| [image.width as u32, image.height as u32];
     let size = work::size(&arguments.work, given.as_ref().map(size_of))?;
+    let [width, height] = size.map(Some);
+    let options = Options { width, height, ..options };
     if let Some(image) = &given {
-        check_fit(arguments, image, &settings, size)?;
+        check_fit(arguments, image, &options, size)?;
     }
-    job::check_memory(&settings, size, system::available_memory())?;
+    job::check_memory(&options, size, system::available_memory())?;
     let subject = load(&arguments.scene)?;
-    let scene = subject.bake(settings.color, size)?;
     let threads = Threads::start(arguments.work.threads)?;
     let renders = arguments.integrator.len() as u64 * u64::from(arguments.seeds);
     let progress = progress_bar(renders + 1);
     progress.set_message("reference");
     let (image, name) = match given {
         Some(image) => (image, name_of_file(arguments)),
-        None => reference(arguments, scene.as_ref(), &settings, &threads),
+        None => reference(arguments, &subject.world, &options, &threads)?,
     };
     let reference = Reference { name, relative_variance: relative_variance(&image) };
     progress.inc(1);
     let mut integrators = Vec::with_capacity(arguments.integrator.len());
-    for &name in &arguments.integrator {
-        settings.integrator = job::integrator(name);
-        progress.set_message(name_of(settings.integrator));
+    for &IntegratorName(integrator) in &arguments.integrator {
+        progress.set_message(integrator.name());
         let run = |index: u32| {
-            let seed = settings.seed.wrapping_add(index);
-            let settings = Settings { seed, ..settings };
-            let steps = converge(arguments, scene.as_ref(), &settings, &threads, &image);
+            let seed = options.seed.wrapping_add(index);
+            let options = Options { integrator, seed, ..options };
+            let steps = converge(arguments, &subject.world, options, &threads, &image);
             progress.inc(1);
             steps
         };
         let runs: Vec<Vec<Step>> = (0..arguments.seeds).map(run).collect::<Result<_, _>>()?;
-        integrators.push(Convergence::mean(name_of(settings.integrator), &runs));
+        integrators.push(Convergence::mean(integrator.name(), &runs));
     }
     progress.finish_and_clear();
-    let conditions =
-        conditions(arguments, &settings, subject.short_name(), size, machine(&threads));
+    let conditions = conditions(arguments, &options, subject.short_name(), size, machine(&threads));
     let report = ErrorReport::new(conditions, reference, integrators);
     let machine = &report.conditions.machine;
     deliver(&report, output, ("error", machine))
 }
 
 /// Checks what was typed.
-fn settings(arguments: &ErrorArguments) -> Result<Settings, CliError> {
+fn options(arguments: &ErrorArguments) -> Result<Options, CliError> {
     let ErrorArguments { integrator, work, iterations, reference_spp, .. } = arguments;
     let mut shooting = integrator.clone();
     if arguments.reference.is_none() {
         shooting.push(arguments.reference_integrator);
     }
-    work::check_photons(&shooting, &[("--photons", work.photons.is_some())])?;
+    work::refuse_photons(&shooting, &[("--photons", work.photons.is_some())])?;
     work::check_names(&[], integrator)?;
-    job::within("--iterations", *iterations, job::SPP_MAX, "")?;
+    job::within("--iterations", *iterations, SAMPLES_MAX, "")?;
     job::within("--seeds", arguments.seeds, 1000, "")?;
-    job::within("--reference-spp", *reference_spp, job::SPP_MAX, "")?;
+    job::within("--reference-spp", *reference_spp, SAMPLES_MAX, "")?;
     if *reference_spp < REPLICATES {
         return Err(CliError::Usage(format!(
             "--reference-spp must be {REPLICATES} or more, not {reference_spp}: its variances are \
@@ -89,8 +90,9 @@ fn settings(arguments: &ErrorArguments) -> Result<Settings, CliError> {
         )));
     }
     job::seconds("--seconds", Some(arguments.seconds))?;
-    let settings = work::settings(work, job::integrator(integrator[0]), 1)?;
-    Ok(Settings { mode: job::mode(arguments.mode), ..settings })
+    // The size may follow from the reference.
+    let options = work::options(work, integrator[0].0, 1, work::size(work, None)?)?;
+    Ok(Options { mode: arguments.mode.0, ..options })
 }
 
 fn inputs(arguments: &ErrorArguments) -> Vec<PathBuf> {
@@ -105,8 +107,8 @@ fn name_of_file(arguments: &ErrorArguments) -> String {
 fn check_fit(
     arguments: &ErrorArguments,
     reference: &StokesImage,
-    settings: &Settings,
-    (width, height): (u32, u32),
+    settings: &Options,
+    [width, height]: [u32; 2],
 ) -> Result<(), CliError> {
     let components = settings.mode.components();
     let (width, height) = (width as usize, height as usize);
@@ -131,7 +133,7 @@ fn check_fit(
 }
 
 /// Other formats than EXR do not say which wavelength theirs is, so this is no error.
-fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, settings: &Settings) {
+fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, settings: &Options) {
     match (reference.color, settings.color) {
         (Color::Mono { wavelength_nm: first }, Color::Mono { wavelength_nm: second })
             if first != second =>
@@ -148,42 +150,44 @@ fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, setti
 /// Renders a reference with a seed of its own; and says how.
 fn reference(
     arguments: &ErrorArguments,
-    scene: &dyn Renderable,
-    settings: &Settings,
+    world: &PlacedWorld,
+    options: &Options,
     threads: &Threads,
-) -> (StokesImage, String) {
-    let settings = Settings {
-        integrator: job::integrator(arguments.reference_integrator),
-        iterations: arguments.reference_spp,
+) -> Result<(StokesImage, String), CliError> {
+    let integrator = arguments.reference_integrator.0;
+    let settings = Settings::new(Options {
+        integrator,
+        samples: arguments.reference_spp,
         replicates: REPLICATES,
-        seed: settings.seed.wrapping_sub(1),
-        ..*settings
-    };
-    let image = threads.run(|| scene.render(&settings).film.develop());
-    let integrator = name_of(settings.integrator);
+        seed: options.seed.wrapping_sub(1),
+        ..*options
+    })?;
+    let mut renderer = Renderer::new(world, &settings)?;
+    threads.run(|| renderer.run(|_| ControlFlow::Continue(())));
     let samples = arguments.reference_spp;
-    (image, format!("{integrator} with {samples} samples a pixel, rendered here"))
+    let name = format!("{} with {samples} samples a pixel, rendered here", integrator.name());
+    Ok((renderer.finish(), name))
 }
 
 /// Renders until time or iterations run out, and compares at every power of two.
 fn converge(
     arguments: &ErrorArguments,
-    scene: &dyn Renderable,
-    settings: &Settings,
+    world: &PlacedWorld,
+    options: Options,
     threads: &Threads,
     reference: &StokesImage,
 ) -> Result<Vec<Step>, CliError> {
-    let mut session = scene.session(settings);
+    let mut renderer = Renderer::new(world, &Settings::new(options)?)?;
     let mut steps: Vec<Step> = Vec::new();
     let (mut done, mut seconds, mut wall_seconds) = (0, 0.0, 0.0);
     let mut next = 1;
     // The next step takes as long as all before it.
     while next <= arguments.iterations && (done == 0 || 2.0 * seconds <= arguments.seconds) {
-        let ((), taken) = timed(|| threads.run(|| session.advance(next - done)));
+        let ((), taken) = timed(|| threads.run(|| renderer.advance(next - done)));
         seconds += cpu_or_wall(taken);
         wall_seconds += taken.seconds;
         // A render develops its film once, at its end.
-        let (image, developed) = timed(|| session.image());
+        let (image, developed) = timed(|| renderer.preview());
         let compared = compare(&image, reference)?;
         let error = |found: ComponentComparison| ComponentError {
             name: found.name,
@@ -208,16 +212,16 @@ fn cpu_or_wall(taken: Taken) -> f64 {
 
 fn conditions(
     arguments: &ErrorArguments,
-    settings: &Settings,
+    settings: &Options,
     scene: String,
-    (width, height): (u32, u32),
+    [width, height]: [u32; 2],
     machine: Machine,
 ) -> Conditions {
     Conditions {
         machine,
         scene,
-        mode: mode_of(settings.mode).into(),
-        color: color_of(settings.color),
+        mode: settings.mode.name().into(),
+        color: settings.color.to_string(),
         width,
         height,
         photons_shot: settings.photons.per_iteration,

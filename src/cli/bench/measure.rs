@@ -5,13 +5,11 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::subject::Renderable;
 use crate::bench::Machine;
 use crate::bench::costs::{Cost, Measured, Round};
-use crate::cli::system;
-use crate::render::Settings;
-use crate::render::session::Session;
+use crate::cli::CliError;
 use crate::render::threads::Threads;
+use crate::render::{PlacedWorld, Renderer, Settings, system};
 
 /// What something took.
 #[derive(Clone, Copy, Debug)]
@@ -36,19 +34,20 @@ pub fn timed<R>(work: impl FnOnce() -> R) -> (R, Taken) {
 /// tables that grow, and finds the radius of the kernels. Beside the rounds returns the seconds in
 /// which the films become images.
 pub fn compare_modes(
-    scene: &dyn Renderable,
+    world: &PlacedWorld,
     settings: [&Settings; 2],
     (rounds, samples): (u32, u32),
     threads: &Threads,
     progress: &ProgressBar,
-) -> (Vec<Round>, Cost) {
-    let mut sessions = settings.map(|settings| scene.session(settings));
+) -> Result<(Vec<Round>, Cost), CliError> {
+    let [scalar, polarized] = settings.map(|settings| Renderer::new(world, settings));
+    let mut renderers = [scalar?, polarized?];
     let mut measured_rounds = Vec::with_capacity(rounds as usize);
     for round in 0..=rounds {
         let first = (round % 2) as usize;
         let mut measured = [Measured::default(), Measured::default()];
         for mode in [first, 1 - first] {
-            measured[mode] = advance(&mut sessions[mode], samples, threads);
+            measured[mode] = advance(&mut renderers[mode], samples, threads);
         }
         if round > 0 {
             let [scalar, polarized] = measured;
@@ -56,19 +55,19 @@ pub fn compare_modes(
         }
         progress.inc(1);
     }
-    let [scalar, polarized] = sessions.map(|session| {
-        let (_, taken) = timed(|| session.finish().film.develop());
+    let [scalar, polarized] = renderers.map(|renderer| {
+        let (_, taken) = timed(|| renderer.finish());
         taken.seconds
     });
-    (measured_rounds, Cost::new(scalar, polarized))
+    Ok((measured_rounds, Cost::new(scalar, polarized)))
 }
 
 /// Some samples and what they took.
-fn advance(session: &mut Session, samples: u32, threads: &Threads) -> Measured {
-    let before = session.profile();
-    let ((), taken) = timed(|| threads.run(|| session.advance(samples)));
-    let profiles = [&before, &session.profile()];
-    Measured::new(taken.seconds, taken.cpu_seconds, profiles, session.radii())
+fn advance(renderer: &mut Renderer, samples: u32, threads: &Threads) -> Measured {
+    let before = renderer.profile();
+    let ((), taken) = timed(|| threads.run(|| renderer.advance(samples)));
+    let profiles = [&before, &renderer.profile()];
+    Measured::new(taken.seconds, taken.cpu_seconds, profiles, renderer.radii())
 }
 
 /// The machine that a measurement runs on.

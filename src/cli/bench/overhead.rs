@@ -5,43 +5,41 @@ use indicatif::ProgressBar;
 use super::args::OverheadArguments;
 use super::measure::{compare_modes, machine, progress_bar};
 use super::report::{check_outputs, deliver};
-use super::subject::{Renderable, Subject, load_all};
+use super::subject::{Subject, load_all};
 use super::work;
 use crate::bench::Machine;
 use crate::bench::costs::Costs;
 use crate::bench::overhead::{Case, Conditions, Overhead};
-use crate::cli::render::{color_of, name_of};
-use crate::cli::{CliError, job, system};
+use crate::cli::args::IntegratorName;
+use crate::cli::{CliError, job};
+use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Integrator, Mode, Settings};
+use crate::render::{Mode, Options, Settings, system};
 
 /// Samples per pixel of a round, and of an iteration of photons, where no number is typed.
 const SAMPLES: u32 = 16;
 
-/// What is to be done with each scene: settings, polarized, with the samples of a round.
-type Plan = Vec<Settings>;
+/// What is to be done with each scene: options, polarized, with the samples of a round.
+type Plan = Vec<Options>;
 
 /// Scalar against polarized.
 pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
-    let plan = plan(arguments)?;
     let size = work::size(&arguments.work, None)?;
+    let plan = plan(arguments, size)?;
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     job::check_memory(&plan[0], size, system::available_memory())?;
     let subjects = load_all(&arguments.scenes)?;
     work::check_names(&subjects, &arguments.integrator)?;
-    let baked = subjects.iter().map(|subject| Ok((subject, subject.bake(plan[0].color, size)?)));
-    let baked: Vec<(&Subject, Box<dyn Renderable>)> = baked.collect::<Result<_, CliError>>()?;
     let threads = Threads::start(arguments.work.threads)?;
-    let cases = baked.len() * plan.len();
+    let cases = subjects.len() * plan.len();
     let progress = progress_bar(cases as u64 * (u64::from(arguments.rounds) + 1));
-    let measured = baked.iter().flat_map(|(subject, scene)| {
-        let case = |settings| {
-            case(subject, scene.as_ref(), settings, arguments.rounds, &threads, &progress)
-        };
-        plan.iter().map(case).collect::<Vec<Case>>()
-    });
-    let cases = measured.collect();
+    let mut cases = Vec::new();
+    for subject in &subjects {
+        for options in &plan {
+            cases.push(case(subject, options, arguments.rounds, &threads, &progress)?);
+        }
+    }
     progress.finish_and_clear();
     let conditions = conditions(arguments, &plan[0], size, machine(&threads));
     let report = Overhead { conditions, cases };
@@ -50,62 +48,60 @@ pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
 }
 
 /// Checks what was typed.
-fn plan(arguments: &OverheadArguments) -> Result<Plan, CliError> {
+fn plan(arguments: &OverheadArguments, size: [u32; 2]) -> Result<Plan, CliError> {
     let OverheadArguments { integrator, work, samples_per_iteration, .. } = arguments;
     let typed = [
         ("--photons", work.photons.is_some()),
         ("--samples-per-iteration", samples_per_iteration.is_some()),
     ];
-    work::check_photons(integrator, &typed)?;
+    work::refuse_photons(integrator, &typed)?;
     let of_photons = samples_per_iteration.unwrap_or(SAMPLES);
-    job::within("--samples-per-iteration", of_photons, job::SPP_MAX, "")?;
-    let settings = |&name| {
-        let integrator = job::integrator(name);
-        let of_iteration = if integrator == Integrator::Ppm { of_photons } else { 1 };
+    job::within("--samples-per-iteration", of_photons, SAMPLES_MAX, "")?;
+    let options = |&IntegratorName(integrator)| {
+        let of_iteration = if integrator.shoots_photons() { of_photons } else { 1 };
         let samples = job::samples(arguments.spp, arguments.iterations, SAMPLES, of_iteration)?;
         // One more round warms up.
-        job::within("--rounds", arguments.rounds, job::SPP_MAX / samples - 1, "")?;
-        let settings = work::settings(work, integrator, of_iteration)?;
-        Ok(Settings { iterations: samples, ..settings })
+        job::within("--rounds", arguments.rounds, SAMPLES_MAX / samples - 1, "")?;
+        Ok(Options { samples, ..work::options(work, integrator, of_iteration, size)? })
     };
-    integrator.iter().map(settings).collect()
+    integrator.iter().map(options).collect()
 }
 
 fn case(
     subject: &Subject,
-    scene: &dyn Renderable,
-    polarized: &Settings,
+    options: &Options,
     rounds: u32,
     threads: &Threads,
     progress: &ProgressBar,
-) -> Case {
-    let integrator = name_of(polarized.integrator);
+) -> Result<Case, CliError> {
+    let integrator = options.integrator.name();
     progress.set_message(format!("{}, {integrator}", subject.name));
-    let scalar = Settings { mode: Mode::Scalar, ..*polarized };
-    let samples = polarized.iterations;
-    let modes = [&scalar, polarized];
-    let (rounds, develop) = compare_modes(scene, modes, (rounds, samples), threads, progress);
-    let photons = &polarized.photons;
+    let polarized = Settings::new(*options)?;
+    let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
+    let (modes, samples) = ([&scalar, &polarized], options.samples);
+    let world = &subject.world;
+    let (rounds, develop) = compare_modes(world, modes, (rounds, samples), threads, progress)?;
+    let photons = &options.photons;
     let shot = u64::from(photons.per_iteration) * u64::from(samples / photons.samples);
-    Case {
+    Ok(Case {
         scene: subject.short_name(),
         integrator: integrator.into(),
         samples,
-        photons_shot: (polarized.integrator == Integrator::Ppm).then_some(shot),
+        photons_shot: options.integrator.shoots_photons().then_some(shot),
         costs: Costs::new(rounds),
         develop,
-    }
+    })
 }
 
 fn conditions(
     arguments: &OverheadArguments,
-    settings: &Settings,
-    (width, height): (u32, u32),
+    settings: &Options,
+    [width, height]: [u32; 2],
     machine: Machine,
 ) -> Conditions {
     Conditions {
         machine,
-        color: color_of(settings.color),
+        color: settings.color.to_string(),
         width,
         height,
         rounds: arguments.rounds,

@@ -12,8 +12,8 @@ use crate::bench::{Machine, Report};
 use crate::cli::CliError;
 use crate::cli::args::StatsFormat;
 use crate::cli::files::{print, refuse_overwriting};
-use crate::cli::system;
 use crate::image::atomic;
+use crate::render::system;
 
 /// Checks, before anything is measured, that all files can be written and none is an input.
 pub fn check_outputs(

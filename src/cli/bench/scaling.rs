@@ -1,21 +1,24 @@
 //! `bench scaling`.
 
 use std::hint::black_box;
+use std::ops::ControlFlow;
 
 use indicatif::ProgressBar;
 
 use super::args::{ScalingArguments, SeriesName};
 use super::measure::{Taken, machine, processors, progress_bar, timed};
 use super::report::{check_outputs, deliver};
-use super::subject::{Renderable, Subject, load, load_all};
+use super::subject::{Subject, load, load_all};
 use super::work;
 use crate::bench::Machine;
 use crate::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
 use crate::cli::args::ColorName;
-use crate::cli::render::{color_of, mode_of, name_of};
-use crate::cli::{CliError, job, system};
+use crate::cli::{CliError, job};
+use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Integrator, Photons, Settings};
+use crate::render::{
+    Integrator, Options, Photons, PlacedWorld, RenderError, Renderer, Settings, system,
+};
 use crate::spectrum::Color;
 
 /// Samples per pixel that are rendered one after another.
@@ -34,8 +37,7 @@ const REPEATS_MAX: f64 = 1000.0;
 /// A size of the work that is to be measured.
 struct Planned {
     size: f64,
-    settings: Settings,
-    film: (u32, u32),
+    options: Options,
     threads: usize,
 }
 
@@ -46,7 +48,7 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), arguments.scene.as_slice())?;
     for point in plans.iter().flat_map(|(_, points)| points) {
-        job::check_memory(&point.settings, point.film, system::available_memory())?;
+        job::check_memory(&point.options, film_of(&point.options), system::available_memory())?;
     }
     let subject = match &arguments.scene {
         Some(path) => load(path)?,
@@ -62,7 +64,7 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
     let series = plans.iter().map(series).collect::<Result<_, CliError>>()?;
     progress.finish_and_clear();
     let machine = machine(&Threads::start(arguments.work.threads)?);
-    let conditions = conditions(arguments, &base.settings, subject.short_name(), machine);
+    let conditions = conditions(arguments, &base.options, subject.short_name(), machine);
     let report = Scaling { conditions, series };
     let machine = &report.conditions.machine;
     deliver(&report, output, ("scaling", machine))
@@ -72,18 +74,17 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
 fn base(arguments: &ScalingArguments) -> Result<Planned, CliError> {
     let ScalingArguments { work, series, integrator, rounds, .. } = arguments;
     let typed = [("--photons", work.photons.is_some())];
-    work::check_photons(std::slice::from_ref(integrator), &typed)?;
+    work::refuse_photons(std::slice::from_ref(integrator), &typed)?;
     job::within("--rounds", *rounds, 1000, "")?;
-    job::within("--spp", arguments.spp.unwrap_or(1), job::SPP_MAX, "")?;
+    job::within("--spp", arguments.spp.unwrap_or(1), SAMPLES_MAX, "")?;
     job::within("--points", arguments.points.unwrap_or(1), 1000, "")?;
     if (1..series.len()).any(|index| series[..index].contains(&series[index])) {
         return Err(CliError::Usage("--series names a series twice".into()));
     }
-    let settings = work::settings(work, job::integrator(*integrator), 1)?;
+    let options = work::options(work, integrator.0, 1, work::size(work, None)?)?;
     Ok(Planned {
         size: 1.0,
-        settings: Settings { mode: job::mode(arguments.mode), ..settings },
-        film: work::size(work, None)?,
+        options: Options { mode: arguments.mode.0, ..options },
         threads: work.threads.or_else(processors).unwrap_or(1),
     })
 }
@@ -107,11 +108,11 @@ fn points(
     arguments: &ScalingArguments,
     base: &Planned,
 ) -> Result<Vec<Planned>, CliError> {
-    let &Planned { film, threads, settings, .. } = base;
+    let &Planned { threads, options, .. } = base;
     let samples = |default| arguments.spp.unwrap_or(default);
-    let at = |size: f64, iterations| {
-        let settings = Settings { iterations, ..settings };
-        Planned { size, settings, film, threads }
+    let at = |size: f64, samples| {
+        let options = Options { samples, ..options };
+        Planned { size, options, threads }
     };
     Ok(match name {
         SeriesName::Threads => numbers_of_threads(threads)
@@ -121,22 +122,27 @@ fn points(
         SeriesName::Photons => PHOTONS
             .map(|per_iteration| {
                 let mut point = at(f64::from(per_iteration), samples(4));
-                point.settings.integrator = Integrator::Ppm;
-                point.settings.photons = Photons { per_iteration, ..settings.photons };
-                let edge = |typed: Option<u32>| typed.unwrap_or(EDGE_OF_PHOTONS);
-                point.film = (edge(arguments.work.width), edge(arguments.work.height));
+                point.options.integrator = Integrator::Ppm;
+                point.options.photons = Photons { per_iteration, ..options.photons };
+                let edge = |typed: Option<u32>| Some(typed.unwrap_or(EDGE_OF_PHOTONS));
+                point.options.width = edge(arguments.work.width);
+                point.options.height = edge(arguments.work.height);
                 point
             })
             .into(),
         SeriesName::Pixels => EDGES
-            .map(|edge| Planned { film: (edge, edge), ..at(f64::from(edge * edge), samples(4)) })
+            .map(|edge| {
+                let mut point = at(f64::from(edge * edge), samples(4));
+                (point.options.width, point.options.height) = (Some(edge), Some(edge));
+                point
+            })
             .into(),
         SeriesName::Wavelengths => {
             let mono = job::color(ColorName::Mono, arguments.work.wavelength)?;
             [mono, Color::Rgb]
                 .map(|color| {
                     let mut point = at(color.channels() as f64, samples(16));
-                    point.settings.color = color;
+                    point.options.color = color;
                     point
                 })
                 .into()
@@ -159,8 +165,8 @@ fn measure(
     rounds: u32,
     progress: &ProgressBar,
 ) -> Result<Vec<Sample>, CliError> {
-    let bake = |point: &Planned| subject.bake(point.settings.color, point.film);
-    let scenes: Vec<Box<dyn Renderable>> = points.iter().map(bake).collect::<Result<_, _>>()?;
+    let settings: Vec<Settings> =
+        points.iter().map(|point| Settings::new(point.options)).collect::<Result<_, _>>()?;
     let threads: Vec<Threads> =
         points.iter().map(|point| Threads::start(Some(point.threads))).collect::<Result<_, _>>()?;
     let mut repeats = vec![1; points.len()];
@@ -169,8 +175,8 @@ fn measure(
         let up = 0..points.len();
         let order: Vec<usize> = if round % 2 == 0 { up.collect() } else { up.rev().collect() };
         for point in order {
-            let settings = &points[point].settings;
-            let took = time(scenes[point].as_ref(), settings, &threads[point], repeats[point]);
+            let (world, settings) = (&subject.world, &settings[point]);
+            let took = time(world, settings, &threads[point], repeats[point])?;
             if round == 0 {
                 repeats[point] = repeats_of(took);
             } else {
@@ -184,13 +190,29 @@ fn measure(
 }
 
 /// A render, with all that it does once the scene is baked: the mean over some repetitions.
-fn time(scene: &dyn Renderable, settings: &Settings, threads: &Threads, repeats: u32) -> Taken {
-    let render = || scene.render(settings).film.develop();
-    let (_, taken) = timed(|| {
-        threads.run(|| (0..repeats).for_each(|_| drop(black_box(render()))));
-    });
+fn time(
+    world: &PlacedWorld,
+    settings: &Settings,
+    threads: &Threads,
+    repeats: u32,
+) -> Result<Taken, CliError> {
+    // What the first render bakes, the others find.
+    Renderer::new(world, settings)?;
+    let render = || -> Result<(), RenderError> {
+        let mut renderer = Renderer::new(world, settings)?;
+        renderer.run(|_| ControlFlow::Continue(()));
+        black_box(renderer.finish());
+        Ok(())
+    };
+    let (rendered, taken) = timed(|| threads.run(|| (0..repeats).try_for_each(|_| render())));
+    rendered?;
     let mean = |seconds: f64| seconds / f64::from(repeats);
-    Taken { seconds: mean(taken.seconds), cpu_seconds: taken.cpu_seconds.map(mean) }
+    Ok(Taken { seconds: mean(taken.seconds), cpu_seconds: taken.cpu_seconds.map(mean) })
+}
+
+/// The film of a point, whose size is known.
+fn film_of(options: &Options) -> [u32; 2] {
+    [options.width, options.height].map(|edge| edge.unwrap_or(1))
 }
 
 /// How often a render that took this is repeated in a round.
@@ -217,19 +239,20 @@ fn name_of_series(name: SeriesName) -> &'static str {
 
 /// What stays as it is in a series, of which this is the first point.
 fn in_words(name: SeriesName, point: &Planned) -> String {
-    let Planned { settings, film: (width, height), threads, .. } = point;
-    let mut words = vec![name_of(settings.integrator).to_owned()];
+    let Planned { options, threads, .. } = point;
+    let [width, height] = film_of(options);
+    let mut words = vec![options.integrator.name().to_owned()];
     if name != SeriesName::Wavelengths {
-        words.push(color_of(settings.color));
+        words.push(options.color.to_string());
     }
     if name != SeriesName::Pixels {
         words.push(format!("{width} x {height} pixels"));
     }
     if name != SeriesName::Samples {
-        words.push(format!("{} samples a pixel", settings.iterations));
+        words.push(format!("{} samples a pixel", options.samples));
     }
-    if settings.integrator == Integrator::Ppm && name != SeriesName::Photons {
-        words.push(format!("{} light paths an iteration", settings.photons.per_iteration));
+    if options.integrator.shoots_photons() && name != SeriesName::Photons {
+        words.push(format!("{} light paths an iteration", options.photons.per_iteration));
     }
     if name != SeriesName::Threads {
         words.push(format!("{threads} threads"));
@@ -239,16 +262,16 @@ fn in_words(name: SeriesName, point: &Planned) -> String {
 
 fn conditions(
     arguments: &ScalingArguments,
-    settings: &Settings,
+    settings: &Options,
     scene: String,
     machine: Machine,
 ) -> Conditions {
     Conditions {
         machine,
         scene,
-        integrator: name_of(settings.integrator).into(),
-        mode: mode_of(settings.mode).into(),
-        color: color_of(settings.color),
+        integrator: settings.integrator.name().into(),
+        mode: settings.mode.name().into(),
+        color: settings.color.to_string(),
         rounds: arguments.rounds,
         path_length_max: settings.path_length_max,
         roulette_after: settings.roulette_after,

@@ -3,39 +3,38 @@
 use super::args::Table1Arguments;
 use super::measure::{compare_modes, machine, progress_bar};
 use super::report::{check_outputs, deliver};
-use super::subject::{Renderable, Subject, load_all};
+use super::subject::load_all;
 use crate::bench::Machine;
 use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
-use crate::cli::{CliError, job, system};
+use crate::cli::{CliError, job};
+use crate::render::settings::{SAMPLES_MAX, check_film, check_photons};
 use crate::render::threads::Threads;
-use crate::render::{Integrator, Mode, Photons, Settings};
-use crate::spectrum::Color;
+use crate::render::{Integrator, Mode, Options, Photons, Settings, system};
 
 /// The paper's Table 1.
 pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
-    let polarized = settings(arguments)?;
-    let scalar = Settings { mode: Mode::Scalar, ..polarized };
+    let options = options(arguments)?;
+    let polarized = Settings::new(options)?;
+    let scalar = Settings::new(Options { mode: Mode::Scalar, ..options })?;
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
-    let size = (arguments.width, arguments.height);
+    let size = [arguments.width, arguments.height];
     job::check_memory(&polarized, size, system::available_memory())?;
     let subjects = load_all(&arguments.scenes)?;
     if output.record.is_some() {
         super::work::check_names(&subjects, &[])?;
     }
-    let baked = subjects.iter().map(|subject| Ok((subject, subject.bake(polarized.color, size)?)));
-    let baked: Vec<(&Subject, Box<dyn Renderable>)> = baked.collect::<Result<_, CliError>>()?;
     let threads = Threads::start(arguments.threads)?;
     let rounds = (arguments.iterations, arguments.samples_per_iteration);
-    let progress = progress_bar(baked.len() as u64 * (u64::from(arguments.iterations) + 1));
-    let measured = baked.iter().map(|(subject, scene)| {
+    let progress = progress_bar(subjects.len() as u64 * (u64::from(arguments.iterations) + 1));
+    let measured = subjects.iter().map(|subject| {
         progress.set_message(subject.name.clone());
         let modes = [&scalar, &polarized];
-        let (rounds, _) = compare_modes(scene.as_ref(), modes, rounds, &threads, &progress);
-        SceneReport::new(subject.name.clone(), subject.paper, rounds)
+        let (rounds, _) = compare_modes(&subject.world, modes, rounds, &threads, &progress)?;
+        Ok(SceneReport::new(subject.name.clone(), subject.paper, rounds))
     });
-    let scenes: Vec<SceneReport> = measured.collect();
+    let scenes: Vec<SceneReport> = measured.collect::<Result<_, CliError>>()?;
     progress.finish_and_clear();
     let conditions = conditions(arguments, &polarized, machine(&threads));
     let report = Table1::new(conditions, scenes);
@@ -44,27 +43,24 @@ pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
 }
 
 /// Checks what was typed; for the polarized half, from which the other differs in its mode alone.
-fn settings(arguments: &Table1Arguments) -> Result<Settings, CliError> {
+fn options(arguments: &Table1Arguments) -> Result<Options, CliError> {
     let Table1Arguments { photons, samples_per_iteration: samples, .. } = *arguments;
-    job::within("--photons", photons, job::PHOTONS_MAX, "")?;
-    job::within("--samples-per-iteration", samples, job::SPP_MAX, "")?;
+    let photons = Photons { per_iteration: photons, samples, ..Photons::default() };
+    check_photons(&photons)?;
     // One more warms up.
-    job::within("--iterations", arguments.iterations, job::SPP_MAX / samples - 1, "")?;
+    job::within("--iterations", arguments.iterations, SAMPLES_MAX / samples - 1, "")?;
     job::check_threads(arguments.threads)?;
-    job::within("--width", arguments.width, job::EDGE_MAX, "")?;
-    job::within("--height", arguments.height, job::EDGE_MAX, "")?;
-    job::check_film_size(arguments.width, arguments.height)?;
-    Ok(Settings {
+    check_film(arguments.width, arguments.height)?;
+    Ok(Options {
         integrator: Integrator::Ppm,
-        mode: Mode::Polarized,
-        color: Color::Rgb,
-        iterations: (1 + arguments.iterations) * samples,
-        replicates: 1,
+        width: Some(arguments.width),
+        height: Some(arguments.height),
+        samples: (1 + arguments.iterations) * samples,
         path_length_max: PATH_LENGTH,
         roulette_after: ROULETTE_AFTER,
         seed: arguments.seed,
-        photons: Photons { per_iteration: photons, samples, ..Photons::default() },
-        time_limit: None,
+        photons,
+        ..Options::default()
     })
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Seconds that all threads of this process have computed so far.
-pub(super) fn cpu_seconds() -> Option<f64> {
+pub fn cpu_seconds() -> Option<f64> {
     #[cfg(any(target_os = "linux", target_vendor = "apple"))]
     {
         let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
@@ -16,7 +16,7 @@ pub(super) fn cpu_seconds() -> Option<f64> {
 
 /// Bytes of memory that can still be taken without swapping: what the machine has left, or what
 /// the limit of the control group leaves if that is less.
-pub(super) fn available_memory() -> Option<u64> {
+pub fn available_memory() -> Option<u64> {
     let machine = meminfo(&std::fs::read_to_string("/proc/meminfo").ok()?)?;
     let number = |name: &str| -> Option<u64> {
         let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
@@ -34,7 +34,7 @@ fn meminfo(text: &str) -> Option<u64> {
 }
 
 /// The model of the processor.
-pub(super) fn processor_model() -> Option<String> {
+pub fn processor_model() -> Option<String> {
     model_name(&std::fs::read_to_string("/proc/cpuinfo").ok()?)
 }
 
@@ -47,7 +47,7 @@ fn model_name(cpuinfo: &str) -> Option<String> {
 /// The commit of the repository that a file is in, as git abbreviates it, with `-dirty` if files
 /// that git knows differ from it, the file itself aside; nothing where there is no git, no
 /// repository or no commit.
-pub(super) fn commit_beside(file: &Path) -> Option<String> {
+pub fn commit_beside(file: &Path) -> Option<String> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let git = |arguments: &[&str]| {
         let mut command = Command::new("git");

@@ -1,0 +1,116 @@
+//! A world in its place, ready to be rendered.
+
+use std::sync::{Arc, Mutex};
+
+use crate::geometry::Accelerator;
+use crate::scattering::Scene;
+use crate::scene::baked::{Camera, Projection, Shapes};
+use crate::scene::{SceneError, World, bake_optics, bake_shapes};
+use crate::spectrum::Color;
+
+use super::settings::{Options, SettingsError, check_film};
+
+/// Film width where neither the scene nor the options name one, in pixels.
+const WIDTH: u32 = 512;
+
+/// A world whose shapes have been placed and sorted into a tree. Renders share it: what it does to
+/// light is evaluated once for every color and film, of which the latest are kept.
+///
+/// It is cheap to clone. An edit of the world needs a new one.
+#[derive(Clone)]
+pub struct PlacedWorld(Arc<Placed>);
+
+struct Placed {
+    world: World,
+    shapes: Arc<Shapes>,
+    accelerator: Arc<Accelerator>,
+    rgb: Latest<3>,
+    mono: Latest<1>,
+}
+
+/// Scenes that are kept for every number of wavelengths.
+const KEPT_MAX: usize = 16;
+
+/// The latest scenes of so many wavelengths, with their colors and films.
+type Latest<const N: usize> = Mutex<Vec<(Color, [u32; 2], Arc<Scene<N>>)>>;
+
+impl PlacedWorld {
+    /// Places a world.
+    ///
+    /// # Errors
+    /// When the world is not as it should be ([`World::check`]) or does not fit into the numbers
+    /// of the renderer.
+    pub fn new(world: World) -> Result<Self, SceneError> {
+        let shapes = bake_shapes(&world)?;
+        let accelerator = Accelerator::of_shapes(&shapes);
+        Ok(Self(Arc::new(Placed {
+            world,
+            shapes: Arc::new(shapes),
+            accelerator: Arc::new(accelerator),
+            rgb: Mutex::default(),
+            mono: Mutex::default(),
+        })))
+    }
+
+    /// What has been placed.
+    pub fn world(&self) -> &World {
+        &self.0.world
+    }
+
+    /// Width and height of the film: what the options ask for, else what the camera does, else
+    /// 512 pixels wide; an edge that is not given follows from the other and the camera's aspect.
+    ///
+    /// # Errors
+    /// When such a film could not be counted or stored.
+    pub fn film_size(&self, options: &Options) -> Result<[u32; 2], SettingsError> {
+        film_size(options, &self.0.shapes.camera)
+    }
+
+    pub(super) fn rgb(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {
+        self.latest(&self.0.rgb, color, film)
+    }
+
+    pub(super) fn mono(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<1>>, SceneError> {
+        self.latest(&self.0.mono, color, film)
+    }
+
+    fn latest<const N: usize>(
+        &self,
+        latest: &Latest<N>,
+        color: Color,
+        [width, height]: [u32; 2],
+    ) -> Result<Arc<Scene<N>>, SceneError> {
+        let mut latest = latest.lock().expect("no thread panics while it holds the lock");
+        let is_it =
+            |(of, film, _): &&(Color, [u32; 2], _)| (*of, *film) == (color, [width, height]);
+        if let Some((.., scene)) = latest.iter().find(is_it) {
+            return Ok(Arc::clone(scene));
+        }
+        let Placed { world, shapes, accelerator, .. } = &*self.0;
+        let optics = bake_optics(world, shapes, color)?;
+        let (shapes, accelerator) = (Arc::clone(shapes), Arc::clone(accelerator));
+        let scene = Arc::new(Scene::with_tree(shapes, accelerator, optics, width, height));
+        if latest.len() == KEPT_MAX {
+            latest.remove(0);
+        }
+        latest.push((color, [width, height], Arc::clone(&scene)));
+        Ok(scene)
+    }
+}
+
+fn film_size(options: &Options, camera: &Camera) -> Result<[u32; 2], SettingsError> {
+    let aspect = match (camera.resolution, camera.projection) {
+        (Some([width, height]), _) => width as f32 / height as f32,
+        (None, Projection::Perspective { aspect, .. }) => aspect.unwrap_or(1.0),
+        (None, Projection::Orthographic { half_width, half_height }) => half_width / half_height,
+    };
+    let edge = |value: f32| (value.round() as u32).max(1);
+    let [width, height] = match (options.width, options.height) {
+        (Some(width), Some(height)) => [width, height],
+        (Some(width), None) => [width, edge(width as f32 / aspect)],
+        (None, Some(height)) => [edge(height as f32 * aspect), height],
+        (None, None) => camera.resolution.unwrap_or([WIDTH, edge(WIDTH as f32 / aspect)]),
+    };
+    check_film(width, height)?;
+    Ok([width, height])
+}

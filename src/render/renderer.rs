@@ -1,0 +1,226 @@
+//! The renderer: stepped, watched, stopped, finished.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use crate::image::StokesImage;
+use crate::integrators::profile::Profile;
+use crate::scattering::Scene;
+use crate::scene::SceneError;
+use crate::spectrum::Color;
+use crate::transport::{Polarized, Scalar};
+
+use super::run::{Run, Steps};
+use super::threads::Threads;
+use super::{Mode, PlacedWorld, Settings, SettingsError};
+
+/// A render of a world. It keeps what it needs of it and goes on for as long as it is asked to.
+///
+/// The image is a function of world, settings and samples: neither the number of threads nor how
+/// the samples are asked for, one [`Renderer::step`] after the other or all at once, changes a bit
+/// of it, as long as they are asked for in multiples of 16, or of the samples of an iteration of
+/// photons.
+pub struct Renderer {
+    steps: Box<dyn Steps>,
+    settings: Settings,
+    film: [u32; 2],
+    threads: Option<Arc<Threads>>,
+    stop: Stop,
+}
+
+/// A render cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The world is wrong, or not to be seen in the color.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The settings do not go with the world.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+/// Stops a render from elsewhere: from another thread, say. All clones are one.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// Asks the render to stop when the current wave of samples is done.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether that has been asked for.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// How far a render has come.
+pub struct Progress<'a> {
+    /// Samples per pixel so far.
+    pub samples: u32,
+    /// Samples per pixel that were asked for.
+    pub total: u32,
+    steps: &'a dyn Steps,
+}
+
+impl Progress<'_> {
+    /// The image so far, without variances.
+    pub fn preview(&self) -> StokesImage {
+        self.steps.preview()
+    }
+}
+
+impl Renderer {
+    /// A render in which nothing has been done yet, on the threads of the caller's rayon pool.
+    ///
+    /// # Errors
+    /// When a spectrum of the world does not cover the color, nothing emits, or the film would be
+    /// too large.
+    pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
+        let film = world.film_size(settings)?;
+        Ok(match settings.color {
+            Color::Rgb => Self::of(world.rgb(settings.color, film)?, settings),
+            Color::Mono { .. } => Self::of(world.mono(settings.color, film)?, settings),
+        })
+    }
+
+    /// A render of a scene that has been baked, for tests that look into its tables; the film is
+    /// the scene's.
+    #[doc(hidden)]
+    pub fn of<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+        let film = [scene.sensor.width, scene.sensor.height];
+        let steps: Box<dyn Steps> = match settings.mode {
+            Mode::Scalar => Box::new(Run::<N, Scalar>::new(scene, settings)),
+            Mode::Intensity | Mode::Polarized => {
+                Box::new(Run::<N, Polarized>::new(scene, settings))
+            }
+        };
+        Self { steps, settings: *settings, film, threads: None, stop: Stop::default() }
+    }
+
+    /// The same render on threads of its own, which several renders may share.
+    #[must_use]
+    pub fn on(mut self, threads: &Arc<Threads>) -> Self {
+        self.threads = Some(Arc::clone(threads));
+        self
+    }
+
+    /// Renders the next wave: 16 samples per pixel, or an iteration of photons with its samples,
+    /// and less where what was asked for or a replicate ends. With one replicate, steps go on
+    /// behind [`Renderer::is_done`], as long as anybody asks for them.
+    pub fn step(&mut self) {
+        let left = self.settings.samples.saturating_sub(self.samples());
+        self.step_at_most(if left == 0 { u32::MAX } else { left });
+    }
+
+    /// Renders `samples` more samples per pixel, in the same waves, whatever was asked for; with
+    /// photons, a multiple of the samples of an iteration. Ends early if it is stopped.
+    pub fn advance(&mut self, samples: u32) {
+        let end = self.samples().saturating_add(samples);
+        while self.samples() < end && !self.stop.is_set() {
+            let before = self.samples();
+            self.step_at_most(end - before);
+            if self.samples() == before {
+                break;
+            }
+        }
+    }
+
+    /// Renders until all samples that were asked for are done, the time is over, `progress` breaks
+    /// or [`Stop`] is set. `progress` hears after every wave.
+    pub fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) {
+        let start = Instant::now();
+        let time_limit = self.settings.time_limit;
+        let is_late = || time_limit.is_some_and(|limit| start.elapsed() > limit);
+        while !self.is_done() && !self.stop.is_set() && !(self.samples() > 0 && is_late()) {
+            self.step();
+            let (samples, total) = (self.samples(), self.settings.samples);
+            if progress(&Progress { samples, total, steps: &*self.steps }).is_break() {
+                break;
+            }
+        }
+    }
+
+    /// Samples per pixel so far.
+    pub fn samples(&self) -> u32 {
+        self.steps.samples()
+    }
+
+    /// Whether all samples that were asked for are done.
+    pub fn is_done(&self) -> bool {
+        self.samples() >= self.settings.samples
+    }
+
+    /// What was asked for.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Width and height of the film in pixels.
+    pub fn film_size(&self) -> [u32; 2] {
+        self.film
+    }
+
+    /// What stops the render from another thread.
+    pub fn stop_handle(&self) -> Stop {
+        self.stop.clone()
+    }
+
+    /// The image so far, without variances.
+    pub fn preview(&self) -> StokesImage {
+        self.steps.preview()
+    }
+
+    /// The time that every stage has taken so far, and the rays and photons.
+    pub fn profile(&self) -> Profile {
+        self.steps.profile()
+    }
+
+    /// Radii of the latest iteration of photons, in scene units: that on surfaces, then those in
+    /// the media. Empty without photons.
+    pub fn radii(&self) -> Vec<f32> {
+        self.steps.radii()
+    }
+
+    /// Whether some surfaces of the world leave light a single way, so that paths from the emitters
+    /// cannot connect them to the sensor.
+    pub fn has_specular_surfaces(&self) -> bool {
+        self.steps.has_specular_surfaces()
+    }
+
+    /// The image of all samples so far, with variances if there are replicates, and with what is
+    /// known of its making as metadata.
+    pub fn finish(self) -> StokesImage {
+        let metadata = metadata(&self.settings, self.samples());
+        let mut image = self.steps.finish();
+        image.metadata = metadata;
+        image
+    }
+
+    fn step_at_most(&mut self, samples: u32) {
+        let steps = &mut self.steps;
+        match &self.threads {
+            Some(threads) => threads.run(|| steps.step(samples)),
+            None => steps.step(samples),
+        }
+    }
+}
+
+fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
+    [
+        ("integrator", settings.integrator.name().to_owned()),
+        ("mode", settings.mode.name().to_owned()),
+        ("color", settings.color.to_string()),
+        ("iterations", samples.to_string()),
+        ("replicates", settings.replicates.to_string()),
+        ("max path length", settings.path_length_max.to_string()),
+        ("roulette after", settings.roulette_after.to_string()),
+        ("seed", settings.seed.to_string()),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .to_vec()
+}

@@ -1,0 +1,156 @@
+//! A render in the making, for one number of wavelengths and one mode.
+
+use std::sync::Arc;
+
+use crate::film::Film;
+use crate::image::StokesImage;
+use crate::integrators::profile::Profile;
+use crate::math::hash::combine;
+use crate::scattering::Scene;
+use crate::transport::LightModel;
+
+use super::Settings;
+use super::photon_pass::{PhotonPass, Shot};
+use super::tiles::{Pool, wave};
+
+/// Samples per pixel between two looks at the clock.
+const WAVE: u32 = 16;
+
+/// What a render does whose wavelengths and mode are known to itself alone.
+pub trait Steps: Send {
+    /// Renders the next wave, `most` samples per pixel at most, and less where a replicate ends.
+    fn step(&mut self, most: u32);
+    /// Samples per pixel so far.
+    fn samples(&self) -> u32;
+    /// The image so far, without variances.
+    fn preview(&self) -> StokesImage;
+    /// What all steps so far took.
+    fn profile(&self) -> Profile;
+    /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
+    fn radii(&self) -> Vec<f32>;
+    /// Whether some surfaces leave light a single way.
+    fn has_specular_surfaces(&self) -> bool;
+    /// The image of all that has been done, with variances where two replicates or more have
+    /// begun.
+    fn finish(self: Box<Self>) -> StokesImage;
+}
+
+/// All that a render keeps from one wave to the next.
+pub struct Run<const N: usize, M: LightModel<N>> {
+    scene: Arc<Scene<N>>,
+    settings: Settings,
+    film: Film,
+    pool: Pool<N, M>,
+    photons: Option<PhotonPass<N>>,
+    profile: Profile,
+    /// Samples per pixel so far.
+    done: u32,
+    /// The current replicate.
+    replicate: u32,
+    /// Samples per pixel of it so far.
+    of_replicate: u32,
+}
+
+impl<const N: usize, M: LightModel<N>> Run<N, M> {
+    /// Black film, no photons.
+    pub fn new(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+        let (width, height) = (scene.sensor.width, scene.sensor.height);
+        let with_variance = settings.replicates > 1;
+        let components = settings.mode.components();
+        let photons = (settings.integrator.shoots_photons())
+            .then(|| PhotonPass::new(&scene, settings.photons.per_iteration, M::POLARIZED));
+        Self {
+            film: Film::new(width, height, settings.color, components, with_variance),
+            pool: Pool::new(components, scene.has_media()),
+            scene,
+            settings: *settings,
+            photons,
+            profile: Profile::default(),
+            done: 0,
+            replicate: 0,
+            of_replicate: 0,
+        }
+    }
+
+    /// Samples per pixel of a wave: those of an iteration of photons, if there are photons.
+    fn wave_of(&self) -> u32 {
+        if self.photons.is_some() { self.settings.photons.samples } else { WAVE }
+    }
+
+    /// Samples per pixel that the current replicate still gets; one alone goes on for as long as
+    /// it is asked to.
+    fn left_of_replicate(&self) -> u32 {
+        if self.settings.replicates == 1 {
+            return u32::MAX;
+        }
+        let [end, start] = [self.replicate + 1, self.replicate].map(|r| share(&self.settings, r));
+        end - start - self.of_replicate
+    }
+
+    /// Goes on to the next replicate where one has ended.
+    fn begin_replicate(&mut self) {
+        if self.left_of_replicate() == 0 && self.replicate + 1 < self.settings.replicates {
+            self.film.finish_replicate(self.of_replicate);
+            self.replicate += 1;
+            self.of_replicate = 0;
+        }
+    }
+}
+
+impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
+    fn step(&mut self, most: u32) {
+        self.begin_replicate();
+        let wave_of = self.wave_of();
+        let count = wave_of.min(most).min(self.left_of_replicate());
+        if count == 0 {
+            return;
+        }
+        let (first, seed) = (self.of_replicate, combine(self.settings.seed, self.replicate));
+        let Self { scene, settings, film, pool, photons, profile, done, .. } = self;
+        if let Some(photons) = photons {
+            let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
+            photons.shoot(pool, scene, settings, shot, profile);
+        }
+        let maps = photons.as_ref().map(|photons| &photons.maps);
+        wave(film, profile, pool, scene, settings, (first, count, seed), maps);
+        self.done += count;
+        self.of_replicate += count;
+    }
+
+    fn samples(&self) -> u32 {
+        self.done
+    }
+
+    fn preview(&self) -> StokesImage {
+        self.film.preview(self.of_replicate)
+    }
+
+    fn profile(&self) -> Profile {
+        let mut profile = self.profile.clone();
+        self.pool.add_profiles(&mut profile);
+        profile
+    }
+
+    fn radii(&self) -> Vec<f32> {
+        self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
+    }
+
+    fn has_specular_surfaces(&self) -> bool {
+        self.scene.has_specular_surfaces()
+    }
+
+    fn finish(mut self: Box<Self>) -> StokesImage {
+        if self.of_replicate > 0 {
+            self.film.finish_replicate(self.of_replicate);
+        }
+        self.film.develop()
+    }
+}
+
+/// Samples per pixel of the first `replicates` replicates: whole numbers of iterations of photons,
+/// if any.
+fn share(settings: &Settings, replicates: u32) -> u32 {
+    let unit = settings.samples_per_iteration();
+    let units = u64::from(settings.samples / unit) * u64::from(replicates);
+    (units / u64::from(settings.replicates)) as u32 * unit
+}

@@ -1,0 +1,256 @@
+//! What a render is asked for: options as typed, and settings in which nothing can be wrong.
+
+use std::fmt::Display;
+use std::ops::Deref;
+use std::time::Duration;
+
+use crate::integrators::Integrator;
+use crate::spectrum::Color;
+
+/// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
+pub const SAMPLES_MAX: u32 = 1 << 30;
+/// Most segments of a path that can be asked for; nothing needs more.
+pub const PATH_LENGTH_MAX: u32 = 65_535;
+/// Most light paths an iteration: their photons are counted in 32 bits.
+pub const PHOTONS_MAX: u32 = 1 << 28;
+/// Largest film edge in pixels: what a Radiance picture can have.
+pub const EDGE_MAX: u32 = 65_535;
+/// Most pixels of a film: they are counted in 32 bits.
+pub const PIXELS_MAX: u64 = 1 << 31;
+
+/// How photons are shot and gathered; for integrators that do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photons {
+    /// Light paths an iteration of photons, from 1 to [`PHOTONS_MAX`].
+    pub per_iteration: u32,
+    /// Samples per pixel for every iteration of photons, at least one.
+    pub samples: u32,
+    /// How much the kernel keeps of what an iteration could take: from 0 (exclusive) to 1, where
+    /// it does not shrink at all.
+    pub alpha: f32,
+    /// First radius of the kernel in scene units, greater than zero; by default what holds 25
+    /// photons.
+    pub radius: Option<f32>,
+}
+
+impl Default for Photons {
+    fn default() -> Self {
+        Self { per_iteration: 1_000_000, samples: 1, alpha: 2.0 / 3.0, radius: None }
+    }
+}
+
+/// What light is made of, and what the film measures of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Light without polarization, its intensity.
+    Scalar,
+    /// Polarized light, its intensity: S0 of [`Mode::Polarized`], for which sensor paths carry one
+    /// row of their matrix instead of four.
+    Intensity,
+    /// Polarized light, its Stokes vector.
+    Polarized,
+}
+
+impl Mode {
+    /// All modes.
+    pub const ALL: [Self; 3] = [Self::Scalar, Self::Intensity, Self::Polarized];
+
+    /// Stokes components on the film.
+    pub fn components(self) -> usize {
+        match self {
+            Self::Scalar | Self::Intensity => 1,
+            Self::Polarized => 4,
+        }
+    }
+
+    /// What reports and the command line call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Intensity => "intensity",
+            Self::Polarized => "polarized",
+        }
+    }
+}
+
+/// What to render, as it is asked for: [`Settings::new`] checks it.
+///
+/// ```
+/// use sunstone::{Integrator, Options, Settings};
+/// let settings = Settings::new(Options {
+///     integrator: Integrator::Path,
+///     samples: 16,
+///     ..Options::default()
+/// })?;
+/// assert_eq!(settings.samples, 16);
+/// let error = Settings::new(Options { samples: 0, ..Options::default() }).unwrap_err();
+/// assert!(error.to_string().starts_with("samples must be from 1 to"));
+/// # Ok::<(), sunstone::SettingsError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// How light is found.
+    pub integrator: Integrator,
+    /// Intensity or Stokes vectors.
+    pub mode: Mode,
+    /// What the channels stand for.
+    pub color: Color,
+    /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
+    /// from the height.
+    pub width: Option<u32>,
+    /// Height of the film in pixels; by default what follows from the width and the camera's
+    /// aspect.
+    pub height: Option<u32>,
+    /// Samples per pixel, at least one; with photons, a multiple of the samples of an iteration.
+    pub samples: u32,
+    /// Independent randomizations that the samples are split into, from 1 to their number (of
+    /// iterations, with photons); variances come with two or more.
+    pub replicates: u32,
+    /// Most segments of a path, at least one: 1 shows emitters only, 2 adds direct light.
+    pub path_length_max: u32,
+    /// Path length after which roulette may end a path.
+    pub roulette_after: u32,
+    /// Seed of all randomness.
+    pub seed: u32,
+    /// Photons, where they are used.
+    pub photons: Photons,
+    /// Stop after the first wave of samples that ends later than this.
+    pub time_limit: Option<Duration>,
+}
+
+impl Default for Options {
+    /// 64 samples of polarized RGB by `bdpt`, of 16 segments at most.
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Bdpt,
+            mode: Mode::Polarized,
+            color: Color::Rgb,
+            width: None,
+            height: None,
+            samples: 64,
+            replicates: 1,
+            path_length_max: 16,
+            roulette_after: 6,
+            seed: 0,
+            photons: Photons::default(),
+            time_limit: None,
+        }
+    }
+}
+
+/// [`Options`] that have been checked: none of them renders black in silence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings(Options);
+
+impl Settings {
+    /// Checks options.
+    ///
+    /// # Errors
+    /// Names the first option that is out of its range, and the range.
+    pub fn new(options: Options) -> Result<Self, SettingsError> {
+        let Options { color, width, height, samples, photons, integrator, .. } = options;
+        for (setting, edge) in [("width", width), ("height", height)] {
+            edge.map_or(Ok(()), |edge| within(setting, edge, 1, EDGE_MAX))?;
+        }
+        within("samples", samples, 1, SAMPLES_MAX)?;
+        within("path_length_max", options.path_length_max, 1, PATH_LENGTH_MAX)?;
+        check_color(color)?;
+        if integrator.shoots_photons() {
+            check_photons(&photons)?;
+            if !samples.is_multiple_of(photons.samples) {
+                let rule = format!(
+                    "must be a multiple of the {} samples of an iteration of photons, not {samples}",
+                    photons.samples
+                );
+                return Err(SettingsError { setting: "samples", rule });
+            }
+        }
+        let iterations = samples / options.samples_per_iteration();
+        within("replicates", options.replicates, 1, iterations)?;
+        Ok(Self(options))
+    }
+
+    /// The options, to be changed and checked again.
+    pub fn options(&self) -> Options {
+        self.0
+    }
+}
+
+impl Options {
+    /// Samples per pixel that come together: those of an iteration of photons, or one.
+    pub fn samples_per_iteration(&self) -> u32 {
+        if self.integrator.shoots_photons() { self.photons.samples } else { 1 }
+    }
+}
+
+impl Deref for Settings {
+    type Target = Options;
+    fn deref(&self) -> &Options {
+        &self.0
+    }
+}
+
+/// A setting that is out of its range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{setting} {rule}")]
+pub struct SettingsError {
+    /// The field of [`Options`] or [`Photons`].
+    pub setting: &'static str,
+    /// What must hold, and what is the case.
+    pub rule: String,
+}
+
+/// Checks that a number is within a range.
+pub fn within<T: PartialOrd + Display>(
+    setting: &'static str,
+    value: T,
+    least: T,
+    most: T,
+) -> Result<(), SettingsError> {
+    if least <= value && value <= most {
+        return Ok(());
+    }
+    Err(SettingsError { setting, rule: format!("must be from {least} to {most}, not {value}") })
+}
+
+/// Checks that there is light of a color.
+pub fn check_color(color: Color) -> Result<(), SettingsError> {
+    match color {
+        Color::Mono { wavelength_nm } if !(wavelength_nm.is_finite() && wavelength_nm > 0.0) => {
+            let rule = format!("must be a positive number of nanometers, not {wavelength_nm}");
+            Err(SettingsError { setting: "wavelength", rule })
+        }
+        Color::Mono { .. } | Color::Rgb => Ok(()),
+    }
+}
+
+/// Checks how photons are to be shot.
+pub fn check_photons(photons: &Photons) -> Result<(), SettingsError> {
+    let &Photons { per_iteration, samples, alpha, radius } = photons;
+    within("photons", per_iteration, 1, PHOTONS_MAX)?;
+    within("samples_per_iteration", samples, 1, SAMPLES_MAX)?;
+    if !(alpha > 0.0 && alpha <= 1.0) {
+        let rule = format!("must be greater than 0 and at most 1, not {alpha}");
+        return Err(SettingsError { setting: "alpha", rule });
+    }
+    match radius {
+        Some(radius) if !(radius > 0.0 && radius.is_finite()) => {
+            let rule = format!("must be a length greater than 0, not {radius}");
+            Err(SettingsError { setting: "radius", rule })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a film that could not be counted or stored.
+pub fn check_film(width: u32, height: u32) -> Result<(), SettingsError> {
+    within("width", width, 1, EDGE_MAX)?;
+    within("height", height, 1, EDGE_MAX)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > PIXELS_MAX {
+        let rule =
+            format!("{width} x {height} is too large: a film has {PIXELS_MAX} pixels at most");
+        return Err(SettingsError { setting: "width", rule });
+    }
+    Ok(())
+}
