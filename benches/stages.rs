@@ -13,7 +13,6 @@ use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
 use sunstone::internals::transport::chunk::{ROWS, Sequence};
 use sunstone::internals::transport::stages::advance_paths::advance_paths;
-use sunstone::internals::transport::stages::collect_emission::Strategy;
 use sunstone::internals::transport::stages::collect_sensor::SensorSide;
 use sunstone::internals::transport::stages::connect_to_emitters::connect_to_emitters;
 use sunstone::internals::transport::stages::generate_sensor_paths::generate_sensor_paths;
@@ -27,7 +26,7 @@ use sunstone::internals::transport::tables::kernels::KernelColumns;
 use sunstone::internals::transport::tables::partition::Partition;
 use sunstone::internals::transport::tables::paths::PathTable;
 use sunstone::internals::transport::tables::vectors;
-use sunstone::internals::transport::{Chunk, LightModel, Polarized, Scalar};
+use sunstone::internals::transport::{Chunk, LightModel, Polarized, Scalar, Strategy};
 
 const N: usize = 3;
 

@@ -3,10 +3,9 @@
 //! vertices connected to the sensor.
 
 use crate::scattering::Scene;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::light_walk::{self, light_paths, splat_vertices};

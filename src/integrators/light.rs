@@ -1,9 +1,8 @@
 //! Particle tracing from the emitters, every vertex connected to the sensor.
 
 use crate::scattering::Scene;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::light_walk::{splat_emission, splat_vertices, start, store_vertices};

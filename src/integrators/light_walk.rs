@@ -3,7 +3,6 @@
 use crate::geometry::{resolve_surfaces, trace_closest};
 use crate::scattering::Scene;
 use crate::transport::stages::advance_paths::advance_paths;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
 use crate::transport::stages::emit_light_paths::emit_light_paths;
@@ -14,7 +13,7 @@ use crate::transport::stages::scatter_light::LightSide;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::bounce::{Bounce, scatter, sort};
 use super::profile::Stage;

@@ -1,9 +1,8 @@
 //! Path tracing from the sensor with next-event estimation: the plain reference.
 
 use crate::scattering::Scene;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::sensor_walk::{arrive, connect_emitters, depart, start, trace};

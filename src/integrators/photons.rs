@@ -1,11 +1,10 @@
 //! Light paths whose vertices become photons.
 
 use crate::scattering::Scene;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::store_photons::store_photons;
 use crate::transport::tables::photon_maps::map_of;
 use crate::transport::tables::photons::PhotonTable;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::light_walk::{arrive, depart, start};
 use super::profile::Stage;

@@ -7,10 +7,9 @@
 //! and nothing needs to be weighed.
 
 use crate::scattering::Scene;
-use crate::transport::stages::collect_emission::Strategy;
 use crate::transport::stages::merge_photons::merge_photons;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::profile::Stage;

@@ -6,7 +6,7 @@ use crate::geometry::{resolve_surfaces, trace_closest};
 use crate::scattering::event::Event;
 use crate::scattering::{Met, Scene};
 use crate::transport::stages::advance_paths::advance_paths;
-use crate::transport::stages::collect_emission::{Strategy, collect_emission};
+use crate::transport::stages::collect_emission::collect_emission;
 use crate::transport::stages::collect_sensor::SensorSide;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
 use crate::transport::stages::fly_through_media::fly_through_media;
@@ -15,7 +15,7 @@ use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use crate::transport::stages::scatter_diffuse::Side;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::bounce::{Bounce, scatter, sort};
 use super::profile::Stage;

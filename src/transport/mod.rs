@@ -5,9 +5,12 @@
 
 pub mod chunk;
 pub mod light_model;
+pub mod mis;
 pub mod sampler;
 pub mod stages;
+pub mod strategy;
 pub mod tables;
 
 pub use chunk::Chunk;
 pub use light_model::{LightModel, Polarized, Scalar};
+pub use strategy::Strategy;

@@ -10,11 +10,12 @@ use crate::scattering::event::Event;
 use crate::scattering::vertex::{Turn, VertexLanes};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
+use crate::transport::Strategy;
+use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 
-use super::collect_emission::Strategy;
 use super::scatter_diffuse::{MaterialLanes, facing_of};
 
 /// Connects the rows `rows`, which have met `event`, to one emitter each.
@@ -36,10 +37,12 @@ pub fn connect_to_emitters<const N: usize, C>(
         let chosen = choose(paths, surfaces, scene, row, path_length);
         let vertices = vertex_lanes(event.met, surfaces, scene, row, live);
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
-        let chance = turn.pdf * chosen.reachable / chosen.pdf_w;
+        let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
         let weight = match strategy {
-            Strategy::Unidirectional => F32s::splat(1.0) / chance.mul_add(chance, F32s::splat(1.0)),
-            Strategy::Bidirectional => bidirectional_weight(paths, &chosen, &turn, chance, row),
+            Strategy::Unidirectional => mis::power_of_emitter_connected(chance),
+            Strategy::Bidirectional => {
+                bidirectional_weight(paths.mis.load(row), &chosen, &turn, chance)
+            }
             Strategy::Merging => F32s::splat(1.0),
         };
         let factor = weight / chosen.pdf_w;
@@ -58,21 +61,18 @@ pub fn connect_to_emitters<const N: usize, C>(
     }
 }
 
-/// Georgiev's technical report, equations 44 and 45; `chance` is the density of drawing the
-/// direction over that of choosing it.
+/// The weight among all strategies; `chance` as in [`mis::chance_over_choice`].
 #[inline(always)]
-fn bidirectional_weight<const N: usize, C>(
-    paths: &PathTable<N, C>,
+fn bidirectional_weight<const N: usize>(
+    weights: PartialWeights<F32s>,
     chosen: &DirectLanes<N>,
     turn: &Turn<N>,
     chance: F32s,
-    row: usize,
 ) -> F32s {
-    let to_vertex = chosen.emission_pdf * turn.measure / (chosen.pdf_w * chosen.cos_at_light);
-    let sensor = to_vertex
-        * lanes::load(&paths.mis.d_vc, row)
-            .mul_add(turn.pdf_reverse, lanes::load(&paths.mis.d_vcm, row));
-    F32s::splat(1.0) / (chance + F32s::splat(1.0) + sensor)
+    let &DirectLanes { pdf_w: direct_pdf, emission_pdf, cos_at_light, .. } = chosen;
+    let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+    let sensor = End { weights, turn: turn.into() };
+    mis::weight_of_emitter_connected(sensor, emitter, chance)
 }
 
 /// What eight rows that have met the same scatter.

@@ -11,13 +11,12 @@ use crate::scattering::medium::{PhaseFunction, half_sine2};
 use crate::scattering::sensor::SensorConnection;
 use crate::scattering::vertex::{Turn, mean};
 use crate::scene::baked::NONE;
+use crate::transport::mis::{self, End};
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::states::{LightState, kernels_of_lanes};
 use crate::transport::tables::vertices::VertexTable;
-use crate::transport::{Chunk, LightModel};
-
-use super::collect_emission::Strategy;
+use crate::transport::{Chunk, LightModel, Strategy};
 
 /// Connects all vertices, each to the pixel that sees it. `light_paths` is the number of light
 /// paths an iteration. With [`Strategy::Unidirectional`] nothing else finds these paths.
@@ -102,8 +101,8 @@ fn lens_of<const N: usize>(
         .map(|u| u.to_array()[0])
 }
 
-/// Georgiev's technical report, equations 46 and 47; `importance` is the density of the sensor's
-/// ray per unit of perpendicular area, over the number of light paths.
+/// Weight against the other ways to the same paths; `importance` is the density of the sensor's ray
+/// per unit of perpendicular area, over the number of light paths.
 #[inline(always)]
 fn weight<const N: usize>(
     vertices: &VertexTable<N>,
@@ -115,10 +114,8 @@ fn weight<const N: usize>(
     if strategy != Strategy::Bidirectional {
         return F32s::splat(1.0);
     }
-    let d_vcm = lanes::load(&vertices.d_vcm, row);
-    let d_vc = lanes::load(&vertices.d_vc, row);
-    let light = importance * turn.measure * d_vc.mul_add(turn.pdf_reverse, d_vcm);
-    F32s::splat(1.0) / (light + F32s::splat(1.0))
+    let light = End { weights: vertices.weights(row), turn: turn.into() };
+    mis::weight_of_sensor_connected(light, importance)
 }
 
 /// Stokes vectors for the axis of the film; `direction` is where the light travels.

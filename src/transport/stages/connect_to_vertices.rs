@@ -9,8 +9,9 @@ use crate::scattering::Met;
 use crate::scattering::Scene;
 use crate::scattering::diffuse::{BRDF, Facing};
 use crate::scattering::event::{Event, Form};
-use crate::scattering::vertex::{Turn, VertexLanes};
+use crate::scattering::vertex::VertexLanes;
 use crate::transport::LightModel;
+use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
@@ -59,8 +60,7 @@ struct SensorVertex<'a, const N: usize> {
     scatters: VertexLanes<'a, N>,
     depolarizes: bool,
     beta: [F32s; N],
-    d_vcm: F32s,
-    d_vc: F32s,
+    weights: PartialWeights<F32s>,
 }
 
 impl<'a, const N: usize> SensorVertex<'a, N> {
@@ -89,8 +89,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             },
             depolarizes: event.form == Form::Depolarizer,
             beta,
-            d_vcm: F32s::splat(paths.mis.d_vcm[row]),
-            d_vc: F32s::splat(paths.mis.d_vc[row]),
+            weights: paths.mis.splat(row),
         }
     }
 
@@ -110,7 +109,10 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
         let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
         let turn = self.scatters.turn(self.given, direction);
         let light = light_turn(vertices, scene, -direction, (first, live));
-        let factor = self.factor(vertices, &turn, &light, first, distance2);
+        let sensor_end = End { weights: self.weights, turn: (&turn).into() };
+        let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
+        let inverse2 = F32s::splat(1.0) / distance2;
+        let factor = mis::weight_of_vertices_connected(sensor_end, light_end, inverse2);
         let mut values = [[0.0; LANES]; N];
         for (n, values) in values.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], first) * light.value[n];
@@ -142,27 +144,6 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             }
             connections.push(segment, value, self.row);
         }
-    }
-
-    /// Geometry term without cosines, and weight (Georgiev's technical report, equations 40 and
-    /// 41).
-    #[inline(always)]
-    fn factor(
-        &self,
-        vertices: &VertexTable<N>,
-        turn: &Turn<N>,
-        light: &Turn<N>,
-        first: usize,
-        distance2: F32s,
-    ) -> F32s {
-        let inverse2 = F32s::splat(1.0) / distance2;
-        let sensor_to_light = turn.pdf * light.measure * inverse2;
-        let light_to_sensor = light.pdf * turn.measure * inverse2;
-        let light_d_vcm = lanes::load(&vertices.d_vcm, first);
-        let light_d_vc = lanes::load(&vertices.d_vc, first);
-        let before = sensor_to_light * light_d_vc.mul_add(light.pdf_reverse, light_d_vcm);
-        let after = light_to_sensor * self.d_vc.mul_add(turn.pdf_reverse, self.d_vcm);
-        inverse2 / (before + F32s::splat(1.0) + after)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
 use crate::scattering::emission::{EmissionSample, sample_emission};
 use crate::transport::Chunk;
+use crate::transport::mis::{EmitterDensities, PartialWeights};
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::paths::{IdentityColumns, PathTable};
 
@@ -14,9 +15,8 @@ use super::scatter_light::LightSide;
 
 /// Starts the light paths of a chunk, as many as its slots.
 ///
-/// The partial weights follow Georgiev's technical report, equations 31 and 32. Emitters at a
-/// finite distance and others meet their first surface with different measures, which
-/// `weigh_arrival` learns from the infinite `pdf_w` of the latter.
+/// Emitters at a finite distance and others meet their first surface with different measures,
+/// which `weigh_arrival` learns from the infinite `pdf_w` of the latter.
 ///
 /// To: trace_closest.
 /// Writes: paths. Reads: chunk, scene.
@@ -81,9 +81,9 @@ fn start_row<const N: usize, C>(
         paths.beta[channel][row] = sample.beta[channel];
     }
     paths.mis.pdf_w[row] = if sample.finite { 0.0 } else { f32::INFINITY };
-    paths.mis.d_vcm[row] = sample.direct_pdf / sample.emission_pdf;
-    let cosine = if sample.finite { sample.cos_at_light } else { 1.0 };
-    paths.mis.d_vc[row] = if sample.delta { 0.0 } else { cosine / sample.emission_pdf };
+    let &EmissionSample { direct_pdf, emission_pdf, cos_at_light, delta, .. } = sample;
+    let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+    paths.mis.set_row(row, PartialWeights::from_emitter(emitter, delta));
 }
 
 /// [`offset_origin`] for one point.

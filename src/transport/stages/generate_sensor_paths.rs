@@ -1,8 +1,9 @@
 //! Starts one sensor path a slot, through a random point of its pixel.
 
-use crate::math::{LANES, lanes};
+use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::transport::Chunk;
+use crate::transport::mis::PartialWeights;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::paths::PathTable;
 
@@ -29,7 +30,6 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
         channel[..slots].fill(1.0);
     }
     paths.mis.pdf_w[..slots].fill(f32::INFINITY);
-    paths.mis.d_vc[..slots].fill(0.0);
     if paths.media.present() {
         paths.media.inside[..slots].fill(scene.sensor_medium);
         paths.media.start(slots);
@@ -53,7 +53,7 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
             sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
         origin.store(&mut paths.rays.origin, row, slots);
         direction.store(&mut paths.rays.direction, row, slots);
-        let density = crate::math::F32s::splat(light_paths) / pdf;
-        lanes::store(&mut paths.mis.d_vcm, row, slots, density);
+        let weights = PartialWeights::from_sensor(pdf, F32s::splat(light_paths));
+        paths.mis.store(row, slots, weights);
     }
 }

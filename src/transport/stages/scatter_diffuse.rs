@@ -6,6 +6,7 @@ use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes, warp};
 use crate::scattering::Scene;
 use crate::scattering::diffuse::Facing;
+use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::Column;
 use crate::transport::tables::paths::PathTable;
@@ -90,28 +91,8 @@ pub fn scatter_diffuse<const N: usize, C>(
         }
         direction.store(drawn, row, rows.end);
         let pdf = warp::cosine_pdf(cosine);
-        let reverse = warp::cosine_pdf(given.dot(facing.shading).abs());
-        let out = direction.dot(facing.geometric).abs();
-        weigh_departure(paths, pdf, reverse, out, row, rows.end);
+        let pdf_reverse = warp::cosine_pdf(given.dot(facing.shading).abs());
+        let measure = direction.dot(facing.geometric).abs();
+        paths.mis.depart(row, rows.end, TurnDensities { pdf, pdf_reverse, measure });
     }
-}
-
-/// First half of equations 34 to 36 of Georgiev's technical report. `cos_out` is the density of
-/// the medium for a vertex in one.
-#[inline(always)]
-pub(super) fn weigh_departure<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
-    pdf: F32s,
-    reverse_pdf: F32s,
-    cos_out: F32s,
-    row: usize,
-    end: usize,
-) {
-    let inverse = F32s::splat(1.0) / pdf;
-    let d_vcm = lanes::load(&paths.mis.d_vcm, row);
-    let d_vc = lanes::load(&paths.mis.d_vc, row);
-    let d_vc = cos_out * inverse * d_vc.mul_add(reverse_pdf, d_vcm);
-    lanes::store(&mut paths.mis.d_vc, row, end, d_vc);
-    lanes::store(&mut paths.mis.d_vcm, row, end, inverse);
-    lanes::store(&mut paths.mis.pdf_w, row, end, pdf);
 }

@@ -8,6 +8,7 @@ use crate::scattering::event::{Event, Form};
 use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, deflect, half_sine2};
 use crate::scattering::vertex::mean;
 use crate::scattering::{Met, Scene};
+use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::Column;
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
@@ -15,7 +16,7 @@ use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
 use super::fly_through_media::wavelength_of;
-use super::scatter_diffuse::{Side, weigh_departure};
+use super::scatter_diffuse::Side;
 
 /// Draws a new direction for the rows in media, by the phase function of the path's wavelength;
 /// the weight counts that it could have been drawn for any of them.
@@ -93,7 +94,8 @@ fn weigh<const N: usize, C>(
         }
     }
     let pdf = mean(&values);
-    weigh_departure(paths, pdf, pdf, F32s::splat(medium.density), row, end);
+    let measure = F32s::splat(medium.density);
+    paths.mis.depart(row, end, TurnDensities { pdf, pdf_reverse: pdf, measure });
 }
 
 #[inline(always)]

@@ -288,9 +288,5 @@ fn depart<const N: usize, C>(
         lanes::store(&mut paths.beta[n], row, end, beta);
     }
     direction.store(drawn, row, end);
-    // A direction that only sampling can find: no connection competes at this vertex.
-    let d_vc = lanes::load(&paths.mis.d_vc, row) * cos_out;
-    lanes::store(&mut paths.mis.d_vc, row, end, d_vc);
-    lanes::store(&mut paths.mis.d_vcm, row, end, F32s::splat(0.0));
-    lanes::store(&mut paths.mis.pdf_w, row, end, F32s::splat(f32::INFINITY));
+    paths.mis.depart_specular(row, end, cos_out);
 }

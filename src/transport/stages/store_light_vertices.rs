@@ -38,8 +38,7 @@ pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
         (-Vector::load(&paths.rays.direction, row)).store(&mut vertices.given, to, end);
         let live = LANES.min(rows.end - row);
         store_power(vertices, paths, surfaces, scene, (event, row, live), (to, end));
-        lanes::store(&mut vertices.d_vcm, to, end, lanes::load(&paths.mis.d_vcm, row));
-        lanes::store(&mut vertices.d_vc, to, end, lanes::load(&paths.mis.d_vc, row));
+        vertices.store_weights(to, end, paths.mis.load(row));
     }
     vertices.slot[start..end].copy_from_slice(&paths.identity.slot[rows.clone()]);
     vertices.path_length[start..end].fill(path_length);

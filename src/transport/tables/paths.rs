@@ -1,6 +1,8 @@
 //! Subpaths alive, one row each.
 
 use crate::geometry::RayColumns;
+use crate::math::{F32s, lanes};
+use crate::transport::mis::{PartialWeights, TurnDensities};
 
 use super::carriers::CarrierTable;
 use super::media::MediaColumns;
@@ -36,17 +38,64 @@ pub struct IdentityColumns {
     pub iteration: Vec<u32>,
 }
 
-/// Partial weights (Georgiev et al. 2012; Georgiev, "Implementing vertex connection and
-/// merging", technical report 2012).
+/// Partial weights, and what the unidirectional heuristic takes in their place.
 pub struct MisColumns {
     /// Density per steradian of the current direction; infinite after a specular event and from
     /// the sensor. Used by `path`.
     pub pdf_w: Column,
-    /// dVCM: reciprocal of the density of the last segment, times the density of connecting
-    /// instead.
+    /// [`PartialWeights::d_vcm`].
     pub d_vcm: Column,
-    /// dVC: what the connections at all earlier vertices add up to.
+    /// [`PartialWeights::d_vc`].
     pub d_vc: Column,
+}
+
+impl MisColumns {
+    /// The partial weights of eight rows.
+    #[inline(always)]
+    pub fn load(&self, row: usize) -> PartialWeights<F32s> {
+        PartialWeights { d_vcm: lanes::load(&self.d_vcm, row), d_vc: lanes::load(&self.d_vc, row) }
+    }
+
+    /// Those of one row.
+    #[inline(always)]
+    pub fn row(&self, row: usize) -> PartialWeights<f32> {
+        PartialWeights { d_vcm: self.d_vcm[row], d_vc: self.d_vc[row] }
+    }
+
+    /// Those of one row, in all lanes.
+    #[inline(always)]
+    pub fn splat(&self, row: usize) -> PartialWeights<F32s> {
+        let PartialWeights { d_vcm, d_vc } = self.row(row);
+        PartialWeights { d_vcm: F32s::splat(d_vcm), d_vc: F32s::splat(d_vc) }
+    }
+
+    /// Sets the partial weights of the rows from `row` on that lie before `end`, eight at most.
+    #[inline(always)]
+    pub fn store(&mut self, row: usize, end: usize, weights: PartialWeights<F32s>) {
+        lanes::store(&mut self.d_vcm, row, end, weights.d_vcm);
+        lanes::store(&mut self.d_vc, row, end, weights.d_vc);
+    }
+
+    /// Sets those of one row.
+    #[inline(always)]
+    pub fn set_row(&mut self, row: usize, weights: PartialWeights<f32>) {
+        self.d_vcm[row] = weights.d_vcm;
+        self.d_vc[row] = weights.d_vc;
+    }
+
+    /// Sends eight rows on from vertices that connect.
+    #[inline(always)]
+    pub fn depart(&mut self, row: usize, end: usize, turn: TurnDensities<F32s>) {
+        self.store(row, end, self.load(row).depart(turn));
+        lanes::store(&mut self.pdf_w, row, end, turn.pdf);
+    }
+
+    /// Sends eight rows on from specular events; `measure` is the cosine of the direction.
+    #[inline(always)]
+    pub fn depart_specular(&mut self, row: usize, end: usize, measure: F32s) {
+        self.store(row, end, self.load(row).depart_specular(measure));
+        lanes::store(&mut self.pdf_w, row, end, F32s::splat(f32::INFINITY));
+    }
 }
 
 impl<const N: usize, C: CarrierTable> PathTable<N, C> {

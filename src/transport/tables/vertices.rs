@@ -1,5 +1,8 @@
 //! Light vertices that sensor paths and the sensor connect to.
 
+use crate::math::{F32s, lanes};
+use crate::transport::mis::PartialWeights;
+
 use super::states::LightState;
 use super::{Channels, Column, channels, column, gather, identifiers, vectors};
 
@@ -20,9 +23,9 @@ pub struct VertexTable<const N: usize> {
     pub power: Channels<N>,
     /// 1 if the back scatters too, else 0.
     pub two_sided: Column,
-    /// dVCM on arrival.
+    /// [`PartialWeights::d_vcm`] on arrival.
     pub d_vcm: Column,
-    /// dVC on arrival.
+    /// [`PartialWeights::d_vc`] on arrival.
     pub d_vc: Column,
     /// Slot of the path.
     pub slot: Vec<u32>,
@@ -88,6 +91,19 @@ impl<const N: usize> VertexTable<N> {
             gather(to, from, rows, 0);
         }
         std::mem::swap(&mut self.states, &mut from.states);
+    }
+
+    /// The partial weights of eight rows.
+    #[inline(always)]
+    pub fn weights(&self, row: usize) -> PartialWeights<F32s> {
+        PartialWeights { d_vcm: lanes::load(&self.d_vcm, row), d_vc: lanes::load(&self.d_vc, row) }
+    }
+
+    /// Sets the partial weights of the rows from `row` on that lie before `end`, eight at most.
+    #[inline(always)]
+    pub fn store_weights(&mut self, row: usize, end: usize, weights: PartialWeights<F32s>) {
+        lanes::store(&mut self.d_vcm, row, end, weights.d_vcm);
+        lanes::store(&mut self.d_vc, row, end, weights.d_vc);
     }
 
     /// Removes all rows.

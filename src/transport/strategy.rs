@@ -1,0 +1,13 @@
+//! Which ways to one and the same path share its light.
+
+/// How what a path brings shares the light with other ways to the same path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strategy {
+    /// Emission met by chance and next-event estimation (power heuristic).
+    Unidirectional,
+    /// All bidirectional strategies (balance heuristic).
+    Bidirectional,
+    /// Photons merged: what connections and photons find counts once by rule, and emitters count
+    /// where nothing but specular events lies between them and the sensor.
+    Merging,
+}
