@@ -179,16 +179,19 @@ fn shipped(folder: &str) -> Vec<(String, World)> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_shipped_scenes() {
     check(shipped("scenes"));
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_reference_scenes() {
     check(shipped("scenes/reference"));
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_small_scenes() {
     check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())));
 }

@@ -272,6 +272,7 @@ fn lamps() -> [Arc<Scene<1>>; 2] {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn noise_falls_as_the_schedule_says() {
     let [floor, fog] = lamps();
     let effort = Effort { seeds: 24, first: 8, doublings: 4 };

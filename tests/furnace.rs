@@ -79,6 +79,7 @@ fn glowing_box(reflectance: f32) -> World {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn closed_box_glows_as_the_series_says() {
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
         check(&glowing_box(0.5), integrator, 256, 6, geometric_sum(0.5, 6));
@@ -87,6 +88,7 @@ fn closed_box_glows_as_the_series_says() {
 
 /// Depth by depth, so that no two strategies can make up for each other.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn closed_box_glows_as_the_series_says_at_every_length() {
     for length in 1..=4 {
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
@@ -124,6 +126,7 @@ fn in_surroundings(build: impl FnOnce(&mut Document)) -> World {
 /// and transmitted cancel. Total internal reflection keeps some paths of the cube in for ever, but
 /// no path from outside gets to those; the rest has left after 64 segments.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn glass_is_invisible_in_a_furnace() {
     let ball = in_surroundings(|scene| {
         let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
@@ -157,6 +160,7 @@ fn white_core_of_glass_is_invisible_in_a_furnace() {
 
 /// A white diffuse ball, which light paths reach as well.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn white_ball_is_invisible_in_a_furnace() {
     let world = in_surroundings(|scene| {
         let white = scene.diffuse(1.0);
@@ -184,6 +188,7 @@ fn conservative_media() -> [(&'static str, serde_json::Value); 4] {
 /// All that comes in goes out again; what polarizes once is polarized from everywhere, so that it
 /// cancels.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn media_without_absorption_are_invisible_in_a_furnace() {
     for (name, medium) in conservative_media() {
         println!("{name}");
@@ -202,6 +207,7 @@ fn media_without_absorption_are_invisible_in_a_furnace() {
 /// Total internal reflection keeps light in until it is scattered out, which takes long in milk:
 /// after 128 segments 3e-4 of it are left.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn media_in_glass_are_invisible_in_a_furnace() {
     for (name, medium) in conservative_media() {
         println!("{name}");
@@ -221,6 +227,7 @@ fn media_in_glass_are_invisible_in_a_furnace() {
 
 /// Distances and angles are drawn for one wavelength and weighed for all of them.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn stained_media_are_invisible_in_a_furnace() {
     let hg = json!({"phase": "hg", "g": [0.6, 0.3, 0], "sigma_a": 0, "sigma_s": [0.7, 1.5, 3]});
     let milk = json!({"fat_percent": 3.5, "protein_percent": 3.4});

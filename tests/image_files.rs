@@ -122,6 +122,7 @@ fn torture(path: &Path, read: impl Fn(&Path) -> Result<StokesImage, OutputError>
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn torn_exr_files_are_refused() {
     let folder = folder("exr_torn");
     for (i, image) in all_layouts().iter().enumerate() {

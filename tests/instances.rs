@@ -42,6 +42,7 @@ fn one_mesh_in_many_places_is_kept_once() {
 /// Differences of images with the same seeds: their means are zero but for noise, and far less
 /// noisy than with other seeds, since all but few of the paths are the same.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn instances_render_as_copies_do() {
     let [shared, copied] = [Flock::Instances, Flock::Copies].map(flock_of);
     for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {

@@ -77,6 +77,7 @@ fn pixels_without_polarizing_events_have_the_same_bits_in_both_modes() {
 /// with hardly any noise, at most a tenth of the variance of the latter. Over means of 4 x 4
 /// pixels and 32 pairs of seeds.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn modes_share_their_noise() {
     const PAIRS: u32 = 32;
     for (name, integrator) in [
@@ -153,6 +154,7 @@ fn spread(values: Vec<f64>) -> f64 {
 /// Sums over pixels have one owner and a fixed order. 40 x 24 pixels are tiles of three sizes,
 /// and 39 iterations fill neither their chunks nor their waves; photons come in three batches.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn threads_change_no_bit() {
     for name in ["cornell", "mirror", "tank", "rayleigh"] {
         let scene = scene::<3>(&reference_scene(name), Color::Rgb, [40, 24]);

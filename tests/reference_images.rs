@@ -208,16 +208,19 @@ fn exact_complaint(
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_cornell() {
     check(&CORNELL, Integrator::Path, 256, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_mirror() {
     check(&MIRROR, Integrator::Path, 512, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_brewster() {
     check(&BREWSTER, Integrator::Path, 256, 4);
 }
@@ -228,53 +231,63 @@ fn path_renders_polarizers() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_cornell() {
     check(&CORNELL, Integrator::Bdpt, 192, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_mirror() {
     check(&MIRROR, Integrator::Bdpt, 384, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_brewster() {
     check(&BREWSTER, Integrator::Bdpt, 256, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_polarizers() {
     check(&POLARIZERS, Integrator::Bdpt, 32, 4);
 }
 
 /// Over all pixels that do not see the spheres.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn light_renders_cornell() {
     check(&CORNELL, Integrator::Light, 192, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_tank() {
     check(&TANK, Integrator::Path, 128, 8);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_rayleigh() {
     check(&RAYLEIGH, Integrator::Path, 128, 4);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_tank() {
     check(&TANK, Integrator::Bdpt, 96, 8);
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_rayleigh() {
     check(&RAYLEIGH, Integrator::Bdpt, 96, 4);
 }
 
 /// One path in thirty meets the cloud.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn light_renders_rayleigh() {
     check(&RAYLEIGH, Integrator::Light, 1024, 8);
 }
@@ -285,11 +298,13 @@ fn photons(per_iteration: u32, radius: f32) -> Photons {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn ppm_renders_cornell() {
     check_photons(&CORNELL, Integrator::Ppm, 32, 8, photons(50_000, 0.01));
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn ppm_renders_rayleigh() {
     check_photons(&INSIDE_RAYLEIGH, Integrator::Ppm, 16, 4, photons(400_000, 0.012));
 }

@@ -287,6 +287,7 @@ fn expect_scores_within_limit(found: &[Vec<Scored>]) {
 /// Light that is scattered once is known in closed form, and paths of two segments have so little
 /// noise that what boundaries take from the optical depth would show.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn light_scattered_once_is_as_the_closed_form_says() {
     let table = &TABLES[TABLES.len() - 1];
     let csv = Csv::read(table.file);
@@ -312,11 +313,13 @@ fn light_scattered_once_is_as_the_closed_form_says() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_finds_the_light_of_slabs() {
     expect_scores_within_limit(&score_tables(Integrator::Path, 4, 16));
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_finds_the_light_of_slabs() {
     expect_scores_within_limit(&score_tables(Integrator::Bdpt, 1, 16));
 }

@@ -43,6 +43,7 @@ fn commands(text: &str) -> Vec<String> {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn the_commands_run_as_printed() {
     let here = folder("readme");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

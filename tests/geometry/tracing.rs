@@ -364,6 +364,7 @@ fn rays_that_run_alike_find_what_each_would_alone() {
 
 /// So large that several rays are on their way at once.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn rays_through_a_large_tree_find_what_each_would_alone() {
     let mesh = icosphere(8);
     let bytes = Accelerator::build(&mesh, &[]).statistics().bytes;
