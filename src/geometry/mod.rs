@@ -28,6 +28,6 @@ mod walk;
 
 pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
 pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};
-pub use offset::{offset_distance, offset_origin, reach};
+pub use offset::{offset_distance, offset_origin, offset_point, reach};
 pub use surface::{SurfaceColumns, resolve_surfaces};
 pub use walk::TraceScratch;

@@ -1,5 +1,7 @@
 //! Where a ray may leave a surface without meeting it again.
 
+use glam::Vec3;
+
 use crate::math::{Real, Vector};
 use crate::scene::baked::Bounds;
 
@@ -36,4 +38,11 @@ pub fn offset_origin<F: Real>(
     let leaves_back = geometric_normal.dot(direction).lt(F::zero());
     let signed = F::select(leaves_back, -distance, distance);
     geometric_normal.mul_add(signed, position)
+}
+
+/// [`offset_origin`] for one point.
+pub fn offset_point(position: Vec3, normal: Vec3, direction: Vec3, reach: f32) -> Vec3 {
+    let [position, normal, direction] =
+        [position, normal, direction].map(|vector| Vector::from(vector.to_array()));
+    Vec3::from_array(offset_origin(position, normal, direction, reach).into())
 }

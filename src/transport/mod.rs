@@ -41,6 +41,8 @@
 //! - **`d_vcm`, `d_vc`**: partial weights of strategies, after Georgiev's technical report.
 
 pub mod chunk;
+pub mod emission;
+pub mod flight;
 pub mod light_model;
 pub mod mis;
 pub mod sampler;

@@ -1,15 +1,15 @@
 //! Connects points of emitters straight to the sensor: what is seen directly, where no sensor
 //! path is traced.
 
+use crate::geometry::offset_point;
 use crate::math::{LANES, lanes};
 use crate::scattering::Scene;
 use crate::scattering::emission::EmissionSample;
 use crate::transport::Chunk;
+use crate::transport::emission::sample_emissions;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
-
-use super::emit_light_paths::{leave, sample_emissions};
 
 /// Connects the start of every light path to the pixel that sees it; emitters without area are
 /// not seen. `light_paths` is the number of light paths an iteration.
@@ -64,7 +64,7 @@ fn connect<const N: usize>(
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
     let segment = if sample.finite {
-        let origin = leave(sample.position, sample.normal, found.direction, scene.reach);
+        let origin = offset_point(sample.position, sample.normal, found.direction, scene.reach);
         let front = found.direction.dot(sample.normal) >= 0.0;
         let inside = scene.medium_at_emitter(sample.emitter, front);
         Segment::between(origin.to_array(), lens, inside)

@@ -1,15 +1,14 @@
 //! Starts one light path a slot.
 
-use glam::Vec3;
-
-use crate::geometry::offset_origin;
-use crate::math::{LANES, Vector, lanes};
+use crate::geometry::offset_point;
+use crate::math::LANES;
 use crate::scattering::Scene;
-use crate::scattering::emission::{EmissionSample, sample_emission};
+use crate::scattering::emission::EmissionSample;
 use crate::transport::Chunk;
+use crate::transport::emission::sample_emissions;
 use crate::transport::mis::{EmitterDensities, PartialWeights};
-use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
-use crate::transport::tables::paths::{IdentityColumns, PathTable};
+use crate::transport::sampler::{Stream, path_seed};
+use crate::transport::tables::paths::PathTable;
 
 use super::scatter_light::LightSide;
 
@@ -44,31 +43,13 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
     paths.media.start(slots);
 }
 
-/// How the paths of eight rows leave their emitters.
-pub(super) fn sample_emissions<const N: usize>(
-    identity: &IdentityColumns,
-    scene: &Scene<N>,
-    row: usize,
-) -> [EmissionSample<N>; LANES] {
-    let seed = lanes::load_u32(&identity.seed, row);
-    let iteration = lanes::load_u32(&identity.iteration, row);
-    let numbers = |purpose| draw(seed, iteration, 0, purpose).map(|u| u.to_array());
-    let [choice, _] = numbers(Purpose::EmitterOfPath);
-    let position = numbers(Purpose::EmissionPosition);
-    let direction = numbers(Purpose::EmissionDirection);
-    std::array::from_fn(|lane| {
-        let (u_position, u_direction) = (position.map(|u| u[lane]), direction.map(|u| u[lane]));
-        sample_emission(scene, choice[lane], u_position, u_direction)
-    })
-}
-
 fn start_row<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     row: usize,
     sample: &EmissionSample<N>,
     scene: &Scene<N>,
 ) {
-    let origin = leave(sample.position, sample.normal, sample.direction, scene.reach);
+    let origin = offset_point(sample.position, sample.normal, sample.direction, scene.reach);
     if paths.media.present() {
         let front = sample.direction.dot(sample.normal) >= 0.0;
         paths.media.inside[row] = scene.medium_at_emitter(sample.emitter, front);
@@ -84,11 +65,4 @@ fn start_row<const N: usize, C>(
     let &EmissionSample { direct_pdf, emission_pdf, cos_at_light, delta, .. } = sample;
     let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
     paths.mis.set_row(row, PartialWeights::from_emitter(emitter, delta));
-}
-
-/// [`offset_origin`] for one point.
-pub(super) fn leave(position: Vec3, normal: Vec3, direction: Vec3, reach: f32) -> Vec3 {
-    let [position, normal, direction] =
-        [position, normal, direction].map(|vector| Vector::from(vector.to_array()));
-    Vec3::from_array(offset_origin(position, normal, direction, reach).into())
 }

@@ -15,8 +15,8 @@ use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
-use super::fly_through_media::wavelength_of;
 use super::scatter_diffuse::Side;
+use crate::transport::flight::wavelength_of;
 
 /// Draws a new direction for the rows in media, by the phase function of the path's wavelength;
 /// the weight counts that it could have been drawn for any of them.

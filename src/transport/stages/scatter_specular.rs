@@ -15,8 +15,8 @@ use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
-use super::fly_through_media::beyond;
 use super::scatter_diffuse::Side;
+use crate::transport::flight::beyond;
 
 /// Sends the rows of all but the diffuse parts on.
 ///

@@ -7,7 +7,7 @@ use crate::scene::baked::{MaterialKind, NONE};
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::flights::FlightTable;
 
-use super::fly_through_media::step_over;
+use crate::transport::flight::step_over;
 
 /// Finds which connections are blocked, and attenuates the others.
 ///
