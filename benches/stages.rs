@@ -13,7 +13,7 @@ use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
 use sunstone::internals::transport::chunk::{ROWS, Sequence};
 use sunstone::internals::transport::stages::advance_paths::advance_paths;
-use sunstone::internals::transport::stages::collect_sensor::SensorSide;
+use sunstone::internals::transport::stages::collect_sensor::collect_sensor;
 use sunstone::internals::transport::stages::connect_to_emitters::connect_to_emitters;
 use sunstone::internals::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use sunstone::internals::transport::stages::partition_paths::partition_paths;
@@ -126,7 +126,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         bench.iter(|| {
             let directions = &sorted.rays.direction;
             let up = scene.sensor.up();
-            sorted.carriers.collect_sensor(&kernels, directions, up, &partition);
+            collect_sensor(&mut sorted.carriers, &kernels, directions, up, &partition);
             black_box(&mut sorted.carriers);
         });
     });

@@ -3,11 +3,14 @@
 
 #[path = "support/chains.rs"]
 mod chains;
+#[path = "support/vertex.rs"]
+mod vertex;
 
-use chains::{Chain, Traced, lift, trace};
+use chains::{Traced, lift, trace};
 use sunstone::internals::math::{F32s, LANES, Real, Vector};
-use sunstone::internals::polarization::{Block, Dense, Event, Kernel, LightCarrier, Rotation};
+use sunstone::internals::polarization::{Arrival, Block, Dense, Kernel, LightCarrier};
 use sunstone::internals::polarization::{SensorMatrix, SensorRow, Stokes};
+use vertex::Vertex;
 
 /// Double precision leaves a few units in the last place per event.
 const TOLERANCE_F64: f64 = 1e-12;
@@ -16,19 +19,34 @@ const TOLERANCE_F64: f64 = 1e-12;
 /// directions; relative to the chain's scalar throughput.
 const TOLERANCE_F32: f64 = 1e-5;
 
-fn scatter_all<F: Real>(light: LightCarrier<F>, events: &[Event<F>]) -> LightCarrier<F> {
-    events.iter().fold(light, LightCarrier::scatter)
+fn scatter<F: Real>(light: LightCarrier<F>, event: &Vertex<F>) -> LightCarrier<F> {
+    light.scatter(&event.arrival(light.x), event.kernel)
 }
 
-fn collect_all<F: Real>(film_x: Vector<F>, events: &[Event<F>]) -> SensorMatrix<F> {
-    events.iter().rev().fold(SensorMatrix::identity(film_x), SensorMatrix::collect)
+fn scatter_all<F: Real>(light: LightCarrier<F>, events: &[Vertex<F>]) -> LightCarrier<F> {
+    events.iter().fold(light, scatter)
+}
+
+fn collect<F: Real, K: Kernel<F>>(
+    sensor: SensorMatrix<F>,
+    event: &Vertex<F, K>,
+) -> SensorMatrix<F> {
+    sensor.collect(&event.departure(sensor.x), event.kernel)
+}
+
+fn collect_all<F: Real>(film_x: Vector<F>, events: &[Vertex<F>]) -> SensorMatrix<F> {
+    events.iter().rev().fold(SensorMatrix::identity(film_x), collect)
+}
+
+fn collect_row<F: Real>(sensor: SensorRow<F>, event: &Vertex<F>) -> SensorRow<F> {
+    sensor.collect(&event.departure(sensor.x), event.kernel)
 }
 
 /// The four rows of the sensor's matrix as four films with an analyzer would carry them.
-fn collect_rows<F: Real>(film_x: Vector<F>, events: &[Event<F>]) -> [SensorRow<F>; 4] {
+fn collect_rows<F: Real>(film_x: Vector<F>, events: &[Vertex<F>]) -> [SensorRow<F>; 4] {
     SensorMatrix::identity(film_x)
         .matrix
-        .map(|row| events.iter().rev().fold(SensorRow { row, x: film_x }, SensorRow::collect))
+        .map(|row| events.iter().rev().fold(SensorRow { row, x: film_x }, collect_row))
 }
 
 /// The film's Stokes vector over the scalar throughput, with the subpaths joined at each segment
@@ -38,8 +56,11 @@ fn split_everywhere<F: Real>(traced: &Traced<F>) -> Vec<[F; 4]> {
     for (join, &k) in traced.directions.iter().enumerate() {
         let (before, after) = traced.events.split_at(join);
         let light = scatter_all(traced.light, before);
-        measured.push(collect_all(traced.film_x, after).measure(&light, k).0);
-        measured.push(collect_rows(traced.film_x, after).map(|row| row.measure(&light, k)));
+        let meets = |x| Arrival::between(light.x, x, k);
+        let matrix = collect_all(traced.film_x, after);
+        measured.push(matrix.measure(&light, &meets(matrix.x)).0);
+        let rows = collect_rows(traced.film_x, after);
+        measured.push(rows.map(|row| row.measure(&light, &meets(row.x))));
     }
     measured
 }
@@ -78,10 +99,7 @@ fn pack(values: impl Fn(usize) -> f32) -> F32s {
 }
 
 fn pack_vector(vectors: impl Fn(usize) -> Vector<f32>) -> Vector<F32s> {
-    Vector::gather(|lane| {
-        let Vector { x, y, z } = vectors(lane);
-        [x, y, z]
-    })
+    Vector::gather(|lane| vectors(lane).into())
 }
 
 /// Eight chains side by side; the shorter ones end in events that change nothing.
@@ -90,25 +108,18 @@ fn pack_chains(lanes: &[Traced<f32>]) -> Traced<F32s> {
     let direction = |lane: &Traced<f32>, i: usize| lane.directions[i.min(lane.events.len())];
     let event = |lane: &Traced<f32>, i: usize| {
         let k = direction(lane, i);
-        let idle = Event {
-            block: Block::identity(),
-            k_in: k,
-            x_in: lane.film_x,
-            k_out: k,
-            x_out: lane.film_x,
-        };
+        let idle = Vertex { kernel: Block::identity(), x: lane.film_x, k_in: k, k_out: k };
         lane.events.get(i).copied().unwrap_or(idle)
     };
-    let packed_event = |i: usize| Event {
-        block: Block {
-            a: pack(|l| event(&lanes[l], i).block.a),
-            c: pack(|l| event(&lanes[l], i).block.c),
-            s: pack(|l| event(&lanes[l], i).block.s),
+    let packed_event = |i: usize| Vertex {
+        kernel: Block {
+            a: pack(|l| event(&lanes[l], i).kernel.a),
+            c: pack(|l| event(&lanes[l], i).kernel.c),
+            s: pack(|l| event(&lanes[l], i).kernel.s),
         },
+        x: pack_vector(|l| event(&lanes[l], i).x),
         k_in: pack_vector(|l| event(&lanes[l], i).k_in),
-        x_in: pack_vector(|l| event(&lanes[l], i).x_in),
         k_out: pack_vector(|l| event(&lanes[l], i).k_out),
-        x_out: pack_vector(|l| event(&lanes[l], i).x_out),
     };
     Traced {
         beta: pack(|l| lanes[l].beta),
@@ -148,65 +159,57 @@ fn eight_chains_side_by_side_measure_the_field() {
     assert!(worst_relative <= TOLERANCE_F32);
 }
 
-/// A depolarizer between the frames of an event.
-fn depolarizer(event: &Event<f64>) -> Event<f64, Dense<f64>> {
+/// A depolarizer in the place of an event.
+fn depolarizer(event: &Vertex<f64>) -> Vertex<f64, Dense<f64>> {
     let mut matrix = [[0.0; 4]; 4];
     matrix[0][0] = 1.0;
-    let Event { k_in, x_in, k_out, x_out, .. } = *event;
-    Event { block: Dense(matrix), k_in, x_in, k_out, x_out }
+    let Vertex { x, k_in, k_out, .. } = *event;
+    Vertex { kernel: Dense(matrix), x, k_in, k_out }
 }
 
 /// Replaces each event in turn by a depolarizer: a column and a row then say all that the full
-/// matrix says.
+/// matrix says, and so do the row and what it measures over the column's intensity.
 #[test]
 fn after_a_depolarizer_a_column_and_a_row_suffice() {
     for chain in chains::load() {
         let Traced { light, directions, events, film_x, .. } = trace::<f64>(&chain);
         for (middle, event) in events.iter().enumerate() {
             let first = collect_all(film_x, &events[middle + 1..]);
-            let full = first.collect(&depolarizer(event));
-            let full = events[..middle].iter().rev().fold(full, SensorMatrix::collect);
-            let expected = full.measure(&light, directions[0]);
+            let full = collect(first, &depolarizer(event));
+            let full = events[..middle].iter().rev().fold(full, collect);
+            let k = directions[0];
+            let expected = full.measure(&light, &Arrival::between(light.x, full.x, k));
 
-            let row = SensorRow::intensity(event.x_in);
-            let row = events[..middle].iter().rev().fold(row, SensorRow::collect);
-            let rank_one = first.depolarized().spread(row.measure(&light, directions[0]));
-            for (a, b) in rank_one.0.iter().zip(expected.0) {
-                assert!((a - b).abs() <= 1e-14);
+            let row = SensorRow::intensity(event.x);
+            let row = events[..middle].iter().rev().fold(row, collect_row);
+            let measured = row.measure(&light, &Arrival::between(light.x, row.x, k));
+            let rank_one = first.depolarized().spread(measured);
+            let (gain, column) = first.depolarized().normalized();
+            let folded = column.spread(gain * measured);
+            for ((a, b), c) in rank_one.0.iter().zip(expected.0).zip(folded.0) {
+                assert!((a - b).abs() <= 1e-14 && (c - b).abs() <= 1e-14);
             }
             let scattered = scatter_all(light, &events[..middle]).depolarized();
-            assert!((row.measure(&light, directions[0]) - scattered).abs() <= 1e-14);
+            assert!((measured - scattered).abs() <= 1e-14);
         }
     }
 }
 
+/// Carriers that hold nothing yet need not be multiplied.
 #[test]
-fn the_first_event_has_a_shorter_form() {
+fn first_events_have_a_shorter_form() {
     for chain in chains::load() {
-        let Traced { events, film_x, .. } = trace::<f64>(&chain);
+        let Traced { light, events, film_x, .. } = trace::<f64>(&chain);
         let event = events.last().expect("chains have events");
-        let expected = collect_all(film_x, std::slice::from_ref(event)).matrix;
-        let rotation = Rotation::between(event.x_out, film_x, event.k_out);
-        let short = event.block.first_event(rotation);
-        for (a, b) in short.as_flattened().iter().zip(expected.as_flattened()) {
+        let expected = collect(SensorMatrix::identity(film_x), event);
+        let short = SensorMatrix::first_event(&event.departure(film_x), event.kernel);
+        for (a, b) in short.matrix.as_flattened().iter().zip(expected.matrix.as_flattened()) {
             assert!((a - b).abs() <= 1e-15);
         }
+        assert_eq!(short.x, expected.x);
+        let expected = collect_row(SensorRow::intensity(film_x), event);
+        assert_eq!(SensorRow::first_event(event.kernel, event.x), expected);
+        let expected = scatter(LightCarrier::unpolarized(light.x), event);
+        assert_eq!(LightCarrier::first_event(event.kernel, event.x), expected);
     }
-}
-
-/// The pieces that a renderer with several wavelengths calls with shared rotations.
-#[test]
-fn pieces_compose_to_the_carriers() {
-    let chain: &Chain = &chains::load()[1];
-    let Traced { light, events, film_x, .. } = trace::<f64>(chain);
-    let event = &events[0];
-    let rotation = Rotation::between(light.x, event.x_in, event.k_in);
-    let stokes = event.block.scatter(rotation.apply(light.stokes));
-    assert_eq!(stokes, light.scatter(event).stokes);
-    assert_eq!(rotation.inverse(), Rotation::between(event.x_in, light.x, event.k_in));
-
-    let sensor = collect_all(film_x, &events[1..]);
-    let rotation = Rotation::between(event.x_out, sensor.x, event.k_out);
-    let matrix = event.block.collect_columns(rotation.collect_matrix(sensor.matrix));
-    assert_eq!(matrix, sensor.collect(event).matrix);
 }

@@ -5,11 +5,12 @@ use crate::scattering::Scene;
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
+use crate::transport::stages::depolarize_light::depolarize_light;
 use crate::transport::stages::emit_light_paths::emit_light_paths;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::gather_connections::splat_connections;
 use crate::transport::stages::scatter_diffuse::Side;
-use crate::transport::stages::scatter_light::LightSide;
+use crate::transport::stages::scatter_light::scatter_light;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
@@ -97,7 +98,7 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
         }
     });
     w.profile.time(Stage::Mueller, || {
-        sorted.carriers.depolarize_light(&mut sorted.beta, &w.partition);
+        depolarize_light(&mut sorted.carriers, &mut sorted.beta, &w.partition);
     });
 }
 
@@ -114,7 +115,7 @@ pub fn depart<const N: usize, M: LightModel<N>>(
         scatter::<N, M, _>(drawn, kernels, paths, &w.surfaces, scene, &w.partition, bounce);
     });
     w.profile.time(Stage::Mueller, || {
-        paths.carriers.scatter_light(kernels, &paths.rays.direction, &w.partition);
+        scatter_light(&mut paths.carriers, kernels, &paths.rays.direction, &w.partition);
     });
     w.profile.time(Stage::Advance, || advance_paths(paths, drawn, &w.surfaces, scene.reach));
     w.light.swap(0, 1);

@@ -7,8 +7,9 @@ use crate::scattering::event::Event;
 use crate::scattering::{Met, Scene};
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::collect_emission::collect_emission;
-use crate::transport::stages::collect_sensor::SensorSide;
+use crate::transport::stages::collect_sensor::collect_sensor;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
+use crate::transport::stages::depolarize_sensor::depolarize_sensor;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::gather_connections::gather_connections;
 use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
@@ -81,7 +82,7 @@ pub fn arrive<const N: usize, M: LightModel<N>>(
         }
     });
     w.profile.time(Stage::Mueller, || {
-        sorted.carriers.depolarize_sensor(&mut sorted.beta, &w.partition);
+        depolarize_sensor(&mut sorted.carriers, &mut sorted.beta, &w.partition);
     });
 }
 
@@ -155,7 +156,7 @@ pub fn depart<const N: usize, M: LightModel<N>>(
     });
     w.profile.time(Stage::Mueller, || {
         let (directions, up) = (&paths.rays.direction, scene.sensor.up());
-        paths.carriers.collect_sensor(kernels, directions, up, &w.partition);
+        collect_sensor(&mut paths.carriers, kernels, directions, up, &w.partition);
     });
     w.profile.time(Stage::Advance, || advance_paths(paths, drawn, &w.surfaces, scene.reach));
     w.sensor.swap(0, 1);

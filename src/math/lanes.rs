@@ -9,6 +9,8 @@
 
 use wide::{f32x8, i16x8, i32x8, u32x8};
 
+use super::Real;
+
 /// Rows that one instruction of a stage works on.
 pub const LANES: usize = 8;
 
@@ -17,6 +19,26 @@ pub type F32s = f32x8;
 
 /// Eight rows of a column of identifiers, bits or counters.
 pub type U32s = u32x8;
+
+/// Numbers that a column of floats yields: one row, or eight from it on.
+pub trait FromColumn: Real {
+    /// Reads at `row`, and from there on.
+    fn load(column: &[f32], row: usize) -> Self;
+}
+
+impl FromColumn for f32 {
+    #[inline(always)]
+    fn load(column: &[f32], row: usize) -> Self {
+        column[row]
+    }
+}
+
+impl FromColumn for F32s {
+    #[inline(always)]
+    fn load(column: &[f32], row: usize) -> Self {
+        load(column, row)
+    }
+}
 
 /// Reads the eight rows from `row` on. Columns are padded by [`LANES`], so a tail reads garbage
 /// that [`store`] never writes back.
@@ -35,6 +57,13 @@ pub fn store(column: &mut [f32], row: usize, end: usize, value: F32s) {
     } else {
         column[row..end].copy_from_slice(&lanes[..end - row]);
     }
+}
+
+/// Multiplies the rows from `row` to `end` (exclusive), at most eight.
+#[inline(always)]
+pub fn scale(column: &mut [f32], row: usize, end: usize, factor: F32s) {
+    let product = load(column, row) * factor;
+    store(column, row, end, product);
 }
 
 /// [`load`] for identifiers.

@@ -6,48 +6,87 @@
 //! | sensor | [`SensorMatrix`], [`SensorRow`] | `collect` | `T <- T R M`: the kernel on the right |
 //! | both | | `measure` | `T R S` where the subpaths meet |
 //!
+//! Everything here is of one wavelength. Frames are the same for all of them, and so are the
+//! rotations `R` between frames: [`Arrival`] and [`Departure`] are prepared once per vertex and
+//! used for every wavelength.
+//!
 //! The sides are different types because exchanging them is silent otherwise:
 //!
 //! ```compile_fail,E0599
-//! use sunstone::internals::polarization::{Event, SensorRow};
-//! fn wrong(sensor: SensorRow<f32>, event: &Event<f32>) -> SensorRow<f32> {
-//!     sensor.scatter(event)
+//! use sunstone::internals::polarization::{Arrival, Block, SensorRow};
+//! fn wrong(sensor: SensorRow<f32>, event: &Arrival<f32>, block: Block<f32>) -> SensorRow<f32> {
+//!     sensor.scatter(event, block)
 //! }
 //! ```
 //!
 //! ```compile_fail,E0599
-//! use sunstone::internals::polarization::{Event, LightCarrier};
-//! fn wrong(light: LightCarrier<f32>, event: &Event<f32>) -> LightCarrier<f32> {
-//!     light.collect(event)
+//! use sunstone::internals::polarization::{Block, Departure, LightCarrier};
+//! fn wrong(light: LightCarrier<f32>, event: &Departure<f32>, block: Block<f32>) {
+//!     light.collect(event, block);
+//! }
+//! ```
+//!
+//! ```compile_fail,E0308
+//! use sunstone::internals::polarization::{Arrival, Block, SensorRow};
+//! fn wrong(sensor: SensorRow<f32>, event: &Arrival<f32>, block: Block<f32>) -> SensorRow<f32> {
+//!     sensor.collect(event, block)
 //! }
 //! ```
 //!
 //! ```
-//! use sunstone::internals::polarization::{Event, LightCarrier, SensorRow};
-//! fn right(light: LightCarrier<f32>, sensor: SensorRow<f32>, event: &Event<f32>) -> f32 {
-//!     sensor.measure(&light.scatter(event), event.k_out)
+//! use sunstone::internals::math::Vector;
+//! use sunstone::internals::polarization::{Arrival, Block, Departure, LightCarrier, SensorRow};
+//! fn right(light: LightCarrier<f32>, sensor: SensorRow<f32>, block: Block<f32>) -> [f32; 2] {
+//!     let (x, k) = (Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 0.0, 1.0));
+//!     let scattered = light.scatter(&Arrival::between(light.x, x, k), block);
+//!     let collected = sensor.collect(&Departure::between(x, sensor.x, k), block);
+//!     let behind = sensor.measure(&scattered, &Arrival::between(scattered.x, sensor.x, k));
+//!     let before = collected.measure(&light, &Arrival::between(light.x, collected.x, k));
+//!     [behind, before]
 //! }
+//! let x = Vector::new(0.0, 1.0, 0.0);
+//! let block = Block { a: 0.5, c: 0.8, s: 0.1 };
+//! let [behind, before] = right(LightCarrier::unpolarized(x), SensorRow::intensity(x), block);
+//! assert_eq!(behind, before);
 //! ```
 
 use super::frame::Rotation;
-use super::kernel::{Block, Kernel, dot};
+use super::kernel::{Kernel, dot};
 use super::stokes::Stokes;
 use crate::math::{Real, Vector};
 
-/// A vertex of a path: a kernel and its two frames. Directions are unit vectors along the light's
-/// travel, whichever side samples them; axes are unit vectors perpendicular to them.
+/// How light comes into a new frame about its direction: that of the event that it arrives at, of
+/// the sensor subpath that measures it, or of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event<F, K = Block<F>> {
-    /// The kernel relative to its `M00`.
-    pub block: K,
-    /// Direction of the light before the event.
-    pub k_in: Vector<F>,
-    /// Reference axis of the kernel before the event.
-    pub x_in: Vector<F>,
-    /// Direction of the light after the event.
-    pub k_out: Vector<F>,
-    /// Reference axis of the kernel after the event.
-    pub x_out: Vector<F>,
+pub struct Arrival<F> {
+    rotation: Rotation<F>,
+    x: Vector<F>,
+}
+
+impl<F: Real> Arrival<F> {
+    /// From the light's own axis to another, for light along the unit vector `k`. As for
+    /// [`Rotation::between`], neither axis need be of unit length or exactly perpendicular.
+    #[inline(always)]
+    pub fn between(x_light: Vector<F>, x_new: Vector<F>, k: Vector<F>) -> Self {
+        Self { rotation: Rotation::between(x_light, x_new, k), x: x_new }
+    }
+}
+
+/// How light leaves an event into the frame of the sensor subpath that this event extends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departure<F> {
+    rotation: Rotation<F>,
+    /// The event's axis.
+    x: Vector<F>,
+}
+
+impl<F: Real> Departure<F> {
+    /// From the event's axis to the subpath's, for light that leaves the event along the unit
+    /// vector `k`.
+    #[inline(always)]
+    pub fn between(x_event: Vector<F>, x_sensor: Vector<F>, k: Vector<F>) -> Self {
+        Self { rotation: Rotation::between(x_event, x_sensor, k), x: x_event }
+    }
 }
 
 /// Light on its way from an emitter, relative to the scalar throughput of its subpath.
@@ -66,11 +105,28 @@ impl<F: Real> LightCarrier<F> {
         Self { stokes: Stokes::unpolarized(), x }
     }
 
-    /// The light after the event.
+    /// [`LightCarrier::unpolarized`] light after an event whose axis is `x`.
     #[inline(always)]
-    pub fn scatter<K: Kernel<F>>(self, event: &Event<F, K>) -> Self {
-        let rotation = Rotation::between(self.x, event.x_in, event.k_in);
-        Self { stokes: event.block.scatter(rotation.apply(self.stokes)), x: event.x_out }
+    pub fn first_event<K: Kernel<F>>(kernel: K, x: Vector<F>) -> Self {
+        Self { stokes: kernel.first_stokes(), x }
+    }
+
+    /// The same light in another frame.
+    #[inline(always)]
+    pub fn turned(self, arrival: &Arrival<F>) -> Self {
+        Self { stokes: arrival.rotation.apply(self.stokes), x: arrival.x }
+    }
+
+    /// The light after an event in whose frame it already is.
+    #[inline(always)]
+    pub fn pass<K: Kernel<F>>(self, kernel: K) -> Self {
+        Self { stokes: kernel.scatter(self.stokes), x: self.x }
+    }
+
+    /// The light after the event at which it arrives.
+    #[inline(always)]
+    pub fn scatter<K: Kernel<F>>(self, arrival: &Arrival<F>, kernel: K) -> Self {
+        self.turned(arrival).pass(kernel)
     }
 
     /// What a depolarizer leaves: the factor by which polarization changed the intensity.
@@ -103,18 +159,23 @@ impl<F: Real> SensorMatrix<F> {
         Self { matrix: std::array::from_fn(|i| std::array::from_fn(|j| one_at(i, j))), x }
     }
 
-    /// The subpath, longer by the event at its end.
+    /// The [`SensorMatrix::identity`], longer by its first event.
     #[inline(always)]
-    pub fn collect<K: Kernel<F>>(self, event: &Event<F, K>) -> Self {
-        let rotation = Rotation::between(event.x_out, self.x, event.k_out);
-        let matrix = event.block.collect_columns(rotation.collect_matrix(self.matrix));
-        Self { matrix, x: event.x_in }
+    pub fn first_event<K: Kernel<F>>(departure: &Departure<F>, kernel: K) -> Self {
+        Self { matrix: kernel.first_event(departure.rotation), x: departure.x }
     }
 
-    /// The film's Stokes vector of light that travels along `k` into the subpath's end.
+    /// The subpath, longer by the event at its end.
     #[inline(always)]
-    pub fn measure(&self, light: &LightCarrier<F>, k: Vector<F>) -> Stokes<F> {
-        let Stokes(stokes) = Rotation::between(light.x, self.x, k).apply(light.stokes);
+    pub fn collect<K: Kernel<F>>(self, departure: &Departure<F>, kernel: K) -> Self {
+        let matrix = kernel.collect_columns(departure.rotation.collect_matrix(self.matrix));
+        Self { matrix, x: departure.x }
+    }
+
+    /// The film's Stokes vector of light that arrives in the frame of the subpath's end.
+    #[inline(always)]
+    pub fn measure(&self, light: &LightCarrier<F>, arrival: &Arrival<F>) -> Stokes<F> {
+        let Stokes(stokes) = light.turned(arrival).stokes;
         Stokes(self.matrix.map(|row| dot(row, stokes)))
     }
 
@@ -132,6 +193,15 @@ impl<F: Real> SensorMatrix<F> {
 pub struct SensorColumn<F>(pub Stokes<F>);
 
 impl<F: Real> SensorColumn<F> {
+    /// The intensity on the film, and the column relative to it.
+    #[inline(always)]
+    pub fn normalized(self) -> (F, Self) {
+        let Stokes([c0, c1, c2, c3]) = self.0;
+        // Where no light can pass, the direction of nothing is nothing.
+        let inverse = F::select(c0.gt(F::zero()), F::one() / c0, F::zero());
+        (c0, Self(Stokes([F::one(), c1 * inverse, c2 * inverse, c3 * inverse])))
+    }
+
     /// The film's Stokes vector, from what the [`SensorRow`] of the same subpath measured.
     #[inline(always)]
     pub fn spread(self, measured: F) -> Stokes<F> {
@@ -156,17 +226,23 @@ impl<F: Real> SensorRow<F> {
         Self { row: Stokes::unpolarized().0, x }
     }
 
-    /// The subpath, longer by the event at its end.
+    /// The [`SensorRow::intensity`], longer by a first event whose axis is `x`.
     #[inline(always)]
-    pub fn collect<K: Kernel<F>>(self, event: &Event<F, K>) -> Self {
-        let rotation = Rotation::between(event.x_out, self.x, event.k_out);
-        Self { row: event.block.collect_row(rotation.collect_row(self.row)), x: event.x_in }
+    pub fn first_event<K: Kernel<F>>(kernel: K, x: Vector<F>) -> Self {
+        Self { row: kernel.first_row(), x }
     }
 
-    /// What the film measures of light that travels along `k` into the subpath's end.
+    /// The subpath, longer by the event at its end.
     #[inline(always)]
-    pub fn measure(&self, light: &LightCarrier<F>, k: Vector<F>) -> F {
-        let Stokes(stokes) = Rotation::between(light.x, self.x, k).apply(light.stokes);
+    pub fn collect<K: Kernel<F>>(self, departure: &Departure<F>, kernel: K) -> Self {
+        let row = kernel.collect_row(departure.rotation.collect_row(self.row));
+        Self { row, x: departure.x }
+    }
+
+    /// What the film measures of light that arrives in the frame of the subpath's end.
+    #[inline(always)]
+    pub fn measure(&self, light: &LightCarrier<F>, arrival: &Arrival<F>) -> F {
+        let Stokes(stokes) = light.turned(arrival).stokes;
         dot(self.row, stokes)
     }
 

@@ -12,6 +12,18 @@ pub trait Kernel<F: Real>: Copy {
     /// `r M`: one row of the sensor's matrix, extended by the event towards the light.
     fn collect_row(self, row: [F; 4]) -> [F; 4];
 
+    /// `M e0`: unpolarized light that has passed the event.
+    #[inline(always)]
+    fn first_stokes(self) -> Stokes<F> {
+        self.scatter(Stokes::unpolarized())
+    }
+
+    /// `e0^T M`: a sensor of intensity in front of the event.
+    #[inline(always)]
+    fn first_row(self) -> [F; 4] {
+        self.collect_row(Stokes::unpolarized().0)
+    }
+
     /// `T M`: the sensor's whole matrix `matrix[row][column]`, extended by the event.
     #[inline(always)]
     fn collect_columns(self, matrix: [[F; 4]; 4]) -> [[F; 4]; 4] {
@@ -87,6 +99,16 @@ impl<F: Real> Kernel<F> for Block<F> {
         ]
     }
 
+    #[inline(always)]
+    fn first_stokes(self) -> Stokes<F> {
+        Stokes([F::one(), self.a, F::zero(), F::zero()])
+    }
+
+    #[inline(always)]
+    fn first_row(self) -> [F; 4] {
+        [F::one(), self.a, F::zero(), F::zero()]
+    }
+
     /// Four of the sixteen elements are zero and none needs an addition.
     #[inline(always)]
     fn first_event(self, rotation: Rotation<F>) -> [[F; 4]; 4] {
@@ -141,6 +163,16 @@ impl<F: Real> Kernel<F> for SpheroidBlock<F> {
         ]
     }
 
+    #[inline(always)]
+    fn first_stokes(self) -> Stokes<F> {
+        Stokes([F::one(), self.a, F::zero(), F::zero()])
+    }
+
+    #[inline(always)]
+    fn first_row(self) -> [F; 4] {
+        [F::one(), self.a, F::zero(), F::zero()]
+    }
+
     /// As sparse as that of a [`Block`].
     #[inline(always)]
     fn first_event(self, rotation: Rotation<F>) -> [[F; 4]; 4] {
@@ -174,10 +206,8 @@ impl<F: Real> Kernel<F> for Dense<F> {
     }
 }
 
-/// Inner product of four components.
+/// Inner product of four components, from the first to the last.
 #[inline(always)]
 pub(super) fn dot<F: Real>(row: [F; 4], column: [F; 4]) -> F {
-    let low = row[0].mul_add(column[0], row[1] * column[1]);
-    let high = row[2].mul_add(column[2], row[3] * column[3]);
-    low + high
+    row[0] * column[0] + row[1] * column[1] + row[2] * column[2] + row[3] * column[3]
 }

@@ -32,7 +32,7 @@ pub mod particles;
 pub mod rayleigh;
 pub mod stokes;
 
-pub use carrier::{Event, LightCarrier, SensorColumn, SensorMatrix, SensorRow};
+pub use carrier::{Arrival, Departure, LightCarrier, SensorColumn, SensorMatrix, SensorRow};
 pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{
     Interface, conductor, conductor_reflectance, dielectric, dielectric_reflectance,

@@ -1,8 +1,7 @@
 //! Scalar or polarized: the one choice that decides which carriers exist, made once at the top
 //! and compiled into every stage.
 
-use super::stages::collect_sensor::SensorSide;
-use super::stages::scatter_light::LightSide;
+use super::sides::{LightSide, SensorSide};
 use super::tables::carriers::{LightCarriers, SensorCarriers};
 
 /// What light is made of.

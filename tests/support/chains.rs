@@ -1,13 +1,15 @@
 //! Chains of events traced elsewhere as electric fields in three dimensions, read from
-//! `tests/data/chains/chains.json`, and their translation into events of this crate.
+//! `tests/data/chains/chains.json`, and their translation into kernels of this crate.
 
 use serde::Deserialize;
 use sunstone::internals::math::{Real, Vector};
 use sunstone::internals::polarization::elements::{polarizer_block, retarder_block};
 use sunstone::internals::polarization::mie::MieSphere;
 use sunstone::internals::polarization::rayleigh::rayleigh;
-use sunstone::internals::polarization::{Block, Event, LightCarrier, Stokes};
+use sunstone::internals::polarization::{Block, LightCarrier, Stokes};
 use sunstone::internals::polarization::{conductor, dielectric, film_axis, s_axis};
+
+use super::vertex::Vertex;
 
 /// One chain from a light to a camera.
 #[derive(Deserialize)]
@@ -41,7 +43,7 @@ pub struct Traced<F> {
     pub light: LightCarrier<F>,
     /// The direction of every segment, one more than there are events.
     pub directions: Vec<Vector<F>>,
-    pub events: Vec<Event<F>>,
+    pub events: Vec<Vertex<F>>,
     pub film_x: Vector<F>,
 }
 
@@ -103,20 +105,20 @@ impl Step {
     }
 
     /// `M00` and the event.
-    fn event<F: Real>(&self, k_in: [f64; 3], k_out: [f64; 3]) -> (F, Event<F>) {
+    fn event<F: Real>(&self, k_in: [f64; 3], k_out: [f64; 3]) -> (F, Vertex<F>) {
         let cos_theta = dot(k_in, k_out);
         let (k_in, k_out) = (lift::<F>(k_in), lift::<F>(k_out));
-        let ((m00, block), x) = match *self {
+        let ((m00, kernel), x) = match *self {
             Step::Reflect { n_i, n_t, k_t, normal } => {
                 let normal = lift::<F>(normal);
                 let (cos_i, eta) = (-normal.dot(k_in), F::splat(n_t / n_i));
-                let kernel = if k_t == 0.0 {
+                let reflection = if k_t == 0.0 {
                     let interface = dielectric(cos_i, eta);
                     (interface.reflectance, interface.reflection)
                 } else {
                     conductor(cos_i, eta, F::splat(k_t / n_i))
                 };
-                (kernel, s_axis(normal, k_in))
+                (reflection, s_axis(normal, k_in))
             }
             Step::Transmit { n_i, n_t, normal } => {
                 let normal = lift::<F>(normal);
@@ -133,7 +135,7 @@ impl Step {
                 (lift_block((1.0, retarder_block(retardance.to_degrees()))), lift(axis))
             }
         };
-        (m00, Event { block, k_in, x_in: x, k_out, x_out: x })
+        (m00, Vertex { kernel, x, k_in, k_out })
     }
 }
 

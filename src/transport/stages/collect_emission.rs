@@ -10,11 +10,11 @@ use crate::scattering::Scene;
 use crate::scattering::emission::{MetEmission, met_emission};
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
+use crate::transport::measure::measure_unpolarized;
 use crate::transport::mis::{self, EmitterDensities};
+use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
 use crate::transport::tables::paths::PathTable;
-
-use super::collect_sensor::SensorSide;
 
 /// Adds what the rows see of emitters after `path_length` segments.
 ///
@@ -53,6 +53,6 @@ pub fn collect_emission<const N: usize, C: SensorSide<N>>(
         };
         let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * weight);
         let slot = paths.identity.slot[row] as usize;
-        paths.carriers.measure_unpolarized(measured, row, slot, value);
+        measure_unpolarized(measured, &paths.carriers, (row, slot), value);
     }
 }

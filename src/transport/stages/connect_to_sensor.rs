@@ -192,8 +192,8 @@ pub(super) fn departing_states<const N: usize, M: LightModel<N>>(
         for lane in (0..live).filter(|&lane| mask[lane] != 0) {
             let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
             states[lane] = Some(match vertices.state[row + lane] {
-                NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
-                state => vertices.states[state as usize].scattered(&kernels[lane], axis, k_in),
+                NONE => LightState::first_event(&kernels[lane], axis),
+                state => vertices.states[state as usize].scatter(&kernels[lane], axis, k_in),
             });
         }
     });

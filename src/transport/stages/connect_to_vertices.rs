@@ -136,8 +136,8 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
                     continue;
                 }
                 Some(state) => {
-                    for (value, s0) in value.iter_mut().zip(&state.stokes[0]) {
-                        *value *= s0;
+                    for (n, value) in value.iter_mut().enumerate() {
+                        *value *= state.at(n).depolarized();
                     }
                 }
                 None => {}

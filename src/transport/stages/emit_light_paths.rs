@@ -8,9 +8,8 @@ use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
 use crate::transport::mis::{EmitterDensities, PartialWeights};
 use crate::transport::sampler::{Stream, path_seed};
+use crate::transport::sides::LightSide;
 use crate::transport::tables::paths::PathTable;
-
-use super::scatter_light::LightSide;
 
 /// Starts the light paths of a chunk, as many as its slots.
 ///
@@ -26,7 +25,9 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
 ) {
     let slots = chunk.slots();
     paths.len = slots;
-    paths.carriers.emit_unpolarized(slots);
+    if let Some(carriers) = paths.carriers.columns_mut() {
+        carriers.start_at_emitters(slots);
+    }
     for row in (0..slots).step_by(LANES) {
         let end = slots.min(row + LANES);
         for slot in row..end {

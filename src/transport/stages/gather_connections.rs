@@ -10,12 +10,12 @@ use crate::scattering::medium::{PhaseFunction, PhaseLookup, half_sine2};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;
+use crate::transport::measure::{measure_polarized, measure_unpolarized};
+use crate::transport::sides::SensorSide;
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::measured::{Measured, PolarizedSplat, Splats};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::{LightState, kernels_of_lanes};
-
-use super::collect_sensor::SensorSide;
 
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
@@ -42,7 +42,8 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
         if connections.blocked[index] == 0 {
             let row = connections.target[index] as usize;
             let slot = paths.identity.slot[row] as usize;
-            paths.carriers.measure_unpolarized(measured, row, slot, connections.value[index]);
+            let value = connections.value[index];
+            measure_unpolarized(measured, &paths.carriers, (row, slot), value);
         }
     }
 }
@@ -71,13 +72,14 @@ fn gather_scattered<const N: usize, C: SensorSide<N>>(
         }
         let (axis, k_in) = (axis[lane].into(), k_in[lane].into());
         let light = match connections.state[index] {
-            NONE => LightState::scattered_unpolarized(&kernels[lane], axis),
-            state => connections.states[state as usize].scattered(&kernels[lane], axis, k_in),
+            NONE => LightState::first_event(&kernels[lane], axis),
+            state => connections.states[state as usize].scatter(&kernels[lane], axis, k_in),
         };
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
         let along = (k_out[lane].into(), film_up);
-        paths.carriers.measure_polarized(measured, place, connections.value[index], &light, along);
+        let value = connections.value[index];
+        measure_polarized(measured, &paths.carriers, place, value, &light, along);
     }
 }
 
@@ -91,10 +93,13 @@ pub fn splat_connections<const N: usize>(splats: &mut Splats<N>, connections: &C
         match connections.state[index] {
             NONE => splats.push(pixel, value),
             state => {
-                let mut stokes = connections.states[state as usize].stokes;
-                for component in &mut stokes {
-                    for (component, value) in component.iter_mut().zip(&value) {
-                        *component *= value;
+                let light = &connections.states[state as usize];
+                let mut stokes = [[0.0; N]; 4];
+                for (n, &value) in value.iter().enumerate() {
+                    for (stokes, component) in
+                        stokes.iter_mut().zip(light.stokes[n].scaled(value).0)
+                    {
+                        stokes[n] = component;
                     }
                 }
                 splats.polarized.push(PolarizedSplat { pixel, stokes });

@@ -5,9 +5,8 @@ use crate::scattering::Scene;
 use crate::transport::Chunk;
 use crate::transport::mis::PartialWeights;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
+use crate::transport::sides::SensorSide;
 use crate::transport::tables::paths::PathTable;
-
-use super::collect_sensor::SensorSide;
 
 /// Starts the sensor paths of a chunk. `light_paths` is the number of light paths an iteration,
 /// what connections to the sensor are weighed by (0: there are none), `components` how many Stokes
@@ -25,7 +24,9 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     let slots = chunk.slots();
     let sensor = &scene.sensor;
     paths.len = slots;
-    paths.carriers.start_at_film(slots, components);
+    if let Some(carriers) = paths.carriers.columns_mut() {
+        carriers.start_at_film(slots, components);
+    }
     for channel in &mut paths.beta {
         channel[..slots].fill(1.0);
     }

@@ -6,13 +6,14 @@ use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::polarization::kernel::Kernel;
-use crate::polarization::{Rotation, Stokes};
+use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::event::Event;
 use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, half_sine2};
 use crate::scattering::vertex::VertexLanes;
 use crate::scattering::{Met, Scene};
 use crate::transport::LightModel;
+use crate::transport::measure::{measure_polarized, measure_unpolarized};
+use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
@@ -21,7 +22,6 @@ use crate::transport::tables::photon_queries::QueryOrder;
 use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTable};
 use crate::transport::tables::states::LightState;
 
-use super::collect_sensor::SensorSide;
 use super::connect_to_vertices::on_surface;
 
 /// Merges the rows `rows`, which have met `event`, with the photons of their map whose paths have
@@ -117,7 +117,7 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
             *value = beta * factor(n) * sums[n].reduce_add();
         }
         let slot = self.paths.identity.slot[row] as usize;
-        self.paths.carriers.measure_unpolarized(self.measured, row, slot, value);
+        measure_unpolarized(self.measured, &self.paths.carriers, (row, slot), value);
     }
 }
 
@@ -337,7 +337,7 @@ struct Polarizing<'a, const N: usize, const COMMON: bool, C> {
 /// of `axis_out`.
 #[inline(always)]
 fn add_polarized<const N: usize, const COMMON: bool>(
-    sums: &mut [[F32s; N]; 4],
+    sums: &mut [Stokes<F32s>; N],
     table: &PhaseLookup<N>,
     photons: &PhotonTable<N>,
     (k_out, axis_out): (Vector<F32s>, Vector<F32s>),
@@ -347,19 +347,20 @@ fn add_polarized<const N: usize, const COMMON: bool>(
     let (phase, kernels) = table.values_and_kernels(half_sine2(k_in, k_out));
     // Its length does not matter, and where it vanishes, forwards, no turn is needed.
     let axis = k_in.cross(k_out);
-    let turn_in = Rotation::between(k_in.any_perpendicular(), axis, k_in);
-    let turn_out = Rotation::between(axis, axis_out, k_out);
+    let x = k_in.any_perpendicular();
+    let arrival = Arrival::between(x, axis, k_in);
+    let to_sums = Arrival::between(axis, axis_out, k_out);
     let arrived = |n: usize| {
         let [s1, s2, s3] = photons.states_of(rows, n);
-        turn_in.apply(Stokes([F32s::splat(1.0), s1, s2, s3]))
+        LightCarrier { stokes: Stokes([F32s::splat(1.0), s1, s2, s3]), x }.turned(&arrival)
     };
     let common = arrived(0);
-    for n in 0..N {
+    for (n, Stokes(sums)) in sums.iter_mut().enumerate() {
         let light = if COMMON || n == 0 { common } else { arrived(n) };
-        let Stokes(scattered) = turn_out.apply(kernels[n].scatter(light));
+        let Stokes(scattered) = light.pass(kernels[n]).turned(&to_sums).stokes;
         let power = within & (photons.power_of(rows, n) * phase[n]);
-        for (sums, &component) in sums.iter_mut().zip(&scattered) {
-            sums[n] = power.mul_add(component, sums[n]);
+        for (sum, &component) in sums.iter_mut().zip(&scattered) {
+            *sum = power.mul_add(component, *sum);
         }
     }
 }
@@ -367,12 +368,12 @@ fn add_polarized<const N: usize, const COMMON: bool>(
 impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
     for Polarizing<'_, N, COMMON, C>
 {
-    type State = VolumeState<[[F32s; N]; 4]>;
+    type State = VolumeState<[Stokes<F32s>; N]>;
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
-        let sums = [[F32s::splat(0.0); N]; 4];
+        let sums = [Stokes([F32s::splat(0.0); 4]); N];
         let axis = k_out.any_perpendicular();
         VolumeState { sums, pending: Pending::default(), k_out, axis }
     }
@@ -406,15 +407,16 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
             let beta = gather.paths.beta[n][row] * gather.per_volume;
             *value = beta * per_scattering(self.medium, n);
         }
-        let mut stokes = [[0.0; N]; 4];
-        for (stokes, sums) in stokes.iter_mut().zip(&sums) {
-            for (stokes, sum) in stokes.iter_mut().zip(sums) {
-                *stokes = sum.reduce_add();
-            }
-        }
-        let light = LightState { stokes, axis: axis.lane(0) };
+        let light = LightState { stokes: sums.map(total), x: axis.lane(0) };
         let place = (row, gather.paths.identity.slot[row] as usize);
         let along = (k_out.lane(0), gather.scene.sensor.up());
-        gather.paths.carriers.measure_polarized(gather.measured, place, value, &light, along);
+        let carriers = &gather.paths.carriers;
+        measure_polarized(gather.measured, carriers, place, value, &light, along);
     }
+}
+
+/// The sum over the lanes.
+#[inline(always)]
+fn total(Stokes([s0, s1, s2, s3]): Stokes<F32s>) -> Stokes<f32> {
+    Stokes([s0.reduce_add(), s1.reduce_add(), s2.reduce_add(), s3.reduce_add()])
 }

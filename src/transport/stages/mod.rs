@@ -7,6 +7,8 @@ pub mod connect_emission;
 pub mod connect_to_emitters;
 pub mod connect_to_sensor;
 pub mod connect_to_vertices;
+pub mod depolarize_light;
+pub mod depolarize_sensor;
 pub mod emit_light_paths;
 pub mod fly_through_media;
 pub mod gather_connections;

@@ -26,7 +26,7 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
         let bits = paths.beta.iter().fold(0, |bits, beta| bits | (beta[row].to_bits() << 1));
         let event = scene.event_hit(hits.primitive[row]);
         let event = if bits == 0 { END } else { event };
-        (event, paths.carriers.class(row))
+        (event, paths.carriers.place_of_class(row))
     });
     sorted.gather(paths, partition);
     let order = &partition.order;

@@ -8,11 +8,13 @@ use crate::scattering::diffuse::BRDF;
 use crate::scattering::event::Event;
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
+use crate::transport::sides::LightSide;
+use crate::transport::tables::carriers::LightCarriers;
 use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::VertexTable;
 
 use super::scatter_diffuse::MaterialLanes;
-use super::scatter_light::LightSide;
 
 /// Appends the rows `rows`, which have met `event`.
 ///
@@ -47,7 +49,8 @@ pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     }
     let volume = if let Met::Medium(medium) = event.met { medium } else { NONE };
     vertices.volume[start..end].fill(volume);
-    paths.carriers.keep_states(&mut vertices.states, &mut vertices.state[start..end], rows);
+    let (states, place) = (&mut vertices.states, &mut vertices.state[start..end]);
+    keep_states(states, place, paths.carriers.columns(), rows);
     vertices.len = end;
 }
 
@@ -73,4 +76,24 @@ fn store_power<const N: usize, C>(
         lanes::store(&mut vertices.power[n], to, end, power);
     }
     lanes::store(&mut vertices.two_sided, to, end, two_sided);
+}
+
+/// Appends the states of the rows that are polarized; `place` of each row is where its state went,
+/// or `NONE`.
+fn keep_states<const N: usize>(
+    states: &mut Vec<LightState<N>>,
+    place: &mut [u32],
+    carriers: Option<&LightCarriers<N>>,
+    rows: Range<usize>,
+) {
+    let Some(carriers) = carriers else { return place.fill(NONE) };
+    for (place, row) in place.iter_mut().zip(rows) {
+        if !carriers.class[row].has_stokes() {
+            *place = NONE;
+            continue;
+        }
+        *place = states.len() as u32;
+        let x = lanes::row_of(&carriers.axis, row).into();
+        states.push(LightState::of_wavelengths(x, |n| carriers.load(n, row, x)));
+    }
 }

@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::transport::sides::LightSide;
+use crate::transport::tables::carriers::LightCarriers;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directions};
-
-use super::scatter_light::LightSide;
 
 /// Appends the rows `rows`, after `path_length` segments. At depolarizers the power is all there
 /// is; in polarizing media the state of polarization is kept relative to it.
@@ -36,7 +37,7 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
             continue;
         }
         let rounded = round_directions(direction);
-        let states = paths.carriers.states_about(row, live, rounded);
+        let states = states_about(paths.carriers.columns(), row, live, rounded);
         for (power, state) in power.iter_mut().zip(&states) {
             *power *= state[0];
         }
@@ -47,4 +48,39 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
         }
     }
     photons.note_path_length(first, path_length);
+}
+
+/// The states of eight rows from `row` on, `live` of them in use, in the canonical frame of their
+/// `direction`: per wavelength, the factor of the intensity, and s1..s3 over it.
+fn states_about<const N: usize>(
+    carriers: Option<&LightCarriers<N>>,
+    row: usize,
+    live: usize,
+    direction: Vector<F32s>,
+) -> [[F32s; 4]; N] {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let canonical = direction.any_perpendicular();
+    let Stokes(unpolarized) = LightCarrier::unpolarized(canonical).stokes;
+    let mut states = [unpolarized; N];
+    let Some(carriers) = carriers else { return states };
+    let class = &carriers.class[row..row + live];
+    if !class.iter().any(|class| class.has_stokes()) {
+        return states;
+    }
+    let polarized =
+        lanes::mask_of(lanes::each(|lane| class.get(lane).is_some_and(|class| class.has_stokes())));
+    let x = Vector::load(&carriers.axis, row);
+    let arrival = Arrival::between(x, canonical, direction);
+    for (n, state) in states.iter_mut().enumerate() {
+        let Stokes([s0, s1, s2, s3]) = carriers.load(n, row, x).turned(&arrival).stokes;
+        // Where no light is left, no polarization is either.
+        let lit = polarized & s0.simd_gt(zero);
+        let inverse = lit & (one / s0);
+        let factor = Real::select(polarized, s0, one);
+        *state = [factor, s1, s2, s3];
+        for value in &mut state[1..] {
+            *value = lit & (*value * inverse);
+        }
+    }
+    states
 }

@@ -1,47 +1,19 @@
-//! Polarization as components that rows have or lack.
+//! Polarization as components that rows have or lack: what the carriers of a path table hold, by
+//! the classes of [`super::classes`].
 //!
-//! The class of a row says which columns exist for it; all else is known without storage:
+//! The tables hold nothing but the carriers of the algebra ([`LightCarrier`], [`SensorMatrix`],
+//! [`SensorRow`], [`SensorColumn`]), one per row and wavelength with an axis per row: they load
+//! from the columns and store to them, and all that happens to them is theirs.
 //!
-//! | side | class | columns | when |
-//! |---|---|---|---|
-//! | light | [`UNPOLARIZED`] | none | emitted unpolarized, or after a depolarizer |
-//! | light | [`POLARIZED`] | Stokes, axis | after a polarizing event |
-//! | sensor | [`FRESH`] | none: T = 1 in the film's frame | no event yet |
-//! | sensor | [`PLAIN`] | none: c = r = e0 | after a depolarizer, nothing polarizing before |
-//! | | | | (a film of intensities counts as one) |
-//! | sensor | [`ROW`] | r, axis | a `PLAIN` row that met polarizing events since |
-//! | sensor | [`COLUMN`] | c | polarizing events, then a depolarizer |
-//! | sensor | [`RANK_ONE`] | c, r, axis | a `COLUMN` row that met polarizing events since |
-//! | sensor | [`FULL`] | T, axis | polarizing events, no depolarizer yet |
-//! | sensor | [`COMMON`] | T once, axis | the same, and no event has told wavelengths apart |
-//!
-//! After the first depolarizer T D = (T e0)(d e0^T) has rank one for ever: the column c is fixed
-//! and only the row r is extended. Depolarizers fold what scales the intensity (r0, or T00 and the
-//! light side's s0) into the throughput `beta`, so c is stored relative to its first element.
+//! Depolarizers fold what scales the intensity (r0, or T00 and the light side's s0) into the
+//! throughput `beta`, so c is stored relative to its first element.
 
+use super::classes::{LightClass, SensorClass};
 use super::partition::Part;
 use super::{Channels, Column, channels, gather, vectors};
-
-/// Light side: no columns.
-pub const UNPOLARIZED: usize = 0;
-/// Light side: `stokes` and `axis`.
-pub const POLARIZED: usize = 1;
-
-/// Sensor side: identity in the film's frame.
-pub const FRESH: usize = 0;
-/// Sensor side: intensity in, intensity out.
-pub const PLAIN: usize = 1;
-/// Sensor side: intensity out, `row` in.
-pub const ROW: usize = 2;
-/// Sensor side: `column` out, intensity in.
-pub const COLUMN: usize = 3;
-/// Sensor side: `column` out, `row` in.
-pub const RANK_ONE: usize = 4;
-/// Sensor side: `matrix`.
-pub const FULL: usize = 5;
-/// Sensor side: the first wavelength's `matrix`, for all of them. With one wavelength it is
-/// [`FULL`].
-pub const COMMON: usize = 6;
+use crate::math::lanes::{self, FromColumn};
+use crate::math::{F32s, Vector};
+use crate::polarization::{LightCarrier, SensorColumn, SensorMatrix, SensorRow, Stokes};
 
 /// Columns of polarization that travel with the rows of a path table.
 pub trait CarrierTable {
@@ -51,8 +23,8 @@ pub trait CarrierTable {
     /// An empty table for `capacity` rows.
     fn new(capacity: usize) -> Self;
 
-    /// The class of a row.
-    fn class(&self, row: usize) -> usize;
+    /// The place of a row's class among the classes.
+    fn place_of_class(&self, row: usize) -> usize;
 
     /// Takes the rows `order[part.rows]` of `from`, all of one class, to `part.rows`: of those that
     /// meet a depolarizer, no more than what it leaves of them.
@@ -64,7 +36,7 @@ impl CarrierTable for () {
     const CLASSES: usize = 1;
     fn new(_capacity: usize) -> Self {}
     #[inline(always)]
-    fn class(&self, _row: usize) -> usize {
+    fn place_of_class(&self, _row: usize) -> usize {
         0
     }
     #[inline(always)]
@@ -74,7 +46,7 @@ impl CarrierTable for () {
 /// The light side's Stokes vectors, relative to the scalar throughput.
 pub struct LightCarriers<const N: usize> {
     /// Class of every row.
-    pub class: Vec<u8>,
+    pub class: Vec<LightClass>,
     /// The x axis of the frame, perpendicular to the ray.
     pub axis: [Column; 3],
     /// S0..S3 over what the scalar renderer carries.
@@ -84,7 +56,7 @@ pub struct LightCarriers<const N: usize> {
 /// The sensor side's matrices, relative to the scalar throughput.
 pub struct SensorCarriers<const N: usize> {
     /// Class of every row.
-    pub class: Vec<u8>,
+    pub class: Vec<SensorClass>,
     /// The x axis of the frame in which light is accepted, perpendicular to the ray.
     pub axis: [Column; 3],
     /// c1..c3 over c0.
@@ -95,26 +67,148 @@ pub struct SensorCarriers<const N: usize> {
     pub matrix: [[Channels<N>; 4]; 4],
 }
 
+impl<const N: usize> LightCarriers<N> {
+    /// Forgets what earlier paths left: all rows start unpolarized.
+    pub fn start_at_emitters(&mut self, rows: usize) {
+        self.class[..rows].fill(LightClass::Unpolarized);
+    }
+
+    /// Reads a wavelength from `row` on, where the axis is `x`.
+    #[inline(always)]
+    pub fn load<F: FromColumn>(
+        &self,
+        wavelength: usize,
+        row: usize,
+        x: Vector<F>,
+    ) -> LightCarrier<F> {
+        let component = |i: usize| F::load(&self.stokes[i][wavelength], row);
+        LightCarrier { stokes: Stokes(elements(component)), x }
+    }
+
+    /// Writes a wavelength of the rows from `row` to `end`, at most eight; the axis, which all
+    /// wavelengths share, is not written.
+    #[inline(always)]
+    pub fn store(&mut self, wavelength: usize, row: usize, end: usize, light: &LightCarrier<F32s>) {
+        for (columns, value) in self.stokes.iter_mut().zip(&light.stokes.0) {
+            lanes::store(&mut columns[wavelength], row, end, *value);
+        }
+    }
+}
+
+impl<const N: usize> SensorCarriers<N> {
+    /// Starts all rows at a film of so many Stokes components: 1 or 4.
+    pub fn start_at_film(&mut self, rows: usize, components: usize) {
+        // A film of intensities is e0 e0^T: it depolarizes.
+        let class = if components == 1 { SensorClass::Plain } else { SensorClass::Fresh };
+        self.class[..rows].fill(class);
+    }
+
+    /// Reads the matrix in a channel from `row` on, where the axis is `x`.
+    #[inline(always)]
+    pub fn load_matrix<F: FromColumn>(
+        &self,
+        channel: usize,
+        row: usize,
+        x: Vector<F>,
+    ) -> SensorMatrix<F> {
+        let element = |i: usize, j: usize| F::load(&self.matrix[i][j][channel], row);
+        let of_row = |i: usize| elements(|j| element(i, j));
+        SensorMatrix { matrix: [of_row(0), of_row(1), of_row(2), of_row(3)], x }
+    }
+
+    /// Reads the row r of a wavelength from `row` on, where the axis is `x`.
+    #[inline(always)]
+    pub fn load_row<F: FromColumn>(
+        &self,
+        wavelength: usize,
+        row: usize,
+        x: Vector<F>,
+    ) -> SensorRow<F> {
+        SensorRow { row: elements(|i| F::load(&self.row[i][wavelength], row)), x }
+    }
+
+    /// Reads the column c of a wavelength from `row` on.
+    #[inline(always)]
+    pub fn load_column<F: FromColumn>(&self, wavelength: usize, row: usize) -> SensorColumn<F> {
+        let [c1, c2, c3] = &self.column;
+        let [c1, c2, c3] = [c1, c2, c3].map(|column| F::load(&column[wavelength], row));
+        SensorColumn(Stokes([F::one(), c1, c2, c3]))
+    }
+
+    /// Writes the matrix in a channel of the rows from `row` to `end`, at most eight, without the
+    /// axis.
+    #[inline(always)]
+    pub fn store_matrix(
+        &mut self,
+        channel: usize,
+        row: usize,
+        end: usize,
+        sensor: &SensorMatrix<F32s>,
+    ) {
+        for (columns, values) in self.matrix.iter_mut().zip(&sensor.matrix) {
+            for (column, value) in columns.iter_mut().zip(values) {
+                lanes::store(&mut column[channel], row, end, *value);
+            }
+        }
+    }
+
+    /// Writes the row r of a wavelength of the rows from `row` to `end`, at most eight, without the
+    /// axis.
+    #[inline(always)]
+    pub fn store_row(
+        &mut self,
+        wavelength: usize,
+        row: usize,
+        end: usize,
+        sensor: &SensorRow<F32s>,
+    ) {
+        for (column, value) in self.row.iter_mut().zip(&sensor.row) {
+            lanes::store(&mut column[wavelength], row, end, *value);
+        }
+    }
+
+    /// Writes the column c of a wavelength, whose first element is one, of the rows from `row` to
+    /// `end`, at most eight.
+    #[inline(always)]
+    pub fn store_column(
+        &mut self,
+        wavelength: usize,
+        row: usize,
+        end: usize,
+        SensorColumn(Stokes([_one, rest @ ..])): SensorColumn<F32s>,
+    ) {
+        for (column, value) in self.column.iter_mut().zip(rest) {
+            lanes::store(&mut column[wavelength], row, end, value);
+        }
+    }
+}
+
+/// Four elements. Spelled out, since `array::from_fn` is not always inlined.
+#[inline(always)]
+fn elements<F>(element: impl Fn(usize) -> F) -> [F; 4] {
+    [element(0), element(1), element(2), element(3)]
+}
+
 impl<const N: usize> CarrierTable for LightCarriers<N> {
-    const CLASSES: usize = 2;
+    const CLASSES: usize = LightClass::ALL.len();
 
     fn new(capacity: usize) -> Self {
         Self {
-            class: vec![UNPOLARIZED as u8; capacity],
+            class: vec![LightClass::Unpolarized; capacity],
             axis: vectors(capacity),
             stokes: std::array::from_fn(|_| channels(capacity)),
         }
     }
 
     #[inline(always)]
-    fn class(&self, row: usize) -> usize {
+    fn place_of_class(&self, row: usize) -> usize {
         self.class[row] as usize
     }
 
     fn gather(&mut self, from: &Self, order: &[u32], part: &Part) {
-        let rows = part.rows.clone();
-        self.class[rows.clone()].fill(part.class as u8);
-        if part.class != POLARIZED {
+        let (class, rows) = (LightClass::of(part), part.rows.clone());
+        self.class[rows.clone()].fill(class);
+        if !class.has_stokes() {
             return;
         }
         let order = &order[rows.clone()];
@@ -129,11 +223,11 @@ impl<const N: usize> CarrierTable for LightCarriers<N> {
 }
 
 impl<const N: usize> CarrierTable for SensorCarriers<N> {
-    const CLASSES: usize = 7;
+    const CLASSES: usize = SensorClass::ALL.len();
 
     fn new(capacity: usize) -> Self {
         Self {
-            class: vec![FRESH as u8; capacity],
+            class: vec![SensorClass::Fresh; capacity],
             axis: vectors(capacity),
             column: std::array::from_fn(|_| channels(capacity)),
             row: std::array::from_fn(|_| channels(capacity)),
@@ -142,34 +236,33 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
     }
 
     #[inline(always)]
-    fn class(&self, row: usize) -> usize {
+    fn place_of_class(&self, row: usize) -> usize {
         self.class[row] as usize
     }
 
     fn gather(&mut self, from: &Self, order: &[u32], part: &Part) {
-        let (class, rows) = (part.class, part.rows.clone());
-        self.class[rows.clone()].fill(class as u8);
+        let (class, rows) = (SensorClass::of(part), part.rows.clone());
+        self.class[rows.clone()].fill(class);
         let order = &order[rows.clone()];
         // What is accepted after a depolarizer is intensity.
         let accepted = if part.is_depolarized() { 1 } else { 4 };
-        if matches!(class, ROW | RANK_ONE | FULL | COMMON) && accepted > 1 {
+        if class.has_axis() && accepted > 1 {
             gather_group(&mut self.axis, &from.axis, order, rows.start);
         }
-        if matches!(class, COLUMN | RANK_ONE) {
+        if class.has_column() {
             for (to, from) in self.column.iter_mut().zip(&from.column) {
                 gather_group(to, from, order, rows.start);
             }
         }
-        if matches!(class, ROW | RANK_ONE) {
+        if class.has_row() {
             for (to, from) in self.row[..accepted].iter_mut().zip(&from.row) {
                 gather_group(to, from, order, rows.start);
             }
         }
-        if matches!(class, FULL | COMMON) {
-            let wavelengths = if class == COMMON { 1 } else { N };
+        if class.has_matrix() {
             for (to, from) in self.matrix.iter_mut().zip(&from.matrix) {
                 for (to, from) in to[..accepted].iter_mut().zip(from) {
-                    gather_group(&mut to[..wavelengths], from, order, rows.start);
+                    gather_group(&mut to[..class.wavelengths::<N>()], from, order, rows.start);
                 }
             }
         }

@@ -3,6 +3,7 @@
 //! borrows just what it reads and writes.
 
 pub mod carriers;
+pub mod classes;
 pub mod connections;
 pub mod flights;
 pub mod kernels;

@@ -1,72 +1,64 @@
 //! Polarized light on its way between two vertices, one row at a time: what connections carry
 //! from polarizing vertices, of which there are few enough not to need columns.
 
-use crate::math::{LANES, Vector};
-use crate::polarization::kernel::{Kernel, SpheroidBlock};
-use crate::polarization::{Rotation, Stokes};
+use crate::math::{F32s, LANES, Vector};
+use crate::polarization::kernel::SpheroidBlock;
+use crate::polarization::{Arrival, LightCarrier, Stokes};
 
-/// The polarization of light along a known direction, relative to its scalar value.
+/// A [`LightCarrier`] of every wavelength, with one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct LightState<const N: usize> {
-    /// S0..S3 over what the scalar renderer carries.
-    pub stokes: [[f32; N]; 4],
-    /// The x axis of the frame, perpendicular to the direction.
-    pub axis: Vector<f32>,
+    /// States over what the scalar renderer carries, in the frame of `x`.
+    pub stokes: [Stokes<f32>; N],
+    /// The reference axis, perpendicular to the direction.
+    pub x: Vector<f32>,
 }
 
 /// Kernels of one event.
 pub type RowKernels<const N: usize> = [SpheroidBlock<f32>; N];
 
 impl<const N: usize> LightState<N> {
-    /// Unpolarized light after an event whose axis is `axis`: `M e0 = (1, a, 0, 0)`.
+    /// What every wavelength carries, for the axis `x`.
     #[inline(always)]
-    pub fn scattered_unpolarized(kernels: &RowKernels<N>, axis: Vector<f32>) -> Self {
-        let mut stokes = [[1.0; N], [0.0; N], [0.0; N], [0.0; N]];
-        for (s1, kernel) in stokes[1].iter_mut().zip(kernels) {
-            *s1 = kernel.a;
+    pub fn of_wavelengths(x: Vector<f32>, light: impl Fn(usize) -> LightCarrier<f32>) -> Self {
+        let mut stokes = [Stokes([0.0; 4]); N];
+        for (n, stokes) in stokes.iter_mut().enumerate() {
+            *stokes = light(n).stokes;
         }
-        Self { stokes, axis }
+        Self { stokes, x }
     }
 
-    /// The light after an event whose axis is `axis`, before which it travels along `k_in`.
+    /// One wavelength.
     #[inline(always)]
-    pub fn scattered(&self, kernels: &RowKernels<N>, axis: Vector<f32>, k_in: Vector<f32>) -> Self {
-        let turn = Rotation::between(self.axis, axis, k_in);
-        let mut stokes = self.stokes;
-        for (n, kernel) in kernels.iter().enumerate() {
-            let Stokes(after) = kernel.scatter(turn.apply(self.at(n)));
-            for (component, &value) in stokes.iter_mut().zip(&after) {
-                component[n] = value;
-            }
-        }
-        Self { stokes, axis }
+    pub fn at(&self, n: usize) -> LightCarrier<f32> {
+        LightCarrier { stokes: self.stokes[n], x: self.x }
     }
 
-    /// The same light in the frame of another axis; `k` is where it travels.
+    /// Unpolarized light after an event whose axis is `x`.
     #[inline(always)]
-    pub fn turned(&self, axis: Vector<f32>, k: Vector<f32>) -> Self {
-        let turn = Rotation::between(self.axis, axis, k);
-        let mut stokes = self.stokes;
-        for n in 0..N {
-            let Stokes(after) = turn.apply(self.at(n));
-            for (component, &value) in stokes.iter_mut().zip(&after) {
-                component[n] = value;
-            }
-        }
-        Self { stokes, axis }
+    pub fn first_event(kernels: &RowKernels<N>, x: Vector<f32>) -> Self {
+        Self::of_wavelengths(x, |n| LightCarrier::first_event(kernels[n], x))
     }
 
-    /// The state at one wavelength.
+    /// The light after an event whose axis is `x`, before which it travels along `k_in`.
     #[inline(always)]
-    pub fn at(&self, n: usize) -> Stokes<f32> {
-        Stokes([self.stokes[0][n], self.stokes[1][n], self.stokes[2][n], self.stokes[3][n]])
+    pub fn scatter(&self, kernels: &RowKernels<N>, x: Vector<f32>, k_in: Vector<f32>) -> Self {
+        let arrival = Arrival::between(self.x, x, k_in);
+        Self::of_wavelengths(x, |n| self.at(n).scatter(&arrival, kernels[n]))
+    }
+
+    /// The same light in the frame of another axis `x`; `k` is where it travels.
+    #[inline(always)]
+    pub fn turned(&self, x: Vector<f32>, k: Vector<f32>) -> Self {
+        let arrival = Arrival::between(self.x, x, k);
+        Self::of_wavelengths(x, |n| self.at(n).turned(&arrival))
     }
 }
 
 /// Eight events as rows.
 #[inline(always)]
 pub fn kernels_of_lanes<const N: usize>(
-    kernels: &[SpheroidBlock<crate::math::F32s>; N],
+    kernels: &[SpheroidBlock<F32s>; N],
 ) -> [RowKernels<N>; LANES] {
     let none = SpheroidBlock { a: 0.0, b: 0.0, c: 0.0, d: 0.0, s: 0.0 };
     let mut rows = [[none; N]; LANES];
