@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::Accelerator;
-use crate::scene::baked::{Emitter, EmitterKind, KEEP, NONE, Shapes};
+use crate::scene::baked::{KEEP, NONE, Shapes};
 
 /// Directions in which to look for the nearest boundary; the majority rules, as one of them may
 /// run along an edge.
@@ -47,29 +47,14 @@ impl<'a> Immersion<'a> {
         found.into_iter().max_by_key(|&medium| votes(medium)).unwrap_or(NONE)
     }
 
-    /// The media before and behind every emitter; those at infinity shine through the scene's.
-    pub fn of_emitters<const N: usize>(&self, emitters: &[Emitter<N>]) -> Vec<[u32; 2]> {
-        let of = |emitter: &Emitter<N>| match emitter.kind {
-            EmitterKind::Triangle | EmitterKind::Sphere => self.of_primitive(emitter.primitive),
-            EmitterKind::Point | EmitterKind::Spot => [self.at(emitter.position); 2],
-            EmitterKind::Directional | EmitterKind::Environment => [self.shapes.scene_medium; 2],
-        };
-        emitters.iter().map(of).collect()
+    /// The shapes that are looked at.
+    pub fn shapes(&self) -> &'a Shapes {
+        self.shapes
     }
 
-    fn of_primitive(&self, primitive: u32) -> [u32; 2] {
+    /// The media before and behind a primitive, whose normal at `point` is `normal`.
+    pub fn of_sides(&self, primitive: u32, point: Vec3, normal: Vec3) -> [u32; 2] {
         let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
-        let index = primitive as usize;
-        let (point, normal) = match self.shapes.triangles.get(index) {
-            Some(triangle) => {
-                let [a, b, c] = triangle.corners;
-                ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())
-            }
-            None => {
-                let sphere = &self.shapes.spheres[index - self.shapes.triangles.len()];
-                (sphere.center + Vec3::X * sphere.radius, Vec3::X)
-            }
-        };
         let step = normal * (STEP * self.shapes.bounds.radius);
         let side = |stated: u32, point: Vec3| if stated == KEEP { self.at(point) } else { stated };
         [side(surface.exterior, point + step), side(surface.interior, point - step)]

@@ -5,8 +5,7 @@
 //! that scalar and polarized renders trace the same paths.
 
 pub mod diffuse;
-pub mod direct;
-pub mod emission;
+pub mod emitter;
 pub mod event;
 pub mod immersion;
 pub mod medium;

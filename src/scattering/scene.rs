@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use crate::geometry::{self, Accelerator, medium_met};
 use crate::scene::baked::{BakedScene, Material, MaterialKind, NONE, Optics, Shapes};
+use crate::scene::emitter::Emitter;
 
 use super::Sensor;
-use super::direct::DirectTable;
+use super::emitter;
+use super::emitter::direct::DirectTable;
 use super::event::{END, Event, event_of_kind, event_of_medium, events};
 use super::immersion::Immersion;
 use super::medium::Medium;
@@ -72,9 +74,11 @@ impl<const N: usize> Scene<N> {
         let survival_of_material = optics.materials.iter().map(super::specular::survival).collect();
         let media = optics.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
         let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
+        let media_of = |emitter: &Emitter<N>| emitter::media(&emitter.model, &immersion);
+        let emitter_media = optics.emitters.iter().map(media_of).collect();
         Self {
             sensor_medium: immersion.at(shapes.camera.position),
-            emitter_media: immersion.of_emitters(&optics.emitters),
+            emitter_media,
             sensor: Sensor::new(&shapes.camera, width, height),
             direct: DirectTable::new(&shapes, &optics),
             reach: geometry::reach(&shapes.bounds),

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::emitter::Emitter;
 use super::instanced::Instanced;
 
 /// Marks the absence of an index.
@@ -246,51 +247,6 @@ pub struct PhaseTable<const N: usize> {
     pub spheres: bool,
     /// Whether the elements are the same at all wavelengths (M00 may differ).
     pub achromatic: bool,
-}
-
-/// The shape of an emitter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EmitterKind {
-    /// One triangle; `radiance` leaves its front (both sides if `two_sided`).
-    Triangle,
-    /// A whole sphere; `radiance` leaves its outside.
-    Sphere,
-    /// A point; `radiance` holds the radiant intensity in W/sr.
-    Point,
-    /// A point with a cone; `radiance` holds the radiant intensity on the axis in W/sr.
-    Spot,
-    /// Infinitely far away; `radiance` holds the irradiance on a plane that faces it, W/m^2.
-    Directional,
-    /// Constant radiance from everywhere outside the scene.
-    Environment,
-}
-
-/// Something that emits unpolarized light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emitter<const N: usize> {
-    /// Which of the other fields count.
-    pub kind: EmitterKind,
-    /// Radiance, radiant intensity or irradiance by `kind`; not negative, finite.
-    pub radiance: [f32; N],
-    /// Triangle, Sphere: the primitive.
-    pub primitive: u32,
-    /// Triangle: both sides emit.
-    pub two_sided: bool,
-    /// Point, Spot: where it is.
-    pub position: Vec3,
-    /// Spot: axis of the cone. Directional: where the light travels. Unit length.
-    pub direction: Vec3,
-    /// Spot: cosine of the angle from the axis within which the intensity is full.
-    pub cos_inner: f32,
-    /// Spot: cosine of the angle from the axis beyond which it is zero; less than `cos_inner` by
-    /// 0.001 at least.
-    /// Between them it falls off as KHR_lights_punctual recommends.
-    pub cos_outer: f32,
-    /// Triangle, Sphere: area.
-    pub area: f32,
-    /// Probability to be chosen as the source of a path: proportional to emitted power
-    /// averaged over the channels. All rows together sum to one.
-    pub probability: f32,
 }
 
 /// The projection of a camera.

@@ -6,6 +6,7 @@
 
 mod bake;
 pub mod baked;
+pub mod emitter;
 mod error;
 mod gltf;
 pub mod instanced;

@@ -2,7 +2,7 @@
 
 use crate::math::{LANES, lanes};
 use crate::scattering::Scene;
-use crate::scattering::emission::{EmissionSample, sample_emission};
+use crate::scattering::emitter::{EmissionSample, sample_emission};
 
 use super::sampler::{Purpose, draw};
 use super::tables::paths::IdentityColumns;

@@ -8,7 +8,8 @@ use std::path::Path;
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
 use glam::Vec3;
 use serde_json::{Value, json};
-use sunstone::internals::scene::baked::{BakedScene, EmitterKind, MaterialKind, NONE};
+use sunstone::internals::scene::baked::{BakedScene, MaterialKind};
+use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::{bake, extension_keys, load};
 use sunstone::internals::spectrum::Color;
 
@@ -227,9 +228,12 @@ fn emitters_and_their_probabilities() {
         json!({"emissiveStrength": 3.0});
     document["scenes"][0]["extras"] = json!({"sunstone": {"environment": {"radiance": 0.125}}});
     let scene = baked(&document);
-    let kinds: Vec<EmitterKind> = scene.optics.emitters.iter().map(|row| row.kind).collect();
-    use EmitterKind::{Environment, Point, Sphere, Triangle};
-    assert_eq!(kinds, [Triangle, Triangle, Sphere, Point, Environment]);
+    let models: Vec<EmitterModel> = scene.optics.emitters.iter().map(|row| row.model).collect();
+    use EmitterModel::{Environment, Point, Sphere, Triangle};
+    assert!(
+        matches!(models[..], [Triangle(_), Triangle(_), Sphere(_), Point(_), Environment(_)]),
+        "{models:?}"
+    );
     assert_eq!(scene.optics.emitter_of_primitive, [0, 1, 2]);
     assert_eq!(scene.optics.environment, 4);
     assert_eq!(scene.optics.emitters[2].radiance, [3.0; 3]);
@@ -244,7 +248,7 @@ fn emitters_and_their_probabilities() {
     ];
     let total: f32 = powers.iter().sum();
     for (row, power) in scene.optics.emitters.iter().zip(powers) {
-        assert!((row.probability - power / total).abs() < 1e-6, "{:?}", row.kind);
+        assert!((row.probability - power / total).abs() < 1e-6, "{:?}", row.model);
     }
 }
 
@@ -257,8 +261,9 @@ fn spots_directional_lights_and_units() {
         "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.3},
         "extensions": {"SUNSTONE_polarization": {"units": "radiometric"}}});
     assert!(warnings(&document).contains("range is ignored"));
-    let spot = *baked(&document).optics.emitters.last().unwrap();
-    assert_eq!((spot.kind, spot.radiance), (EmitterKind::Spot, [2.0, 1.0, 0.5]));
+    let row = *baked(&document).optics.emitters.last().unwrap();
+    assert_eq!(row.radiance, [2.0, 1.0, 0.5]);
+    let EmitterModel::Spot(spot) = row.model else { panic!("{row:?}") };
     assert!((spot.direction - Vec3::NEG_Y).length() < 1e-6);
     assert!(spot.cos_outer < spot.cos_inner && spot.cos_inner == 0.3f32.cos());
     assert_eq!(spot.position, Vec3::new(0.0, 3.0, 0.0));
@@ -266,8 +271,9 @@ fn spots_directional_lights_and_units() {
     document["extensions"]["KHR_lights_punctual"]["lights"][0] =
         json!({"type": "directional", "intensity": 683.0});
     let scene = baked(&document);
-    let sun = *scene.optics.emitters.last().unwrap();
-    assert_eq!((sun.kind, sun.radiance), (EmitterKind::Directional, [1.0; 3]));
+    let row = *scene.optics.emitters.last().unwrap();
+    assert_eq!(row.radiance, [1.0; 3]);
+    let EmitterModel::Directional(sun) = row.model else { panic!("{row:?}") };
     assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6);
     assert!(scene.shapes.bounds.center.y.abs() < 1e-6, "a sun is nowhere");
 }
@@ -282,7 +288,8 @@ fn an_environment_alone_is_a_scene() {
     assert_eq!((scene.optics.environment, scene.optics.emitters[0].probability), (0, 1.0));
     assert_eq!(scene.optics.emitters[0].radiance, [1.0, 2.0, 3.0]);
     assert_eq!((scene.optics.materials.len(), scene.shapes.camera.resolution), (1, None));
-    assert!(scene.shapes.bounds.radius > 0.0 && scene.optics.emitters[0].primitive == NONE);
+    assert!(scene.shapes.bounds.radius > 0.0);
+    assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Environment(_)));
 }
 
 #[test]

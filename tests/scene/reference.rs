@@ -5,8 +5,9 @@ use std::process::Command;
 
 use glam::Vec3;
 use sunstone::internals::scene::baked::{
-    BakedScene, EmitterKind, KEEP, MaterialKind, NONE, Phase, Projection, Surface,
+    BakedScene, KEEP, MaterialKind, NONE, Phase, Projection, Surface,
 };
+use sunstone::internals::scene::emitter::{self, Emitter, EmitterModel};
 use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
 
@@ -31,10 +32,15 @@ fn assert_near(a: Vec3, b: Vec3) {
     assert!(near(a, b), "{a} is not {b}");
 }
 
+fn emitting_triangle<const N: usize>(emitter: &Emitter<N>) -> Option<emitter::Triangle> {
+    let EmitterModel::Triangle(triangle) = emitter.model else { return None };
+    Some(triangle)
+}
+
 /// The two triangles of every rectangle whose material has the wanted property, as corners.
 fn emitting_corners(scene: &BakedScene<1>) -> Vec<Vec3> {
-    let rows = scene.optics.emitters.iter().filter(|row| row.kind == EmitterKind::Triangle);
-    rows.flat_map(|row| scene.shapes.triangles[row.primitive as usize].corners).collect()
+    let triangles = scene.optics.emitters.iter().filter_map(emitting_triangle);
+    triangles.flat_map(|row| scene.shapes.triangles[row.primitive as usize].corners).collect()
 }
 
 fn normal(scene: &BakedScene<1>, triangle: usize) -> Vec3 {
@@ -66,9 +72,10 @@ fn cornell() {
     let total: f32 = scene.optics.emitters.iter().map(|row| row.probability).sum();
     assert!((total - 1.0).abs() < 1e-6);
     for row in &scene.optics.emitters {
-        assert_eq!((row.radiance, row.two_sided), ([6.0], false));
-        assert!((row.area - 0.5).abs() < 1e-6);
-        assert_near(normal(&scene, row.primitive as usize), Vec3::NEG_Y);
+        let triangle = emitting_triangle(row).unwrap();
+        assert_eq!((row.radiance, triangle.two_sided), ([6.0], false));
+        assert!((triangle.area - 0.5).abs() < 1e-6);
+        assert_near(normal(&scene, triangle.primitive as usize), Vec3::NEG_Y);
     }
     for corner in emitting_corners(&scene) {
         assert_near(corner.abs(), Vec3::new(0.5, 0.995, 0.5));
@@ -247,7 +254,7 @@ fn mirror_to_look_at() {
     let world = load(&scene("mirror.gltf")).unwrap_or_else(|error| panic!("{error}"));
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
     assert_eq!((scene.shapes.spheres.len(), scene.optics.emitters.len()), (3, 1));
-    assert_eq!(scene.optics.emitters[0].kind, EmitterKind::Point);
+    assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Point(_)));
     assert_eq!(scene.optics.emitters[0].radiance, [46.0, 43.0, 37.0]);
     assert_eq!((world.warnings(), scene.shapes.camera.resolution), (&[][..], Some([512, 512])));
 }

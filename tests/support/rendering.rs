@@ -10,7 +10,9 @@ use sunstone::internals::image::StokesImage;
 use sunstone::internals::math::{F32s, LANES, Vector};
 use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
-use sunstone::internals::scene::baked::{Emitter, EmitterKind, MaterialKind, NONE, Surface};
+use sunstone::internals::scattering::emitter::is_delta;
+use sunstone::internals::scene::baked::{MaterialKind, NONE, Surface};
+use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
 use sunstone::internals::spectrum::Color;
 
@@ -106,10 +108,10 @@ const CHANCE_MIN: f32 = 1e-3;
 /// specular surfaces, where connections find it; else only if all emitters are large. Not if a
 /// point shines in a medium: connections to it from nearby have no finite variance.
 pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
-    let is_point = |kind| matches!(kind, EmitterKind::Point | EmitterKind::Spot);
+    let is_point = |model: &EmitterModel| is_delta(model) && model.is_finite();
     let mut emitters = scene.optics.emitters.iter().enumerate();
     let immersed = |(index, emitter): (usize, &Emitter<N>)| {
-        is_point(emitter.kind) && scene.medium_at_emitter(index, true) != NONE
+        is_point(&emitter.model) && scene.medium_at_emitter(index, true) != NONE
     };
     if emitters.any(immersed) {
         return false;
@@ -120,14 +122,15 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     let (shapes, optics) = (&scene.shapes, &scene.optics);
     let mut areas = vec![0.0; shapes.surfaces.len()];
     for emitter in &optics.emitters {
-        match emitter.kind {
-            EmitterKind::Triangle | EmitterKind::Sphere => {
-                let surface = shapes.surface_of_primitive[emitter.primitive as usize];
-                areas[surface as usize] += emitter.area;
+        let (primitive, area) = match emitter.model {
+            EmitterModel::Triangle(triangle) => (triangle.primitive, triangle.area),
+            EmitterModel::Sphere(sphere) => (sphere.primitive, sphere.area),
+            EmitterModel::Environment(_) => continue,
+            EmitterModel::Point(_) | EmitterModel::Spot(_) | EmitterModel::Directional(_) => {
+                return false;
             }
-            EmitterKind::Environment => {}
-            EmitterKind::Point | EmitterKind::Spot | EmitterKind::Directional => return false,
-        }
+        };
+        areas[shapes.surface_of_primitive[primitive as usize] as usize] += area;
     }
     let all = 4.0 * std::f32::consts::PI * shapes.bounds.radius.powi(2);
     areas.iter().all(|&area| area == 0.0 || area / all >= CHANCE_MIN)

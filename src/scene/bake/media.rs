@@ -2,7 +2,7 @@
 
 use super::emitters::Emitters;
 use super::{Rows, optics};
-use crate::scene::baked::{EmitterKind, KEEP, Medium, NONE};
+use crate::scene::baked::{KEEP, Medium, NONE};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, World};
 use crate::spectrum::Color;
@@ -45,8 +45,7 @@ pub fn check_lights<const N: usize>(
 ) -> Result<(), SceneError> {
     let Some(medium) = media.get(scene_medium as usize) else { return Ok(()) };
     let attenuates = medium.sigma_a.iter().chain(&medium.sigma_s).any(|sigma| *sigma > 0.0);
-    let infinite = |kind| matches!(kind, EmitterKind::Directional | EmitterKind::Environment);
-    if attenuates && emitters.rows.iter().any(|row| infinite(row.kind)) {
+    if attenuates && emitters.rows.iter().any(|row| !row.model.is_finite()) {
         let names = world.in_order::<(&Name, &world::Medium), _>(|(name, _)| name.0.clone());
         let place = &names[scene_medium as usize];
         let problem = "fills the scene, so no light of a directional light or environment would \

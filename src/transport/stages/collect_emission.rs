@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::geometry::HitColumns;
 use crate::math::lanes;
 use crate::scattering::Scene;
-use crate::scattering::emission::{MetEmission, met_emission};
+use crate::scattering::emitter::{MetEmission, met_emission};
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
 use crate::transport::measure::measure_unpolarized;

@@ -4,7 +4,7 @@
 use crate::geometry::offset_point;
 use crate::math::{LANES, lanes};
 use crate::scattering::Scene;
-use crate::scattering::emission::EmissionSample;
+use crate::scattering::emitter::EmissionSample;
 use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
 use crate::transport::sampler::{Purpose, draw};
@@ -52,11 +52,7 @@ fn connect<const N: usize>(
         scene.sensor.connect_infinite(-sample.direction, lens)
     };
     let Some(found) = found else { return };
-    let cosine = match (sample.finite, sample.two_sided) {
-        (false, _) => 1.0,
-        (true, true) => found.direction.dot(sample.normal).abs(),
-        (true, false) => found.direction.dot(sample.normal),
-    };
+    let cosine = sample.cosine_seen(found.direction);
     if cosine <= 0.0 {
         return;
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::diffuse::BRDF;
-use crate::scattering::direct::DirectLanes;
+use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::event::Event;
 use crate::scattering::vertex::{Turn, VertexLanes};
 use crate::scattering::{Met, Scene};

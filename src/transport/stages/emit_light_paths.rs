@@ -3,7 +3,7 @@
 use crate::geometry::offset_point;
 use crate::math::LANES;
 use crate::scattering::Scene;
-use crate::scattering::emission::EmissionSample;
+use crate::scattering::emitter::EmissionSample;
 use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
 use crate::transport::mis::{EmitterDensities, PartialWeights};

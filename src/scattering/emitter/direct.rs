@@ -1,0 +1,152 @@
+//! Light sources as chosen from points of the scene (next-event estimation), eight at a time.
+//!
+//! Densities as in `emitter`: `pdf_w` is that of choosing the point or direction, `emission_pdf`
+//! that of starting a light path with it; both include the probability of choosing the emitter.
+
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::scene::baked::{Optics, Shapes};
+
+use super::{Emits, Kind, record};
+
+/// Floats of an emitter's record: two packets, so that eight records are loaded by two
+/// transpositions. The last is the probability of choosing the emitter.
+const FIELDS: usize = 2 * LANES;
+
+/// Floats that mean what an emitter's model has them mean.
+pub const OWN: usize = FIELDS - 1;
+
+/// The floats of one emitter.
+pub type Own = [f32; OWN];
+
+/// The floats of eight emitters of one model.
+pub type OwnLanes = [F32s; OWN];
+
+/// Floats of a record, followed by zeros.
+pub fn own<const M: usize>(floats: [f32; M]) -> Own {
+    let mut own = [0.0; OWN];
+    own[..M].copy_from_slice(&floats);
+    own
+}
+
+/// All emitters, one record of plain numbers each.
+#[derive(Clone, Debug)]
+pub struct DirectTable<const N: usize> {
+    kinds: Vec<Kind>,
+    records: Vec<[f32; FIELDS]>,
+    radiance: Vec<[f32; N]>,
+}
+
+/// Eight points or directions on emitters.
+#[derive(Clone, Copy)]
+pub struct DirectLanes<const N: usize> {
+    /// Towards the emitter, unit length.
+    pub direction: Vector<F32s>,
+    /// The point on the emitter; without meaning at infinity.
+    pub point: Vector<F32s>,
+    /// Geometric normal there; zero for emitters without a surface.
+    pub normal: Vector<F32s>,
+    /// Mask of the lanes whose emitter is at a finite distance.
+    pub finite: F32s,
+    /// Radiance that arrives, or its equivalent for `pdf_w` of a delta emitter; zero where the
+    /// emitter does not face the point.
+    pub radiance: [F32s; N],
+    /// Density per steradian; greater than zero.
+    pub pdf_w: F32s,
+    /// Density of emission: per area and steradian, or per steradian for a point.
+    pub emission_pdf: F32s,
+    /// Cosine at the emitter, 1 where it has no surface.
+    pub cos_at_light: F32s,
+    /// 1 where paths can meet the emitter by chance, else 0.
+    pub reachable: F32s,
+}
+
+impl<const N: usize> DirectTable<N> {
+    /// The records of a scene's emitters.
+    pub fn new(shapes: &Shapes, optics: &Optics<N>) -> Self {
+        let emitters = &optics.emitters;
+        let records = emitters.iter().map(|emitter| {
+            let mut floats = [emitter.probability; FIELDS];
+            let own = record(&emitter.model, shapes, emitter.probability);
+            floats[..OWN].copy_from_slice(&own);
+            floats
+        });
+        Self {
+            kinds: emitters.iter().map(|emitter| Kind::of(&emitter.model)).collect(),
+            records: records.collect(),
+            radiance: emitters.iter().map(|emitter| emitter.radiance).collect(),
+        }
+    }
+
+    /// Chooses a point of, or direction to, the emitters `chosen` from the points `reference`.
+    #[inline(always)]
+    pub fn sample(
+        &self,
+        chosen: [usize; LANES],
+        reference: Vector<F32s>,
+        u: [F32s; 2],
+    ) -> DirectLanes<N> {
+        let (own, probability) = gather(&self.records, chosen);
+        let mut radiance = [[0.0; LANES]; N];
+        for lane in 0..LANES {
+            for (n, radiance) in radiance.iter_mut().enumerate() {
+                radiance[lane] = self.radiance[chosen[lane]][n];
+            }
+        }
+        let radiance = radiance.map(F32s::from);
+        let first = self.kinds[chosen[0]];
+        let mut lanes = first.choose(&own, reference, radiance, probability, u);
+        if chosen.iter().all(|&emitter| self.kinds[emitter] == first) {
+            return lanes;
+        }
+        for &kind in Kind::ALL.iter().filter(|&&kind| kind != first) {
+            let of_kind = chosen.map(|emitter| self.kinds[emitter] == kind);
+            if of_kind.contains(&true) {
+                let others = kind.choose(&own, reference, radiance, probability, u);
+                lanes = select(lanes::mask_of(of_kind), &others, &lanes);
+            }
+        }
+        lanes
+    }
+}
+
+/// [`DirectLanes::finite`] of a model.
+#[inline(always)]
+pub fn finite<Model: Emits>() -> F32s {
+    lanes::mask_of([Model::FINITE; LANES])
+}
+
+/// [`DirectLanes::reachable`] of a model.
+#[inline(always)]
+pub fn reachable<Model: Emits>() -> F32s {
+    F32s::splat(if Model::DELTA { 0.0 } else { 1.0 })
+}
+
+/// Eight records, field by field, and the probabilities.
+#[inline(always)]
+fn gather(records: &[[f32; FIELDS]], chosen: [usize; LANES]) -> (OwnLanes, F32s) {
+    let mut halves = [[F32s::splat(0.0); LANES]; 2];
+    for (lane, &emitter) in chosen.iter().enumerate() {
+        let packets: [[f32; LANES]; 2] = bytemuck::cast(records[emitter]);
+        halves[0][lane] = F32s::from(packets[0]);
+        halves[1][lane] = F32s::from(packets[1]);
+    }
+    let [[a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, probability]] =
+        halves.map(F32s::transpose);
+    ([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o], probability)
+}
+
+#[inline(always)]
+fn select<const N: usize>(mask: F32s, a: &DirectLanes<N>, b: &DirectLanes<N>) -> DirectLanes<N> {
+    let choose = |a, b| Real::select(mask, a, b);
+    DirectLanes {
+        direction: Vector::select(mask, a.direction, b.direction),
+        point: Vector::select(mask, a.point, b.point),
+        normal: Vector::select(mask, a.normal, b.normal),
+        finite: choose(a.finite, b.finite),
+        radiance: std::array::from_fn(|n| choose(a.radiance[n], b.radiance[n])),
+        pdf_w: choose(a.pdf_w, b.pdf_w),
+        emission_pdf: choose(a.emission_pdf, b.emission_pdf),
+        cos_at_light: choose(a.cos_at_light, b.cos_at_light),
+        reachable: choose(a.reachable, b.reachable),
+    }
+}

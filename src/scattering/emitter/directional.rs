@@ -1,0 +1,49 @@
+//! Directional lights: parallel light, as the sun's nearly is.
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+use crate::scattering::immersion::Immersion;
+use crate::scene::baked::Shapes;
+use crate::scene::emitter::Directional;
+
+use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::infinity::{self, disk_pdf};
+use super::{EmissionSample, Emits, MetEmission, Source};
+
+impl Emits for Directional {
+    const DELTA: bool = true;
+
+    fn record(&self, shapes: &Shapes, probability: f32) -> Own {
+        let [x, y, z] = (-self.direction).to_array();
+        own([x, y, z, probability * disk_pdf(shapes)])
+    }
+
+    #[inline(always)]
+    fn choose<const N: usize>(
+        &[x, y, z, emission_pdf, ..]: &OwnLanes,
+        _: Vector<F32s>,
+        radiance: [F32s; N],
+        probability: F32s,
+        _: [F32s; 2],
+    ) -> DirectLanes<N> {
+        infinity::choose::<Self, N>(Vector::new(x, y, z), radiance, [probability, emission_pdf])
+    }
+
+    fn emit<const N: usize>(
+        &self,
+        source: &Source<N>,
+        u_position: [f32; 2],
+        _: [f32; 2],
+    ) -> EmissionSample<N> {
+        infinity::emit::<Self, N>(source, (self.direction, 1.0), u_position)
+    }
+
+    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
+        None
+    }
+
+    fn media(&self, immersion: &Immersion) -> [u32; 2] {
+        [immersion.shapes().scene_medium; 2]
+    }
+}

@@ -1,0 +1,55 @@
+//! The environment: the same radiance from all directions.
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+use crate::scattering::immersion::Immersion;
+use crate::scene::baked::Shapes;
+use crate::scene::emitter::Environment;
+
+use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::infinity::{self, SPHERE_PDF, any_direction, any_directions, disk_pdf};
+use super::{EmissionSample, Emits, MetEmission, Source};
+
+impl Emits for Environment {
+    const DELTA: bool = false;
+
+    fn record(&self, shapes: &Shapes, probability: f32) -> Own {
+        own([probability * SPHERE_PDF * disk_pdf(shapes)])
+    }
+
+    #[inline(always)]
+    fn choose<const N: usize>(
+        &[emission_pdf, ..]: &OwnLanes,
+        _: Vector<F32s>,
+        radiance: [F32s; N],
+        probability: F32s,
+        u: [F32s; 2],
+    ) -> DirectLanes<N> {
+        let densities = [probability * F32s::splat(SPHERE_PDF), emission_pdf];
+        infinity::choose::<Self, N>(any_directions(u), radiance, densities)
+    }
+
+    fn emit<const N: usize>(
+        &self,
+        source: &Source<N>,
+        u_position: [f32; 2],
+        u_direction: [f32; 2],
+    ) -> EmissionSample<N> {
+        let direction = -any_direction(u_direction);
+        infinity::emit::<Self, N>(source, (direction, SPHERE_PDF), u_position)
+    }
+
+    fn met<const N: usize>(&self, source: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
+        Some(MetEmission {
+            radiance: source.radiance,
+            direct_pdf: source.probability * SPHERE_PDF,
+            emission_pdf: source.probability * SPHERE_PDF * disk_pdf(source.shapes),
+            cos_at_light: 1.0,
+        })
+    }
+
+    fn media(&self, immersion: &Immersion) -> [u32; 2] {
+        [immersion.shapes().scene_medium; 2]
+    }
+}

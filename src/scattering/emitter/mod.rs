@@ -1,0 +1,249 @@
+//! Light sources, a file for each model, behind the trait [`Emits`]: as the start of light paths,
+//! as what sensor paths meet, and as chosen from points of the scene (`direct`).
+//!
+//! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
+//! when connecting, `emission` that of starting a light path there; both include the probability
+//! of choosing the emitter. All light starts unpolarized.
+
+mod area;
+mod directional;
+mod environment;
+mod infinity;
+mod point;
+mod sphere;
+mod spot;
+mod triangle;
+
+pub mod direct;
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+use crate::scene::baked::{NONE, Shapes};
+use crate::scene::emitter::{
+    Directional, EmitterModel, Environment, Extent, Point, Sphere, Spot, Triangle, for_all_emitters,
+};
+
+use super::Scene;
+use super::immersion::Immersion;
+
+use self::direct::{DirectLanes, Own, OwnLanes};
+
+/// What the stages ask of a model of emitters.
+pub trait Emits: Extent {
+    /// Whether paths cannot meet it by chance: it has neither an area nor a solid angle.
+    const DELTA: bool;
+
+    /// What [`Self::choose`] is to know of an emitter that is chosen with `probability`.
+    fn record(&self, shapes: &Shapes, probability: f32) -> Own;
+
+    /// Chooses a point of, or direction to, eight emitters from the points `reference`;
+    /// `radiance` is theirs (or intensity, or irradiance) and `probability` that of choosing them.
+    fn choose<const N: usize>(
+        own: &OwnLanes,
+        reference: Vector<F32s>,
+        radiance: [F32s; N],
+        probability: F32s,
+        u: [F32s; 2],
+    ) -> DirectLanes<N>;
+
+    /// Starts a light path.
+    fn emit<const N: usize>(
+        &self,
+        source: &Source<N>,
+        u_position: [f32; 2],
+        u_direction: [f32; 2],
+    ) -> EmissionSample<N>;
+
+    /// What a ray along `direction` sees that has met the emitter at `position`; none if that does
+    /// not emit towards it, or cannot be met.
+    fn met<const N: usize>(
+        &self,
+        source: &Source<N>,
+        position: Vec3,
+        direction: Vec3,
+    ) -> Option<MetEmission<N>>;
+
+    /// The media before and behind the emitter: rows of the scene's media, or [`NONE`].
+    fn media(&self, immersion: &Immersion) -> [u32; 2];
+}
+
+/// An emitter without its model, and the scene around it.
+#[derive(Clone, Copy)]
+pub struct Source<'a, const N: usize> {
+    /// Its row in the scene's emitters.
+    pub row: usize,
+    /// Its radiance, intensity or irradiance.
+    pub radiance: [f32; N],
+    /// Probability of choosing it.
+    pub probability: f32,
+    /// Where everything is.
+    pub shapes: &'a Shapes,
+}
+
+/// The start of a light path.
+#[derive(Clone, Copy, Debug)]
+pub struct EmissionSample<const N: usize> {
+    /// Where it starts.
+    pub position: Vec3,
+    /// Geometric normal there; zero for emitters without a surface.
+    pub normal: Vec3,
+    /// Where it goes, unit length.
+    pub direction: Vec3,
+    /// Emitted radiance over `emission` density, cosine included.
+    pub beta: [f32; N],
+    /// Radiance along `direction`; per steradian intensity for points.
+    pub radiance: [f32; N],
+    /// `direct` density, per area or per steradian (infinite emitters).
+    pub direct_pdf: f32,
+    /// `emission` density.
+    pub emission_pdf: f32,
+    /// Cosine at the emitter, 1 where it has no surface.
+    pub cos_at_light: f32,
+    /// At a finite distance.
+    pub finite: bool,
+    /// Both sides of the surface emit.
+    pub two_sided: bool,
+    /// Paths cannot meet the emitter by chance.
+    pub delta: bool,
+    /// Its row in the scene's emitters.
+    pub emitter: usize,
+}
+
+impl<const N: usize> EmissionSample<N> {
+    /// The cosine at which the emitter is seen that sends light along `direction`, 1 at infinity;
+    /// not above zero where nothing is sent there.
+    pub fn cosine_seen(&self, direction: Vec3) -> f32 {
+        match (self.finite, self.two_sided) {
+            (false, _) => 1.0,
+            (true, true) => direction.dot(self.normal).abs(),
+            (true, false) => direction.dot(self.normal),
+        }
+    }
+}
+
+/// What a sensor path meets.
+#[derive(Clone, Copy, Debug)]
+pub struct MetEmission<const N: usize> {
+    /// Radiance towards the sensor.
+    pub radiance: [f32; N],
+    /// `direct` density, per area, or per steradian for the environment.
+    pub direct_pdf: f32,
+    /// `emission` density.
+    pub emission_pdf: f32,
+    /// Cosine at the emitter, 1 for the environment.
+    pub cos_at_light: f32,
+}
+
+/// Starts a light path.
+pub fn sample_emission<const N: usize>(
+    scene: &Scene<N>,
+    choice: f32,
+    u_position: [f32; 2],
+    u_direction: [f32; 2],
+) -> EmissionSample<N> {
+    let row = scene.choose_emitter(choice);
+    emit(&scene.optics.emitters[row].model, &source(scene, row), u_position, u_direction)
+}
+
+/// What a ray along `direction` sees of the emitter of the primitive it hit ([`NONE`]: nothing);
+/// none if that does not emit towards it. `position` is the point hit.
+pub fn met_emission<const N: usize>(
+    scene: &Scene<N>,
+    primitive: u32,
+    position: Vec3,
+    direction: Vec3,
+) -> Option<MetEmission<N>> {
+    let row = scene.emitter_seen(primitive);
+    if row == NONE {
+        return None;
+    }
+    let row = row as usize;
+    met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)
+}
+
+fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
+    let emitter = &scene.optics.emitters[row];
+    let (radiance, probability) = (emitter.radiance, emitter.probability);
+    Source { row, radiance, probability, shapes: &scene.shapes }
+}
+
+/// What is made from the list of all models: their kinds, and the functions of [`Emits`] for
+/// whichever model an emitter has.
+macro_rules! dispatched {
+    ($($Model:ident),*) => {
+        /// Which model an emitter has, for loops that go by kind.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        enum Kind {
+            $($Model,)*
+        }
+
+        impl Kind {
+            const ALL: &[Self] = &[$(Self::$Model),*];
+
+            fn of(model: &EmitterModel) -> Self {
+                match model {
+                    $(EmitterModel::$Model(_) => Self::$Model,)*
+                }
+            }
+
+            /// [`Emits::choose`].
+            #[inline(always)]
+            fn choose<const N: usize>(
+                self,
+                own: &OwnLanes,
+                reference: Vector<F32s>,
+                radiance: [F32s; N],
+                probability: F32s,
+                u: [F32s; 2],
+            ) -> DirectLanes<N> {
+                match self {
+                    $(Self::$Model => $Model::choose(own, reference, radiance, probability, u),)*
+                }
+            }
+        }
+
+        /// [`Emits::DELTA`].
+        pub fn is_delta(model: &EmitterModel) -> bool {
+            match model {
+                $(EmitterModel::$Model(_) => $Model::DELTA,)*
+            }
+        }
+
+        /// [`Emits::media`].
+        pub fn media(model: &EmitterModel, immersion: &Immersion) -> [u32; 2] {
+            match model {
+                $(EmitterModel::$Model(model) => model.media(immersion),)*
+            }
+        }
+
+        fn record(model: &EmitterModel, shapes: &Shapes, probability: f32) -> Own {
+            match model {
+                $(EmitterModel::$Model(model) => model.record(shapes, probability),)*
+            }
+        }
+
+        fn emit<const N: usize>(
+            model: &EmitterModel,
+            source: &Source<N>,
+            u_position: [f32; 2],
+            u_direction: [f32; 2],
+        ) -> EmissionSample<N> {
+            match model {
+                $(EmitterModel::$Model(model) => model.emit(source, u_position, u_direction),)*
+            }
+        }
+
+        fn met<const N: usize>(
+            model: &EmitterModel,
+            source: &Source<N>,
+            position: Vec3,
+            direction: Vec3,
+        ) -> Option<MetEmission<N>> {
+            match model {
+                $(EmitterModel::$Model(model) => model.met(source, position, direction),)*
+            }
+        }
+    };
+}
+for_all_emitters!(dispatched);

@@ -1,0 +1,119 @@
+//! Point lights, and what spots share with them: light from a point into a cone.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+use crate::scattering::immersion::Immersion;
+use crate::scene::baked::Shapes;
+use crate::scene::emitter::Point;
+
+use super::direct::{DirectLanes, Own, OwnLanes, finite, own, reachable};
+use super::{EmissionSample, Emits, MetEmission, Source};
+
+/// Cosine at the edge of the cone that holds all directions.
+const ALL: f32 = -1.0;
+
+impl Emits for Point {
+    const DELTA: bool = true;
+
+    fn record(&self, _: &Shapes, probability: f32) -> Own {
+        let [x, y, z] = self.position.to_array();
+        own([x, y, z, probability * cone_pdf(ALL)])
+    }
+
+    #[inline(always)]
+    fn choose<const N: usize>(
+        &[x, y, z, emission_pdf, ..]: &OwnLanes,
+        reference: Vector<F32s>,
+        radiance: [F32s; N],
+        probability: F32s,
+        _: [F32s; 2],
+    ) -> DirectLanes<N> {
+        choose::<Self, N>(Vector::new(x, y, z), reference, radiance, [probability, emission_pdf])
+    }
+
+    fn emit<const N: usize>(
+        &self,
+        source: &Source<N>,
+        _: [f32; 2],
+        u_direction: [f32; 2],
+    ) -> EmissionSample<N> {
+        let direction = in_cone(Vec3::Z, ALL, u_direction);
+        emit::<Self, N>(source, self.position, direction, source.radiance, cone_pdf(ALL))
+    }
+
+    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
+        None
+    }
+
+    fn media(&self, immersion: &Immersion) -> [u32; 2] {
+        [immersion.at(self.position); 2]
+    }
+}
+
+/// Density per steradian of a uniform direction in a cone, by the cosine at its edge.
+pub fn cone_pdf(cos_edge: f32) -> f32 {
+    0.5 * FRAC_1_PI / (1.0 - cos_edge)
+}
+
+/// A uniform direction in a cone.
+pub fn in_cone(axis: Vec3, cos_edge: f32, u: [f32; 2]) -> Vec3 {
+    let spread = 0.5 * FRAC_1_PI / cone_pdf(cos_edge);
+    let z = 1.0 - u[0] * spread;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    tangent * (radius * cosine) + bitangent * (radius * sine) + axis * z
+}
+
+/// Starts a path at a point along `direction`, where it has an `intensity`; the direction's
+/// density per steradian is `pdf`.
+pub fn emit<Model: Emits, const N: usize>(
+    source: &Source<N>,
+    position: Vec3,
+    direction: Vec3,
+    intensity: [f32; N],
+    pdf: f32,
+) -> EmissionSample<N> {
+    let emission_pdf = source.probability * pdf;
+    EmissionSample {
+        position,
+        normal: Vec3::ZERO,
+        direction,
+        beta: intensity.map(|intensity| intensity / emission_pdf),
+        radiance: intensity,
+        direct_pdf: source.probability,
+        emission_pdf,
+        cos_at_light: 1.0,
+        finite: Model::FINITE,
+        two_sided: false,
+        delta: Model::DELTA,
+        emitter: source.row,
+    }
+}
+
+/// Eight points of the radiant intensity `intensity`, which may yet depend on the direction.
+#[inline(always)]
+pub fn choose<Model: Emits, const N: usize>(
+    point: Vector<F32s>,
+    reference: Vector<F32s>,
+    intensity: [F32s; N],
+    [probability, emission_pdf]: [F32s; 2],
+) -> DirectLanes<N> {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let offset = point - reference;
+    let distance2 = offset.length_squared();
+    DirectLanes {
+        direction: offset * (one / distance2.sqrt()),
+        point,
+        normal: Vector::new(zero, zero, zero),
+        finite: finite::<Model>(),
+        radiance: intensity,
+        pdf_w: probability * distance2,
+        emission_pdf,
+        cos_at_light: one,
+        reachable: reachable::<Model>(),
+    }
+}

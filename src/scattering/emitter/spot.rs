@@ -1,0 +1,70 @@
+//! Spots: points whose light falls off from an axis, as KHR_lights_punctual recommends: with the
+//! square of a ramp in the cosine.
+
+use glam::Vec3;
+
+use crate::math::{F32s, Vector};
+use crate::scattering::immersion::Immersion;
+use crate::scene::baked::Shapes;
+use crate::scene::emitter::Spot;
+
+use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::point::{self, cone_pdf, in_cone};
+use super::{EmissionSample, Emits, MetEmission, Source};
+
+impl Emits for Spot {
+    const DELTA: bool = true;
+
+    fn record(&self, _: &Shapes, probability: f32) -> Own {
+        let [x, y, z] = self.position.to_array();
+        let [dx, dy, dz] = self.direction.to_array();
+        let emission_pdf = probability * cone_pdf(self.cos_outer);
+        own([x, y, z, dx, dy, dz, self.cos_inner, self.cos_outer, emission_pdf])
+    }
+
+    #[inline(always)]
+    fn choose<const N: usize>(
+        &[x, y, z, dx, dy, dz, inner, outer, emission_pdf, ..]: &OwnLanes,
+        reference: Vector<F32s>,
+        radiance: [F32s; N],
+        probability: F32s,
+        _: [F32s; 2],
+    ) -> DirectLanes<N> {
+        let densities = [probability, emission_pdf];
+        let mut lanes =
+            point::choose::<Self, N>(Vector::new(x, y, z), reference, radiance, densities);
+        let ramp = (-lanes.direction.dot(Vector::new(dx, dy, dz)) - outer) / (inner - outer);
+        let ramp = ramp.max(F32s::splat(0.0)).min(F32s::splat(1.0));
+        lanes.radiance = radiance.map(|intensity| intensity * (ramp * ramp));
+        lanes
+    }
+
+    fn emit<const N: usize>(
+        &self,
+        source: &Source<N>,
+        _: [f32; 2],
+        u_direction: [f32; 2],
+    ) -> EmissionSample<N> {
+        let direction = in_cone(self.direction, self.cos_outer, u_direction);
+        let cosine = direction.dot(self.direction);
+        let ramp = (cosine - self.cos_outer) / (self.cos_inner - self.cos_outer);
+        let ramp = ramp.clamp(0.0, 1.0);
+        let falloff = ramp * ramp;
+        let intensity = source.radiance.map(|intensity| intensity * falloff);
+        point::emit::<Self, N>(
+            source,
+            self.position,
+            direction,
+            intensity,
+            cone_pdf(self.cos_outer),
+        )
+    }
+
+    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
+        None
+    }
+
+    fn media(&self, immersion: &Immersion) -> [u32; 2] {
+        [immersion.at(self.position); 2]
+    }
+}

@@ -1,0 +1,210 @@
+//! Models of emitters: the parameters of each, where it is and how much of it there is. What they
+//! do with light is in `scattering::emitter`.
+
+use std::f64::consts::PI;
+
+use glam::Vec3;
+
+use super::baked::{self, Shapes};
+
+/// Hands all models to a macro: the list from which everything else that knows them all is made.
+macro_rules! for_all_emitters {
+    ($then:ident) => {
+        $then! { Triangle, Sphere, Point, Spot, Directional, Environment }
+    };
+}
+pub(crate) use for_all_emitters;
+
+/// Something that emits unpolarized light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter<const N: usize> {
+    /// Its model, with the parameters of that.
+    pub model: EmitterModel,
+    /// Radiance, radiant intensity or irradiance, as the model has it; not negative, finite.
+    pub radiance: [f32; N],
+    /// Probability to be chosen as the source of a path: proportional to emitted power
+    /// averaged over the channels. All rows together sum to one.
+    pub probability: f32,
+}
+
+/// What is to be known of a model for its place and its power.
+pub trait Extent {
+    /// Whether it is at a finite distance.
+    const FINITE: bool;
+
+    /// Power in W over radiance, intensity or irradiance: in m^2 sr, sr or m^2.
+    fn size(&self, shapes: &Shapes) -> f64;
+}
+
+/// One triangle; radiance leaves its front, or both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// The primitive.
+    pub primitive: u32,
+    /// Both sides emit.
+    pub two_sided: bool,
+    /// Area in m^2.
+    pub area: f32,
+}
+
+/// A whole sphere; radiance leaves its outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// The primitive.
+    pub primitive: u32,
+    /// Area in m^2.
+    pub area: f32,
+}
+
+/// A point of the same radiant intensity, in W/sr, in all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where it is.
+    pub position: Vec3,
+}
+
+/// A point with a cone, of a radiant intensity on the axis in W/sr.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where it is.
+    pub position: Vec3,
+    /// Axis of the cone, unit length.
+    pub direction: Vec3,
+    /// Cosine of the angle from the axis within which the intensity is full.
+    pub cos_inner: f32,
+    /// Cosine of the angle from the axis beyond which it is zero; less than `cos_inner` by 0.001
+    /// at least. Between them it falls off as KHR_lights_punctual recommends.
+    pub cos_outer: f32,
+}
+
+/// Infinitely far away, of an irradiance on a plane that faces it in W/m^2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directional {
+    /// Where the light travels, unit length.
+    pub direction: Vec3,
+}
+
+/// Constant radiance from everywhere outside the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Environment;
+
+macro_rules! emitter_models {
+    ($($Model:ident),*) => {
+        /// A model of an emitter, with its parameters.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum EmitterModel {
+            $(#[doc = concat!("See [`", stringify!($Model), "`].")] $Model($Model),)*
+        }
+
+        impl EmitterModel {
+            /// Whether it is at a finite distance.
+            pub fn is_finite(&self) -> bool {
+                match self {
+                    $(Self::$Model(_) => <$Model as Extent>::FINITE,)*
+                }
+            }
+
+            /// Power in W over radiance, intensity or irradiance: in m^2 sr, sr or m^2.
+            pub fn size(&self, shapes: &Shapes) -> f64 {
+                match self {
+                    $(Self::$Model(model) => model.size(shapes),)*
+                }
+            }
+        }
+
+        $(impl From<$Model> for EmitterModel {
+            fn from(model: $Model) -> Self {
+                Self::$Model(model)
+            }
+        })*
+    };
+}
+for_all_emitters!(emitter_models);
+
+impl Triangle {
+    /// The emitter that a triangle of the scene is.
+    pub fn new(shapes: &Shapes, primitive: u32, two_sided: bool) -> Self {
+        Self { primitive, two_sided, area: triangle_area(shapes, primitive) as f32 }
+    }
+}
+
+fn triangle_area(shapes: &Shapes, primitive: u32) -> f64 {
+    let [a, b, c] = shapes.triangles[primitive as usize].corners.map(Vec3::as_dvec3);
+    0.5 * (b - a).cross(c - a).length()
+}
+
+impl Extent for Triangle {
+    const FINITE: bool = true;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        PI * triangle_area(shapes, self.primitive) * sides
+    }
+}
+
+impl Sphere {
+    /// The emitter that a sphere of the scene is.
+    pub fn new(shapes: &Shapes, primitive: u32) -> Self {
+        Self { primitive, area: sphere_area(shapes, primitive) as f32 }
+    }
+
+    /// The sphere itself.
+    pub fn shape(&self, shapes: &Shapes) -> baked::Sphere {
+        sphere(shapes, self.primitive)
+    }
+}
+
+fn sphere(shapes: &Shapes, primitive: u32) -> baked::Sphere {
+    shapes.spheres[primitive as usize - shapes.triangles.len()]
+}
+
+fn sphere_area(shapes: &Shapes, primitive: u32) -> f64 {
+    4.0 * PI * f64::from(sphere(shapes, primitive).radius).powi(2)
+}
+
+impl Extent for Sphere {
+    const FINITE: bool = true;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        PI * sphere_area(shapes, self.primitive)
+    }
+}
+
+impl Extent for Point {
+    const FINITE: bool = true;
+
+    fn size(&self, _: &Shapes) -> f64 {
+        4.0 * PI
+    }
+}
+
+impl Extent for Spot {
+    const FINITE: bool = true;
+
+    fn size(&self, _: &Shapes) -> f64 {
+        // The falloff is the square of a ramp in the cosine: its mean is a third.
+        let ramp = f64::from(self.cos_inner - self.cos_outer) / 3.0;
+        2.0 * PI * (f64::from(1.0 - self.cos_inner) + ramp)
+    }
+}
+
+impl Extent for Directional {
+    const FINITE: bool = false;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        disk(shapes)
+    }
+}
+
+impl Extent for Environment {
+    const FINITE: bool = false;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        4.0 * PI * disk(shapes)
+    }
+}
+
+/// Area of the disk through which parallel light enters the scene.
+fn disk(shapes: &Shapes) -> f64 {
+    PI * f64::from(shapes.bounds.radius).powi(2)
+}
