@@ -1,8 +1,9 @@
-//! Floor 2: what the user describes, and the tables it is baked into.
+//! Floor 4: what the user describes, and the tables it is baked into.
 //!
-//! `load` reads a glTF file into a [`World`], a hecs world of meshes, spheres, materials, lights
-//! and a camera, all validated; [`bake`] queries that into the dense tables of [`baked`], in
-//! world space and at the wavelengths of the render.
+//! [`World`] is a hecs world of meshes, spheres, materials, media, lights and a camera, made in code
+//! or by [`load`] from a glTF file; its components know what is wrong with them. [`bake`] checks all
+//! of that and queries it into the dense tables of [`baked`], in world space and at the wavelengths
+//! of the render.
 
 mod bake;
 pub mod baked;

@@ -1,8 +1,11 @@
 //! The scene floor: what glTF files mean, what is refused, and the shipped scenes.
 
+mod built;
 mod common;
 mod errors;
 mod fuzz;
 mod meaning;
 mod media;
 mod reference;
+mod refused;
+mod room;

@@ -41,8 +41,8 @@ pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>
 /// Places all shapes and the camera in world space. Wavelengths have no part in it.
 ///
 /// # Errors
-/// When the world is not as it should be ([`World::check`]), a triangle has no area left in `f32`, or
-/// coordinates are out of range.
+/// When the world is not as it should be ([`World::check`]), a triangle has no area left in `f32`,
+/// or coordinates are out of range.
 pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
     shapes(world).map_err(|error| error.in_file(&world.file))
 }

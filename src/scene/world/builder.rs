@@ -1,5 +1,6 @@
 //! Making a world: what programs call, and what readers of files call with their own names.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -44,7 +45,14 @@ use crate::spectrum::Spectrum;
 impl World {
     /// An empty scene.
     pub fn new(name: impl Into<String>) -> Self {
-        Self::from_file(PathBuf::new(), name.into(), Vec::new())
+        Self {
+            entities: hecs::World::new(),
+            name: name.into(),
+            file: PathBuf::new(),
+            warnings: Vec::new(),
+            order: 0,
+            checked: HashMap::new(),
+        }
     }
 
     /// Adds a material: what it scatters, and perhaps emits.
@@ -216,12 +224,6 @@ impl World {
 /// What readers of files add, with the names and orders of their own. All return the fault of a
 /// field, and readers know where in the file that stands.
 impl World {
-    /// An empty scene that a file describes.
-    pub(in crate::scene) fn from_file(file: PathBuf, name: String, warnings: Vec<String>) -> Self {
-        let (entities, checked) = Default::default();
-        Self { entities, name, file, warnings, order: 0, checked }
-    }
-
     pub(in crate::scene) fn put_material(
         &mut self,
         name: Name,

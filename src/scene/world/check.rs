@@ -80,7 +80,7 @@ impl World {
 
     fn check_all(&self) -> Result<(), SceneError> {
         let mut entities: Vec<EntityRef> = self.entities.iter().collect();
-        entities.sort_by_key(|entity| entity.get::<&Order>().map(|order| order.0));
+        entities.sort_by_cached_key(|entity| entity.get::<&Order>().map(|order| order.0));
         let mut counted: [Vec<String>; 4] = Default::default();
         let [cameras, skies, filling, media] = &mut counted;
         let mut seen = BTreeSet::new();
@@ -110,7 +110,7 @@ impl World {
         let most = most.into_iter().chain([("medium", MEDIA_MAX)]);
         for (names, (what, most)) in counted.iter().zip(most) {
             if let Some(name) = names.get(most) {
-                let problem = format!("is a {what} beside {}", names[most - 1]);
+                let problem = format!("is one {what} too many, after {}", names[most - 1]);
                 return Err(SceneError::new(name, problem, format!("keep {most} at most")));
             }
         }

@@ -76,10 +76,12 @@ impl Geometry {
     /// Corners whose normal is on the back of their triangle, or that have none in a mesh that
     /// has normals. They are mirrored to the front.
     pub(crate) fn corners_behind(&self) -> usize {
+        if self.normals.is_empty() {
+            return 0;
+        }
         let behind = self.triangles.iter().flat_map(|triangle| {
             let front = scaled_normal(self.corners(triangle));
-            let normals = triangle.map(|row| self.normals.get(row as usize));
-            normals.map(|own| own.is_some_and(|own| front.dot(own.as_dvec3()) <= 0.0))
+            triangle.map(|row| front.dot(self.normals[row as usize].as_dvec3()) <= 0.0)
         });
         behind.filter(|behind| *behind).count()
     }

@@ -53,18 +53,19 @@ impl Boundary {
 
     /// Refuses media about an opaque surface, and a null surface without any.
     pub(crate) fn check(&self, bsdf: &Bsdf) -> Result<(), Fault> {
-        match self.stated().next() {
-            Some((field, _)) if !bsdf.transmits() => {
-                let problem = "an opaque surface has nothing behind it";
-                let remedy = "remove it, or use a material that transmits: dielectric or null";
-                Err(Fault::new(field, problem, remedy))
-            }
-            None if *bsdf == Bsdf::Null => {
-                let problem = "a null surface without media is not there at all";
-                Err(Fault::new("", problem, "add `interior`, the medium that is inside"))
-            }
-            _ => Ok(()),
+        let stated = self.stated().next();
+        if let Some((field, _)) = stated
+            && !bsdf.transmits()
+        {
+            let problem = "an opaque surface has nothing behind it";
+            let remedy = "remove it, or use a material that transmits: dielectric or null";
+            return Err(Fault::new(field, problem, remedy));
         }
+        if stated.is_none() && *bsdf == Bsdf::Null {
+            let problem = "a null surface without media is not there at all";
+            return Err(Fault::new("", problem, "add `interior`, the medium that is inside"));
+        }
+        Ok(())
     }
 }
 
