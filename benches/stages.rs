@@ -11,14 +11,15 @@ use sunstone::internals::geometry::{
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
+use sunstone::internals::transport::bounce::{Bounce, Side};
 use sunstone::internals::transport::chunk::{ROWS, Sequence};
 use sunstone::internals::transport::stages::advance_paths::advance_paths;
 use sunstone::internals::transport::stages::collect_sensor::collect_sensor;
 use sunstone::internals::transport::stages::connect_to_emitters::connect_to_emitters;
 use sunstone::internals::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use sunstone::internals::transport::stages::partition_paths::partition_paths;
-use sunstone::internals::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
-use sunstone::internals::transport::stages::scatter_specular::{Event, scatter_specular};
+use sunstone::internals::transport::stages::scatter_diffuse::scatter_diffuse;
+use sunstone::internals::transport::stages::scatter_specular::scatter_specular;
 use sunstone::internals::transport::stages::trace_connections::trace_connections;
 use sunstone::internals::transport::tables::connections::ConnectionTable;
 use sunstone::internals::transport::tables::flights::FlightTable;
@@ -58,11 +59,11 @@ fn specular<M: LightModel<N>>(
     scene: &Scene<N>,
     partition: &Partition,
 ) {
-    let event = Event { path_length: 1, side: Side::Sensor };
+    let bounce = Bounce { path_length: 1, side: Side::Sensor };
     if M::POLARIZED {
-        scatter_specular::<N, true, _>(drawn, kernels, paths, surfaces, scene, partition, event);
+        scatter_specular::<N, true, _>(drawn, kernels, paths, surfaces, scene, partition, bounce);
     } else {
-        scatter_specular::<N, false, _>(drawn, kernels, paths, surfaces, scene, partition, event);
+        scatter_specular::<N, false, _>(drawn, kernels, paths, surfaces, scene, partition, bounce);
     }
 }
 
@@ -113,8 +114,8 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     group.bench_function("scatter_diffuse", |bench| {
         bench.iter(|| {
             let rows = diffuse.clone();
-            let side = Side::Sensor;
-            scatter_diffuse(&mut drawn, &mut sorted, &surfaces, &scene, rows, 1, side);
+            let bounce = Bounce { path_length: 1, side: Side::Sensor };
+            scatter_diffuse(&mut drawn, &mut sorted, &surfaces, &scene, rows, bounce);
         });
     });
     group.bench_function("scatter_specular", |bench| {

@@ -1,4 +1,4 @@
-//! Floor 9: the command line. Arguments as typed become a validated job; verbs run it.
+//! Floor 11: the command line. Arguments as typed become a validated job; verbs run it.
 
 mod args;
 mod bench;

@@ -1,4 +1,4 @@
-//! Floor 3: what a ray meets.
+//! Floor 5: what a ray meets.
 //!
 //! ```text
 //! triangles, spheres, instances -> obvhs (binary tree) -> collapse -> Accelerator

@@ -3,26 +3,18 @@
 use crate::geometry::{HitColumns, SurfaceColumns};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::MaterialKind;
+use crate::transport::bounce::Bounce;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::play_roulette::play_roulette;
-use crate::transport::stages::scatter_diffuse::{Side, scatter_diffuse};
+use crate::transport::stages::scatter_diffuse::scatter_diffuse;
 use crate::transport::stages::scatter_medium::scatter_medium;
-use crate::transport::stages::scatter_specular::{Event, scatter_specular};
+use crate::transport::stages::scatter_specular::scatter_specular;
 use crate::transport::tables::Column;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Chunk, LightModel};
-
-/// Which vertex of which walk.
-#[derive(Clone, Copy)]
-pub struct Bounce {
-    /// Segments up to this vertex.
-    pub path_length: u32,
-    /// Which way the path is traced.
-    pub side: Side,
-}
 
 /// Plays roulette and groups the rows that go on.
 pub fn sort<const N: usize, C: CarrierTable>(
@@ -50,15 +42,13 @@ pub fn scatter<const N: usize, M: LightModel<N>, C>(
     partition: &Partition,
     bounce: Bounce,
 ) {
-    let Bounce { path_length, side } = bounce;
     let diffuse = partition.rows_of(Met::Surface(MaterialKind::Diffuse));
-    scatter_diffuse(drawn, paths, surfaces, scene, diffuse, path_length, side);
-    let event = Event { path_length, side };
+    scatter_diffuse(drawn, paths, surfaces, scene, diffuse, bounce);
     if M::POLARIZED {
-        scatter_specular::<N, true, C>(drawn, kernels, paths, surfaces, scene, partition, event);
-        scatter_medium::<N, true, C>(drawn, kernels, paths, scene, partition, path_length, side);
+        scatter_specular::<N, true, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, true, C>(drawn, kernels, paths, scene, partition, bounce);
     } else {
-        scatter_specular::<N, false, C>(drawn, kernels, paths, surfaces, scene, partition, event);
-        scatter_medium::<N, false, C>(drawn, kernels, paths, scene, partition, path_length, side);
+        scatter_specular::<N, false, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, false, C>(drawn, kernels, paths, scene, partition, bounce);
     }
 }

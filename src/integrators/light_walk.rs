@@ -2,6 +2,7 @@
 
 use crate::geometry::{resolve_surfaces, trace_closest};
 use crate::scattering::Scene;
+use crate::transport::bounce::{Bounce, Side};
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
@@ -9,14 +10,13 @@ use crate::transport::stages::depolarize_light::depolarize_light;
 use crate::transport::stages::emit_light_paths::emit_light_paths;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::gather_connections::splat_connections;
-use crate::transport::stages::scatter_diffuse::Side;
 use crate::transport::stages::scatter_light::scatter_light;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::{Chunk, LightModel, Strategy};
 
-use super::bounce::{Bounce, scatter, sort};
+use super::bounce::{scatter, sort};
 use super::profile::Stage;
 use super::workspace::Workspace;
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::geometry::{resolve_surfaces, trace_closest};
 use crate::scattering::event::Event;
 use crate::scattering::{Met, Scene};
+use crate::transport::bounce::{Bounce, Side};
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::collect_emission::collect_emission;
 use crate::transport::stages::collect_sensor::collect_sensor;
@@ -13,12 +14,11 @@ use crate::transport::stages::depolarize_sensor::depolarize_sensor;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::gather_connections::gather_connections;
 use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
-use crate::transport::stages::scatter_diffuse::Side;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::{Chunk, LightModel, Strategy};
 
-use super::bounce::{Bounce, scatter, sort};
+use super::bounce::{scatter, sort};
 use super::profile::Stage;
 use super::workspace::Workspace;
 

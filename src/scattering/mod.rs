@@ -1,4 +1,4 @@
-//! Floor 4: where light starts, turns and ends. One file per model: sampling, evaluation,
+//! Floor 6: where light starts, turns and ends. One file per model: sampling, evaluation,
 //! densities and Mueller kernels.
 //!
 //! Scalar values only decide where paths go; kernels are relative to them (`polarization`), so

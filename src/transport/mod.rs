@@ -40,6 +40,7 @@
 //! - **`pdf_w`, `pdf_a`**: densities per steradian, per area.
 //! - **`d_vcm`, `d_vc`**: partial weights of strategies, after Georgiev's technical report.
 
+pub mod bounce;
 pub mod chunk;
 pub mod emission;
 pub mod flight;
@@ -51,6 +52,7 @@ pub mod sides;
 pub mod stages;
 pub mod strategy;
 pub mod tables;
+pub mod vertex;
 
 pub use chunk::Chunk;
 pub use light_model::{LightModel, Polarized, Scalar};

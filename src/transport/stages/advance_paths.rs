@@ -7,8 +7,8 @@ use crate::transport::tables::paths::PathTable;
 
 /// Starts the next segment of every row off its surface. `reach` bounds the scene's coordinates.
 ///
-/// From: scatter_diffuse, scatter_specular, and what reads the old directions. To: trace_closest.
-/// Writes: rays. Reads: drawn, surfaces.
+/// From: scatter_diffuse, collect_sensor, scatter_light. To: trace_closest.
+/// Writes: paths (rays). Reads: drawn, surfaces.
 pub fn advance_paths<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     drawn: &[Column; 3],

@@ -18,7 +18,7 @@ use crate::transport::tables::paths::PathTable;
 
 /// Adds what the rows see of emitters after `path_length` segments.
 ///
-/// From: trace_closest. To: play_roulette, partition_paths.
+/// From: trace_closest, fly_through_media. To: play_roulette, partition_paths, the film.
 /// Writes: measured. Reads: paths, hits, scene.
 pub fn collect_emission<const N: usize, C: SensorSide<N>>(
     measured: &mut Measured<N>,

@@ -14,8 +14,8 @@ use crate::transport::tables::paths::PathTable;
 /// Connects the start of every light path to the pixel that sees it; emitters without area are
 /// not seen. `light_paths` is the number of light paths an iteration.
 ///
-/// From: emit_light_paths. To: trace_connections, splat_connections.
-/// Writes: connections. Reads: paths.identity, chunk, scene.
+/// From: emit_light_paths. To: trace_connections.
+/// Writes: connections. Reads: paths (identity), chunk, scene.
 pub fn connect_emission<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
     paths: &PathTable<N, C>,

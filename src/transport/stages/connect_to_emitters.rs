@@ -4,23 +4,21 @@ use std::ops::Range;
 
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scattering::diffuse::BRDF;
 use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::event::Event;
-use crate::scattering::vertex::{Turn, VertexLanes};
-use crate::scattering::{Met, Scene};
+use crate::scattering::vertex::Turn;
+use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
-
-use super::scatter_diffuse::{MaterialLanes, facing_of};
+use crate::transport::vertex::vertex_lanes;
 
 /// Connects the rows `rows`, which have met `event`, to one emitter each.
 ///
-/// From: depolarize_sensor (`Bidirectional`: weigh_arrival). To: trace_connections.
+/// From: depolarize_sensor. To: trace_connections.
 /// Writes: connections. Reads: paths, surfaces, scene.
 pub fn connect_to_emitters<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
@@ -73,26 +71,6 @@ fn bidirectional_weight<const N: usize>(
     let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
     let sensor = End { weights, turn: turn.into() };
     mis::weight_of_emitter_connected(sensor, emitter, chance)
-}
-
-/// What eight rows that have met the same scatter.
-#[inline(always)]
-pub(super) fn vertex_lanes<'a, const N: usize>(
-    met: Met,
-    surfaces: &SurfaceColumns,
-    scene: &'a Scene<N>,
-    row: usize,
-    live: usize,
-) -> VertexLanes<'a, N> {
-    match met {
-        Met::Medium(medium) => VertexLanes::Volume(scene.medium(medium)),
-        Met::Surface(_) => {
-            let material = MaterialLanes::gather(scene, surfaces, row, live);
-            let mut brdf = material.reflectance;
-            brdf.iter_mut().for_each(|brdf| *brdf *= F32s::splat(BRDF));
-            VertexLanes::Surface { facing: facing_of(surfaces, &material, row), brdf }
-        }
-    }
 }
 
 /// One emitter a row, and a point or direction on it.

@@ -3,26 +3,23 @@
 use glam::Vec3;
 
 use crate::geometry::offset_origin;
-use crate::math::{F32s, LANES, Real, U32s, Vector, lanes, warp};
-use crate::polarization::{film_axis, s_axis};
+use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
+use crate::polarization::film_axis;
 use crate::scattering::Scene;
-use crate::scattering::diffuse::Facing;
-use crate::scattering::medium::{PhaseFunction, half_sine2};
 use crate::scattering::sensor::SensorConnection;
-use crate::scattering::vertex::{Turn, mean};
-use crate::scene::baked::NONE;
+use crate::scattering::vertex::Turn;
 use crate::transport::mis::{self, End};
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
-use crate::transport::tables::states::{LightState, kernels_of_lanes};
+use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::VertexTable;
+use crate::transport::vertex::{departing_states, light_turn};
 use crate::transport::{Chunk, LightModel, Strategy};
 
 /// Connects all vertices, each to the pixel that sees it. `light_paths` is the number of light
 /// paths an iteration. With [`Strategy::Unidirectional`] nothing else finds these paths.
 ///
-/// From: store_light_vertices, ordered by slot, so that splats come in an order that no mode
-/// changes. To: trace_connections, splat_connections.
+/// From: store_light_vertices. To: trace_connections.
 /// Writes: connections. Reads: vertices, chunk, scene.
 pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
@@ -126,93 +123,4 @@ fn in_film_frame<const N: usize>(
 ) -> LightState<N> {
     let direction = Vector::from(direction.to_array());
     state.turned(film_axis(-direction, film_up.to_array().into()), direction)
-}
-
-/// The normals of eight light vertices.
-#[inline(always)]
-fn facing_of_vertices<const N: usize>(vertices: &VertexTable<N>, row: usize) -> Facing {
-    Facing {
-        geometric: Vector::load(&vertices.geometric_normal, row),
-        shading: Vector::load(&vertices.shading_normal, row),
-        two_sided: lanes::load(&vertices.two_sided, row).simd_gt(F32s::splat(0.5)),
-    }
-}
-
-/// What eight light vertices do to light that leaves them along `direction`. The BRDF of
-/// surfaces, which is in their power, is left out.
-#[inline(always)]
-pub(super) fn light_turn<const N: usize>(
-    vertices: &VertexTable<N>,
-    scene: &Scene<N>,
-    direction: Vector<F32s>,
-    (row, live): (usize, usize),
-) -> Turn<N> {
-    let facing = facing_of_vertices(vertices, row);
-    let given = Vector::load(&vertices.given, row);
-    let cosine = direction.dot(facing.shading).abs();
-    let adjoint = facing.adjoint(given, direction);
-    let mut turn = Turn {
-        value: [facing.reflects(given, direction) & (adjoint * cosine); N],
-        pdf: warp::cosine_pdf(cosine),
-        pdf_reverse: warp::cosine_pdf(given.dot(facing.shading).abs()),
-        measure: direction.dot(facing.geometric).abs(),
-    };
-    for_each_volume(vertices, (row, live), |medium, mask| {
-        let medium = scene.medium(medium);
-        let values = medium.phase.values(half_sine2(-given, direction));
-        let pdf = mean(&values);
-        for (value, &phase) in turn.value.iter_mut().zip(&values) {
-            *value = Real::select(mask, phase, *value);
-        }
-        turn.pdf = Real::select(mask, pdf, turn.pdf);
-        turn.pdf_reverse = Real::select(mask, pdf, turn.pdf_reverse);
-        turn.measure = Real::select(mask, F32s::splat(medium.density), turn.measure);
-    });
-    turn
-}
-
-/// The light that leaves eight vertices along `direction`, where it is polarized.
-#[inline(always)]
-pub(super) fn departing_states<const N: usize, M: LightModel<N>>(
-    vertices: &VertexTable<N>,
-    scene: &Scene<N>,
-    direction: Vector<F32s>,
-    (row, live): (usize, usize),
-) -> [Option<LightState<N>>; LANES] {
-    let mut states = [None; LANES];
-    if !M::POLARIZED {
-        return states;
-    }
-    let k_in = -Vector::load(&vertices.given, row);
-    for_each_volume(vertices, (row, live), |medium, mask| {
-        let PhaseFunction::Table(table) = &scene.medium(medium).phase else { return };
-        let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, direction)));
-        let (axis, k_in) = (s_axis(k_in, direction).to_rows(), k_in.to_rows());
-        let mask = mask.to_bits().to_array();
-        for lane in (0..live).filter(|&lane| mask[lane] != 0) {
-            let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
-            states[lane] = Some(match vertices.state[row + lane] {
-                NONE => LightState::first_event(&kernels[lane], axis),
-                state => vertices.states[state as usize].scatter(&kernels[lane], axis, k_in),
-            });
-        }
-    });
-    states
-}
-
-/// Calls `work` once for every medium among eight vertices, with the mask of those in it.
-#[inline(always)]
-fn for_each_volume<const N: usize>(
-    vertices: &VertexTable<N>,
-    (row, live): (usize, usize),
-    mut work: impl FnMut(u32, F32s),
-) {
-    let volumes = &vertices.volume[row..row + live];
-    for (lane, &medium) in volumes.iter().enumerate() {
-        if medium == NONE || volumes[..lane].contains(&medium) {
-            continue;
-        }
-        let same = lanes::each(|lane| volumes.get(lane).is_some_and(|&other| other == medium));
-        work(medium, lanes::mask_of(same));
-    }
 }

@@ -7,7 +7,6 @@ use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scattering::Met;
 use crate::scattering::Scene;
-use crate::scattering::diffuse::{BRDF, Facing};
 use crate::scattering::event::{Event, Form};
 use crate::scattering::vertex::VertexLanes;
 use crate::transport::LightModel;
@@ -15,8 +14,7 @@ use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
-
-use super::connect_to_sensor::{departing_states, light_turn};
+use crate::transport::vertex::{departing_states, light_turn, on_surface};
 
 /// Connects each of the rows `rows`, which have met `event`, to all vertices of its slot's light
 /// path that keep the whole within the greatest path length.
@@ -24,8 +22,8 @@ use super::connect_to_sensor::{departing_states, light_turn};
 /// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
 /// only intensity crosses the connection.
 ///
-/// From: weigh_arrival, depolarize_sensor. To: trace_connections, gather_connections.
-/// Writes: connections. Reads: paths, surfaces, vertices, scene.
+/// From: depolarize_sensor, store_light_vertices. To: trace_connections.
+/// Writes: connections. Reads: paths, surfaces, vertices, order, scene.
 pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
     paths: &PathTable<N, M::Sensor>,
@@ -145,26 +143,4 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             connections.push(segment, value, self.row);
         }
     }
-}
-
-/// A diffuse surface, in all lanes.
-#[inline(always)]
-pub(super) fn on_surface<'a, const N: usize>(
-    surfaces: &SurfaceColumns,
-    scene: &Scene<N>,
-    normal: [f32; 3],
-    row: usize,
-) -> VertexLanes<'a, N> {
-    let material = scene.material_at(surfaces.primitive[row]);
-    let two_sided = F32s::splat(if material.two_sided { 1.0 } else { 0.0 });
-    let mut brdf = [F32s::splat(0.0); N];
-    for (brdf, &reflectance) in brdf.iter_mut().zip(&material.reflectance) {
-        *brdf = F32s::splat(reflectance * BRDF);
-    }
-    let facing = Facing {
-        geometric: Vector::splat(normal),
-        shading: Vector::splat(lanes::row_of(&surfaces.shading_normal, row)),
-        two_sided: two_sided.simd_gt(F32s::splat(0.5)),
-    };
-    VertexLanes::Surface { facing, brdf }
 }

@@ -8,7 +8,8 @@ use crate::transport::tables::partition::Partition;
 
 /// Folds the intensity of the rows that meet a depolarizer into their throughput.
 ///
-/// From: partition_paths. To: store_light_vertices, store_photons, scatter_diffuse.
+/// From: resolve_surfaces, weigh_arrival. To: store_light_vertices, store_photons, scatter_diffuse,
+/// scatter_specular, scatter_medium.
 /// Writes: carriers, beta. Reads: partition.
 pub fn depolarize_light<const N: usize, C: LightSide<N>>(
     carriers: &mut C,

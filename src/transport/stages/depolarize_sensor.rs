@@ -10,7 +10,8 @@ use crate::transport::tables::partition::{Part, Partition};
 /// Ends the rows that meet a depolarizer there: what they accept from now on is intensity, and
 /// what scales it goes into the throughput.
 ///
-/// From: partition_paths. To: connect_to_emitters, scatter_diffuse.
+/// From: resolve_surfaces, weigh_arrival. To: connect_to_emitters, connect_to_vertices,
+/// merge_photons, scatter_diffuse, scatter_specular, scatter_medium.
 /// Writes: carriers, beta. Reads: partition.
 pub fn depolarize_sensor<const N: usize, C: SensorSide<N>>(
     carriers: &mut C,

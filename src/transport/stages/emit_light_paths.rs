@@ -16,7 +16,7 @@ use crate::transport::tables::paths::PathTable;
 /// Emitters at a finite distance and others meet their first surface with different measures,
 /// which `weigh_arrival` learns from the infinite `pdf_w` of the latter.
 ///
-/// To: trace_closest.
+/// From: nothing. To: trace_closest, connect_emission.
 /// Writes: paths. Reads: chunk, scene.
 pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
     paths: &mut PathTable<N, C>,

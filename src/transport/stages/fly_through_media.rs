@@ -14,7 +14,7 @@ use crate::transport::tables::paths::PathTable;
 /// over the wavelengths that the distance could have been drawn for.
 ///
 /// From: trace_closest. To: collect_emission, play_roulette, partition_paths.
-/// Writes: hits, paths (beta, media), flights. Reads: paths, scene.
+/// Writes: hits, paths (beta, media), flights, scratch. Reads: paths, scene.
 pub fn fly_through_media<const N: usize, C>(
     hits: &mut HitColumns,
     paths: &mut PathTable<N, C>,

@@ -12,7 +12,7 @@ use crate::transport::tables::paths::PathTable;
 /// what connections to the sensor are weighed by (0: there are none), `components` how many Stokes
 /// components the film has.
 ///
-/// To: trace_closest.
+/// From: nothing. To: trace_closest.
 /// Writes: paths. Reads: chunk, scene.
 pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     paths: &mut PathTable<N, C>,

@@ -21,14 +21,13 @@ use crate::transport::tables::photon_maps::PhotonMap;
 use crate::transport::tables::photon_queries::QueryOrder;
 use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTable};
 use crate::transport::tables::states::LightState;
-
-use super::connect_to_vertices::on_surface;
+use crate::transport::vertex::on_surface;
 
 /// Merges the rows `rows`, which have met `event`, with the photons of their map whose paths have
 /// `length_max` segments at most.
 ///
-/// From: depolarize_sensor. To: the film.
-/// Writes: measured, order (scratch). Reads: paths, surfaces, map, scene.
+/// From: the photon maps, depolarize_sensor. To: the film.
+/// Writes: measured, order. Reads: paths, surfaces, map, scene.
 pub fn merge_photons<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
     order: &mut QueryOrder,

@@ -11,7 +11,7 @@ use crate::transport::tables::paths::PathTable;
 /// Moves the rows that go on to `sorted`, grouped; rows that hit nothing, an absorber, or carry
 /// nothing stay behind.
 ///
-/// From: trace_closest, play_roulette. To: resolve_surfaces.
+/// From: trace_closest, fly_through_media, collect_emission, play_roulette. To: resolve_surfaces.
 /// Writes: sorted, sorted_hits, partition. Reads: paths, hits, scene.
 pub fn partition_paths<const N: usize, C: CarrierTable>(
     sorted: &mut PathTable<N, C>,

@@ -10,8 +10,8 @@ use crate::transport::tables::paths::PathTable;
 /// Rows that lose become rows that hit nothing; the others gain what those lose. The probability
 /// is local to the event, so both modes play alike; strategies are weighed without it.
 ///
-/// From: collect_emission. To: partition_paths.
-/// Writes: beta, hits. Reads: identity, scene.
+/// From: trace_closest, fly_through_media, collect_emission. To: partition_paths.
+/// Writes: paths (beta), hits. Reads: paths (identity), scene.
 pub fn play_roulette<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     hits: &mut HitColumns,

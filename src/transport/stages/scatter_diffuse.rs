@@ -5,70 +5,24 @@ use std::ops::Range;
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes, warp};
 use crate::scattering::Scene;
-use crate::scattering::diffuse::Facing;
+use crate::transport::bounce::{Bounce, Side};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::Column;
 use crate::transport::tables::paths::PathTable;
-
-/// Which way a path is traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Along the light.
-    Light,
-    /// Against it.
-    Sensor,
-}
-
-/// What a stage needs of the materials of eight rows that have hit diffuse surfaces.
-pub(super) struct MaterialLanes<const N: usize> {
-    /// Reflectance.
-    pub reflectance: [F32s; N],
-    /// Mask of those whose back reflects too.
-    pub two_sided: F32s,
-}
-
-impl<const N: usize> MaterialLanes<N> {
-    #[inline(always)]
-    pub fn gather(scene: &Scene<N>, surfaces: &SurfaceColumns, row: usize, live: usize) -> Self {
-        let material =
-            lanes::each(|lane| scene.material_row(surfaces.primitive[row + lane.min(live - 1)]));
-        let of = |lane: usize| &scene.optics.materials[material[lane]];
-        let two_sided = lanes::each(|lane| if of(lane).two_sided { 1.0 } else { 0.0 });
-        let mut reflectance = [F32s::splat(0.0); N];
-        for (n, reflectance) in reflectance.iter_mut().enumerate() {
-            *reflectance = F32s::from(lanes::each(|lane| of(lane).reflectance[n]));
-        }
-        Self { reflectance, two_sided: F32s::from(two_sided).simd_gt(F32s::splat(0.5)) }
-    }
-}
-
-/// The normals of eight rows.
-#[inline(always)]
-pub(super) fn facing_of<const N: usize>(
-    surfaces: &SurfaceColumns,
-    material: &MaterialLanes<N>,
-    row: usize,
-) -> Facing {
-    Facing {
-        geometric: Vector::load(&surfaces.geometric_normal, row),
-        shading: Vector::load(&surfaces.shading_normal, row),
-        two_sided: material.two_sided,
-    }
-}
+use crate::transport::vertex::{MaterialLanes, facing_of};
 
 /// Draws a new direction for the rows `rows`, cosine-weighted about the shading normal.
 ///
-/// From: connections of this vertex. To: advance_paths.
-/// Writes: drawn, beta, mis. Reads: paths, surfaces, scene.
+/// From: depolarize_sensor, depolarize_light. To: advance_paths.
+/// Writes: drawn, paths (beta, mis). Reads: paths, surfaces, scene.
 pub fn scatter_diffuse<const N: usize, C>(
     drawn: &mut [Column; 3],
     paths: &mut PathTable<N, C>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
     rows: Range<usize>,
-    path_length: u32,
-    side: Side,
+    Bounce { path_length, side }: Bounce,
 ) {
     for row in rows.clone().step_by(LANES) {
         let seed = lanes::load_u32(&paths.identity.seed, row);

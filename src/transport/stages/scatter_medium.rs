@@ -15,22 +15,21 @@ use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
-use super::scatter_diffuse::Side;
+use crate::transport::bounce::{Bounce, Side};
 use crate::transport::flight::wavelength_of;
 
 /// Draws a new direction for the rows in media, by the phase function of the path's wavelength;
 /// the weight counts that it could have been drawn for any of them.
 ///
-/// From: connections of this vertex. To: collect_sensor, scatter_light, advance_paths.
-/// Writes: drawn, kernels, beta, mis, media. Reads: paths, scene, partition.
+/// From: depolarize_sensor, depolarize_light. To: collect_sensor, scatter_light.
+/// Writes: drawn, kernels, paths (beta, mis, media). Reads: paths, scene, partition.
 pub fn scatter_medium<const N: usize, const POLARIZED: bool, C>(
     drawn: &mut [Column; 3],
     kernels: &mut KernelColumns<N>,
     paths: &mut PathTable<N, C>,
     scene: &Scene<N>,
     partition: &Partition,
-    path_length: u32,
-    side: Side,
+    Bounce { path_length, side }: Bounce,
 ) {
     for part in &partition.parts {
         let Met::Medium(medium) = part.event.met else { continue };

@@ -15,15 +15,15 @@ use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
 
-use super::scatter_diffuse::Side;
+use crate::transport::bounce::{Bounce, Side};
 use crate::transport::flight::beyond;
 
 /// Sends the rows of all but the diffuse parts on.
 ///
 /// With `POLARIZED`, also writes one kernel a row: achromatic ones to channel 0 only.
 ///
-/// From: partition_paths, resolve_surfaces. To: collect_sensor, scatter_light, advance_paths.
-/// Writes: drawn, kernels, beta, mis. Reads: paths, surfaces, scene, partition.
+/// From: depolarize_sensor, depolarize_light. To: collect_sensor, scatter_light.
+/// Writes: drawn, kernels, paths (beta, mis, media). Reads: paths, surfaces, scene, partition.
 pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
     drawn: &mut [Column; 3],
     kernels: &mut KernelColumns<N>,
@@ -31,7 +31,7 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
     partition: &Partition,
-    event: Event,
+    bounce: Bounce,
 ) {
     for part in partition.parts.iter().filter(|part| !part.event.connects()) {
         let end = part.rows.end;
@@ -43,7 +43,7 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
                     conduct::<N, POLARIZED>(kernels, &lanes, part, row)
                 }
                 Met::Surface(MaterialKind::Dielectric) => {
-                    dielectric::<N, POLARIZED, C>(kernels, paths, &lanes, part, row, event)
+                    dielectric::<N, POLARIZED, C>(kernels, paths, &lanes, part, row, bounce)
                 }
                 Met::Surface(MaterialKind::Polarizer | MaterialKind::Retarder) => {
                     pass::<N, POLARIZED>(kernels, surfaces, scene, &lanes, part, row)
@@ -53,7 +53,7 @@ pub fn scatter_specular<const N: usize, const POLARIZED: bool, C>(
             if paths.media.present() {
                 cross(paths, surfaces, scene, &scattered.direction, row, end);
             }
-            depart(drawn, paths, &lanes, scattered, row, end, event.side);
+            depart(drawn, paths, &lanes, scattered, row, end, bounce.side);
         }
     }
 }
@@ -78,15 +78,6 @@ fn cross<const N: usize, C>(
             *inside = beyond(scene, surfaces.primitive[row + lane], after[lane] > 0.0, *inside);
         }
     }
-}
-
-/// Where on which path the events happen.
-#[derive(Clone, Copy, Debug)]
-pub struct Event {
-    /// Segments before the event.
-    pub path_length: u32,
-    /// Which way the path is traced.
-    pub side: Side,
 }
 
 /// Eight rows at a specular surface.
@@ -179,11 +170,11 @@ fn dielectric<const N: usize, const POLARIZED: bool, C>(
     lanes: &RowLanes<N>,
     part: &Part,
     row: usize,
-    event: Event,
+    bounce: Bounce,
 ) -> Scattered<N> {
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
-    let [u, _] = draw(seed, iteration, event.path_length, Purpose::Decision);
+    let [u, _] = draw(seed, iteration, bounce.path_length, Purpose::Decision);
     let ior = lanes.field(|material| material.ior);
     let one = F32s::splat(1.0);
     let eta = Real::select(lanes.front, ior, one / ior);
@@ -200,7 +191,7 @@ fn dielectric<const N: usize, const POLARIZED: bool, C>(
     let refracted = refract(lanes.direction, lanes.normal, lanes.cos_i, cos_t, eta);
     let direction = Vector::select(reflects, reflected, refracted);
     // Radiance grows with the square of the index; importance, and power, do not.
-    let squeeze = match event.side {
+    let squeeze = match bounce.side {
         Side::Sensor => Real::select(reflects, one, one / (eta * eta)),
         Side::Light => one,
     };

@@ -13,12 +13,11 @@ use crate::transport::tables::carriers::LightCarriers;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::VertexTable;
-
-use super::scatter_diffuse::MaterialLanes;
+use crate::transport::vertex::MaterialLanes;
 
 /// Appends the rows `rows`, which have met `event`.
 ///
-/// From: weigh_arrival, depolarize_light. To: connect_to_sensor, connect_to_vertices.
+/// From: depolarize_light. To: connect_to_vertices, connect_to_sensor.
 /// Writes: vertices. Reads: paths, surfaces, scene.
 pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     vertices: &mut VertexTable<N>,

@@ -13,7 +13,7 @@ use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directio
 /// Appends the rows `rows`, after `path_length` segments. At depolarizers the power is all there
 /// is; in polarizing media the state of polarization is kept relative to it.
 ///
-/// From: depolarize_light. To: merge_photons, by way of the grid.
+/// From: depolarize_light. To: the photon maps.
 /// Writes: photons. Reads: paths, surfaces.
 pub fn store_photons<const N: usize, C: LightSide<N>>(
     photons: &mut PhotonTable<N>,

@@ -11,8 +11,9 @@ use crate::transport::flight::step_over;
 
 /// Finds which connections are blocked, and attenuates the others.
 ///
-/// From: connect_*. To: gather_connections, splat_connections.
-/// Writes: connections (blocked, value), flights. Reads: connections.rays, scene.
+/// From: connect_emission, connect_to_emitters, connect_to_vertices, connect_to_sensor. To:
+/// gather_connections, splat_connections.
+/// Writes: connections (blocked, value), flights, scratch. Reads: connections (rays), scene.
 pub fn trace_connections<const N: usize>(
     connections: &mut ConnectionTable<N>,
     (flights, scratch): (&mut FlightTable<N>, &mut TraceScratch),

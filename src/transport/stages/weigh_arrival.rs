@@ -11,8 +11,8 @@ use crate::transport::tables::paths::PathTable;
 /// Brings the partial weights to the vertices just reached: by the length of the segment, unless
 /// that comes from infinity, and the cosine of arrival, or the density of the medium of the vertex.
 ///
-/// From: resolve_surfaces. To: connect_to_emitters, connect_to_vertices, store_light_vertices.
-/// Writes: mis. Reads: rays, hits, surfaces, scene, partition.
+/// From: resolve_surfaces. To: depolarize_sensor, depolarize_light.
+/// Writes: paths (mis). Reads: paths (rays), hits, surfaces, scene, partition.
 pub fn weigh_arrival<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     hits: &HitColumns,
