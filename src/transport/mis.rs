@@ -1,10 +1,42 @@
-//! The weights of multiple importance sampling: dVCM and dVC of Georgiev's technical report
+//! The weights of multiple importance sampling: dVCM, dVC and dVM of Georgiev's technical report
 //! ("Implementing vertex connection and merging", Saarland University 2012), and the power
-//! heuristic of the unidirectional integrator.
+//! heuristic of the unidirectional integrator (Veach 1997, section 9.2.4).
+//!
+//! The balance heuristic weighs a strategy by its density over the sum of those of all strategies
+//! that make the same path. Each subpath carries its part of that sum, relative to the density with
+//! which it was made itself, so that the weight at the join needs no walk back:
+//!
+//! - **dVCM** of a vertex: one over the density (per area) of tracing it from the last one. At the
+//!   first vertex, times the density of connecting to the subpath's start instead of tracing.
+//! - **dVC**: all strategies that join before that, by connecting (or merging), without the reverse
+//!   density of the last turn, which is known only when the path goes on or is joined.
+//! - **dVM**: the same, relative to merging. Where connections compete, dVM is dVC over the eta of
+//!   [`MergingFactors`], and needs no column; alone it stands where photons only are merged.
+//!
+//! | equation | what | here |
+//! |---|---|---|
+//! | 20 | merging against connecting | [`MergingFactors::both`] |
+//! | 31, 32; 48, 49 (delta emitters) | start of a light path | [`PartialWeights::from_emitter`] |
+//! | 31, 32 | start of a sensor path | [`PartialWeights::from_sensor`] |
+//! | 31, 32, 34, 35, second half | arrival | [`PartialWeights::arrive`] |
+//! | 34, 35, first half | departure | [`PartialWeights::depart`] |
+//! | 35, 40, 41, 45, 46 | the eta in them | [`PartialWeights::beside_merging`] |
+//! | 53, 54 | specular departure | [`PartialWeights::depart_specular`] |
+//! | 33, 36, 50, 55 | all of this for dVM | [`MergingWeights`] |
+//! | 37 | full weight | every `weight_of_` |
+//! | 38, 39 | merging | [`weight_of_vertices_merged`] |
+//! | 40, 41 | connecting vertices | [`weight_of_vertices_connected`] |
+//! | 42, 43 | meeting an emitter | [`weight_of_emission_met`] |
+//! | 44, 45 | connecting to an emitter | [`chance_over_choice`], [`weight_of_emitter_connected`] |
+//! | 46, 47 | connecting to the sensor | [`weight_of_sensor_connected`] |
+//!
+//! Conventions: the density of a medium takes the place of cosines at its vertices. What is
+//! infinitely far away has densities per steradian, no distance and no cosine. Roulette is left
+//! out, as any weights do that add up to one over the strategies of a path.
 //!
 //! Numbers only: no columns, no Stokes values, no wavelengths. Generic over the number type, so
-//! that the formulas which are compared with an enumeration of all strategies in `f64` are the
-//! ones that run in eight `f32` lanes.
+//! that the formulas which are compared with an enumeration of all strategies in `f64` (`tests`
+//! below) are the ones that run in eight `f32` lanes.
 
 use crate::math::{F32s, Real};
 use crate::scattering::vertex::Turn;
@@ -103,12 +135,105 @@ impl<F: Real> PartialWeights<F> {
         Self { d_vcm: F::zero(), d_vc: self.d_vc * measure }
     }
 
+    /// For use at a vertex that connects and also merges: adds the density of merging there to what
+    /// the vertex competes with (equations 35, 40, 41, 45, 46). `mis_vm` as in [`MergingFactors`].
+    #[inline(always)]
+    pub fn beside_merging(self, mis_vm: F) -> Self {
+        Self { d_vcm: self.d_vcm + mis_vm, d_vc: self.d_vc }
+    }
+
     /// What connecting one vertex earlier, and at all before that, amounts to: the bracket that
-    /// equations 34, 40, 41, 45 and 46 share.
+    /// equations 35, 40, 41, 45 and 46 share.
     #[inline(always)]
     fn rivals(self, pdf_reverse: F) -> F {
         self.d_vc.mul_add(pdf_reverse, self.d_vcm)
     }
+}
+
+/// How connecting and merging count against each other (equation 20).
+#[derive(Clone, Copy, Debug)]
+pub struct MergingFactors<F> {
+    /// One over eta; 0 where nothing connects.
+    pub mis_vc: F,
+    /// Eta: light paths an iteration times the area (or volume) in which they are merged; 0 where
+    /// nothing merges.
+    pub mis_vm: F,
+}
+
+impl<F: Real> MergingFactors<F> {
+    /// For connecting and merging both.
+    pub fn both(eta: F) -> Self {
+        Self { mis_vc: F::one() / eta, mis_vm: eta }
+    }
+
+    /// For merging alone.
+    pub fn merging_only() -> Self {
+        Self { mis_vc: F::zero(), mis_vm: F::one() }
+    }
+}
+
+/// What a subpath knows of its rivals where photons are merged.
+#[derive(Clone, Copy, Debug)]
+pub struct MergingWeights<F> {
+    /// dVCM and dVC; the latter counts merging, too.
+    pub connecting: PartialWeights<F>,
+    /// dVM.
+    pub d_vm: F,
+}
+
+impl<F: Real> MergingWeights<F> {
+    /// Of a light path that leaves an emitter: equations 33 and 50.
+    pub fn from_emitter(
+        emitter: EmitterDensities<F>,
+        delta: F::Mask,
+        factors: MergingFactors<F>,
+    ) -> Self {
+        let connecting = PartialWeights::from_emitter(emitter, delta);
+        Self { connecting, d_vm: connecting.d_vc * factors.mis_vc }
+    }
+
+    /// Of a sensor path: equation 33.
+    pub fn from_sensor(pdf: F, light_paths: F) -> Self {
+        Self { connecting: PartialWeights::from_sensor(pdf, light_paths), d_vm: F::zero() }
+    }
+
+    /// As [`PartialWeights::arrive`]; second half of equations 33 and 36.
+    pub fn arrive(self, distance2: F, measure: F) -> Self {
+        Self { connecting: self.connecting.arrive(distance2, measure), d_vm: self.d_vm / measure }
+    }
+
+    /// As [`PartialWeights::depart`], from a vertex that merges, too; first half of equation 36.
+    pub fn depart(self, turn: TurnDensities<F>, factors: MergingFactors<F>) -> Self {
+        let here = self.connecting.d_vcm * factors.mis_vc + F::one();
+        Self {
+            connecting: self.connecting.beside_merging(factors.mis_vm).depart(turn),
+            d_vm: turn.measure / turn.pdf * self.d_vm.mul_add(turn.pdf_reverse, here),
+        }
+    }
+
+    /// As [`PartialWeights::depart_specular`]; first half of equation 55.
+    pub fn depart_specular(self, measure: F) -> Self {
+        Self { connecting: self.connecting.depart_specular(measure), d_vm: self.d_vm * measure }
+    }
+
+    /// What joining earlier amounts to, relative to merging; `pdf` is the density per steradian of
+    /// drawing the direction back along this subpath.
+    fn rivals(self, pdf: F, factors: MergingFactors<F>) -> F {
+        self.connecting.d_vcm * factors.mis_vc + self.d_vm * pdf
+    }
+}
+
+/// Weight of two subpaths that are merged, both on arrival: equations 37 to 39. `turn` is that of
+/// the sensor's vertex to where the light comes from.
+pub fn weight_of_vertices_merged<F: Real>(
+    sensor: MergingWeights<F>,
+    light: MergingWeights<F>,
+    turn: TurnDensities<F>,
+    factors: MergingFactors<F>,
+) -> F {
+    let before = light.rivals(turn.pdf, factors);
+    let after = sensor.rivals(turn.pdf_reverse, factors);
+    F::one() / (before + F::one() + after)
 }
 
 /// Weight of an emitter that a sensor path meets, against all other strategies: equations 37, 42
@@ -182,3 +307,6 @@ pub fn power_of_emission_met<F: Real>(pdf_w: F, emitter: EmitterDensities<F>, di
 pub fn power_of_emitter_connected<F: Real>(chance: F) -> F {
     F::one() / chance.mul_add(chance, F::one())
 }
+
+#[cfg(test)]
+mod tests;
