@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sunstone::internals::render::{Integrator, Mode, Options, PlacedWorld, Renderer, Settings};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::{Mode, Options, PlacedWorld, Renderer, Settings};
 use sunstone::internals::scene::load;
 
 const EDGE: u32 = 128;

@@ -21,7 +21,8 @@ use std::fs;
 use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::{Integrator, Mode, Options, Photons};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;

@@ -19,8 +19,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use serde_json::json;
+use sunstone::internals::integrators::Integrator;
 use sunstone::internals::math::F32s;
-use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
+use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 

@@ -13,7 +13,8 @@ mod support;
 
 use glam::Vec3;
 use serde_json::json;
-use sunstone::internals::render::{Integrator, Mode};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 

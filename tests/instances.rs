@@ -6,7 +6,8 @@ mod support;
 use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::{Integrator, Mode, Options, Photons};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::spectrum::Color;
 

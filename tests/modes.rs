@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use rayon::ThreadPoolBuilder;
 use sunstone::internals::image::StokesImage;
-use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;

@@ -18,7 +18,8 @@ use std::ops::Range;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::image::npy::{read_npy, read_npy_with_stderr};
-use sunstone::internals::render::{Integrator, Mode, Options, Photons};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::{Mode, Options, Photons};
 
 use support::evidence;
 use support::rendering::{MONO, in_package, light_mask, replicates, scene, settings, world};

@@ -21,8 +21,9 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use sunstone::internals::integrators::Integrator;
 use sunstone::internals::math::hash::combine;
-use sunstone::internals::render::{Integrator, Mode, Options};
+use sunstone::internals::render::{Mode, Options};
 use sunstone::internals::scene::World;
 
 use support::gltf::Document;

@@ -305,7 +305,7 @@ fn in_words(error: impl std::fmt::Display) -> String {
 fn tick(value: f64, axis: &Axis) -> String {
     match &axis.scale {
         Scale::Names(names) => names.get(value as usize).cloned().unwrap_or_default(),
-        _ => match value.abs() {
+        Scale::Linear | Scale::Logarithmic => match value.abs() {
             0.0 => "0".into(),
             1e-3..1e5 => {
                 let text = format!("{value:.4}");

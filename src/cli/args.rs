@@ -8,7 +8,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArguments;
 use crate::image::visualize::Map;
-use crate::render::{Integrator, Mode};
+use crate::integrators::Integrator;
+use crate::render::Mode;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
 #[derive(Debug, Parser)]

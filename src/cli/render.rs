@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::image::StokesImage;
+use crate::integrators::Integrator;
 use crate::integrators::profile::STAGES;
 use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
 use crate::render::threads::Threads;
-use crate::render::{Integrator, PlacedWorld, Progress, Renderer, Settings, system};
+use crate::render::{PlacedWorld, Progress, Renderer, Settings, system};
 use crate::scene;
 
 use super::CliError;

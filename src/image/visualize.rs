@@ -374,7 +374,15 @@ fn legend_of(map: Map, view: &View) -> Legend {
     let unpolarized = match map {
         Map::LinearCircular => Some((NEUTRAL, "unpolarized")),
         Map::Aolp => Some((NEUTRAL, "not linear")),
-        _ => None,
+        Map::Intensity
+        | Map::Dop
+        | Map::AolpDark
+        | Map::Chirality
+        | Map::Stokes
+        | Map::StokesRelative
+        | Map::DopRed
+        | Map::Type
+        | Map::Orientation => None,
     };
     Legend {
         title,

@@ -1,6 +1,6 @@
-//! Floor 9: renders. A [`PlacedWorld`] is what a world is baked to; a [`Renderer`] runs an integrator
-//! over the tiles of a film of it, the one place where scalar or polarized, and how many
-//! wavelengths, is chosen.
+//! Floor 9: renders. A [`PlacedWorld`] is what a world is baked to; a [`Renderer`] runs an
+//! integrator over the tiles of a film of it, the one place where scalar or polarized, and how
+//! many wavelengths, is chosen.
 
 mod photon_pass;
 mod placed;
@@ -12,7 +12,6 @@ pub mod system;
 pub mod threads;
 mod tiles;
 
-pub use crate::integrators::Integrator;
 pub use placed::PlacedWorld;
 pub use renderer::{Progress, RenderError, Renderer, Stop};
 pub use settings::{Mode, Options, Photons, Settings, SettingsError};

@@ -61,7 +61,7 @@ impl<const N: usize> PhotonPass<N> {
         let class_of = |phase: &Phase<N>| match phase {
             Phase::Table(_) if polarized && is_chromatic => PhotonClass::SpectralStokes,
             Phase::Table(_) if polarized => PhotonClass::Stokes,
-            _ => PhotonClass::Power,
+            Phase::Table(_) | Phase::HenyeyGreenstein { .. } => PhotonClass::Power,
         };
         let classes: Vec<PhotonClass> = std::iter::once(PhotonClass::Power)
             .chain(optics.media.iter().map(|medium| class_of(&medium.phase)))

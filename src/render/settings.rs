@@ -158,9 +158,10 @@ impl Settings {
         if integrator.shoots_photons() {
             check_photons(&photons)?;
             if !samples.is_multiple_of(photons.samples) {
+                let of_iteration = photons.samples;
                 let rule = format!(
-                    "must be a multiple of the {} samples of an iteration of photons, not {samples}",
-                    photons.samples
+                    "must be a multiple of the {of_iteration} samples of an iteration of photons, \
+                     not {samples}"
                 );
                 return Err(SettingsError { setting: "samples", rule });
             }

@@ -1,5 +1,5 @@
-//! Worlds that a program makes or edits: the same tables as from a file, names, and entities that do
-//! not go together.
+//! Worlds that a program makes or edits: the same tables as from a file, names, and entities that
+//! do not go together.
 
 use std::sync::Arc;
 

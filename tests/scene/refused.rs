@@ -96,7 +96,11 @@ fn materials() {
     for (bsdf, file, expected) in cases {
         material(bsdf, Some(file), expected);
     }
-    // What JSON cannot say.
+}
+
+/// What JSON cannot say.
+#[test]
+fn materials_of_no_number() {
     let (nan, infinite) = (f64::NAN, f64::INFINITY);
     material(Bsdf::diffuse(f32::NAN), None, &["reflectance: NaN"]);
     material(Bsdf::dielectric(f32::INFINITY), None, &["ior: inf"]);

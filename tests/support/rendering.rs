@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use sunstone::internals::image::StokesImage;
+use sunstone::internals::integrators::Integrator;
 use sunstone::internals::math::{F32s, LANES, Vector};
-use sunstone::internals::render::{Integrator, Mode, Options, Photons, Renderer, Settings};
+use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::is_delta;
 use sunstone::internals::scene::baked::{MaterialKind, NONE, Surface};

@@ -143,7 +143,7 @@ fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, setti
                 "warning: {file}: the reference is of {first} nm and the render of {second} nm"
             ));
         }
-        _ => {}
+        (Color::Mono { .. } | Color::Rgb, Color::Mono { .. } | Color::Rgb) => {}
     }
 }
 

@@ -14,11 +14,10 @@ use crate::bench::Machine;
 use crate::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
 use crate::cli::args::ColorName;
 use crate::cli::{CliError, job};
+use crate::integrators::Integrator;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{
-    Integrator, Options, Photons, PlacedWorld, RenderError, Renderer, Settings, system,
-};
+use crate::render::{Options, Photons, PlacedWorld, RenderError, Renderer, Settings, system};
 use crate::spectrum::Color;
 
 /// Samples per pixel that are rendered one after another.

@@ -8,9 +8,10 @@ use crate::bench::Machine;
 use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
 use crate::cli::{CliError, job};
+use crate::integrators::Integrator;
 use crate::render::settings::{SAMPLES_MAX, check_film, check_photons};
 use crate::render::threads::Threads;
-use crate::render::{Integrator, Mode, Options, Photons, Settings, system};
+use crate::render::{Mode, Options, Photons, Settings, system};
 
 /// The paper's Table 1.
 pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {

@@ -4,8 +4,9 @@ use super::args::WorkArguments;
 use super::subject::Subject;
 use crate::cli::args::IntegratorName;
 use crate::cli::{CliError, job};
+use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
-use crate::render::{Integrator, Options, Photons, Settings};
+use crate::render::{Options, Photons, Settings};
 use crate::spectrum::Color;
 
 /// Edge of the film where none is typed, in pixels.

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::scattering::Scene;
 use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::event::Event;
 use crate::scattering::vertex::Turn;
-use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};

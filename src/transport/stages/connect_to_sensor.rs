@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::offset_origin;
-use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
+use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::polarization::film_axis;
 use crate::scattering::Scene;
 use crate::scattering::sensor::SensorConnection;

@@ -53,7 +53,7 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
                 PhaseFunction::Table(table) if M::POLARIZED => {
                     merge_polarized(gather, grid, medium, table, (order, points));
                 }
-                _ => {
+                PhaseFunction::Table(_) | PhaseFunction::HenyeyGreenstein(_) => {
                     let photons = grid.photons();
                     grid.gather(&mut InVolume { gather, medium, photons }, order, points);
                 }

@@ -111,7 +111,7 @@ fn store_kernels<const N: usize>(
         let &SpheroidBlock { a, c, s, .. } = kernel;
         match form {
             Form::Block => Block { a, c, s }.store(kernels, n, row, part.rows.end),
-            _ => kernel.store(kernels, n, row, part.rows.end),
+            Form::Spheroid | Form::Depolarizer => kernel.store(kernels, n, row, part.rows.end),
         }
     }
 }

@@ -8,11 +8,11 @@
 //! | sensor | [`SensorClass::Fresh`] | none: T = 1 in the film's frame | no event yet |
 //! | sensor | [`SensorClass::Plain`] | none: c = r = e0 | after a depolarizer, nothing polarizing |
 //! | | | | before (a film of intensities counts as one) |
-//! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row that met polarizing events since |
+//! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row, polarizing events since |
 //! | sensor | [`SensorClass::Column`] | c | polarizing events, then a depolarizer |
-//! | sensor | [`SensorClass::RankOne`] | c, r, axis | a `Column` row that met polarizing events since |
+//! | sensor | [`SensorClass::RankOne`] | c, r, axis | a `Column` row, polarizing events since |
 //! | sensor | [`SensorClass::Full`] | T, axis | polarizing events, no depolarizer yet |
-//! | sensor | [`SensorClass::Common`] | T once, axis | the same, and no event has told wavelengths |
+//! | sensor | [`SensorClass::Common`] | T once, axis | the same, no event told wavelengths |
 //! | | | | apart |
 //!
 //! After the first depolarizer T D = (T e0)(d e0^T) has rank one for ever: the column c is fixed
