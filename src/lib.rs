@@ -1,5 +1,50 @@
 //! Sunstone: a bidirectional, polarized, data-oriented light-transport renderer.
 //!
+//! A [`World`] is made in code or read by [`load`]; placed, it is rendered by any number of
+//! [`Renderer`]s:
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use sunstone::glam::{DVec3, Vec3};
+//! use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
+//! use sunstone::{Integrator, Options, PlacedWorld, Renderer, Settings, World};
+//!
+//! # fn main() -> Result<(), sunstone::Error> {
+//! // A room with a lamp, a glass sphere and a metal plate.
+//! let mut world = World::new("room");
+//! let wall = world.add_material("wall", Material::from(Bsdf::diffuse(0.7)).two_sided())?;
+//! let glass = world.add_material("glass", Bsdf::dielectric(1.5))?;
+//! let metal = world.add_material("plate", Bsdf::metal("Al")?)?;
+//! let glow = world.add_material("lamp", Material::emitter([20.0, 18.0, 15.0]).two_sided())?;
+//! let here = Transform::IDENTITY;
+//! world.add_mesh("walls", Geometry::cuboid(-Vec3::ONE, Vec3::ONE), wall, here)?;
+//! let lamp = Geometry::quad(Vec3::Y * 0.99, Vec3::X * 0.3, Vec3::Z * 0.3);
+//! world.add_mesh("lamp", lamp, glow, here)?;
+//! let plate = Geometry::quad(Vec3::Z * -0.9, Vec3::X * 0.5, Vec3::Y * 0.5);
+//! world.add_mesh("plate", plate, metal, here)?;
+//! world.add_sphere("ball", 0.4, glass, DVec3::new(0.2, -0.6, 0.0))?;
+//! let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
+//! world.set_camera("eye", Lens::pinhole(1.2), place)?;
+//! world.set_resolution([32, 32])?;
+//!
+//! // Rendered with polarization, and stopped before the end.
+//! let options = Options { integrator: Integrator::Path, ..Options::default() };
+//! let mut renderer = Renderer::new(&PlacedWorld::new(world)?, &Settings::new(options)?)?;
+//! renderer.run(|progress| match progress.samples {
+//!     32.. => ControlFlow::Break(()),
+//!     _ => ControlFlow::Continue(()),
+//! });
+//! let image = renderer.finish();
+//! let [height, width, channels, components] = image.shape();
+//! assert_eq!([height, width, channels, components], [32, 32, 3, 4]);
+//! let stokes: Vec<f32> = image.to_array();
+//! assert!(stokes[(16 * width + 16) * channels * components] > 0.0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Rooms
+//!
 //! The modules are floors; each imports only from lower ones (`tests/floors` checks):
 //!
 //! | floor | module | holds |
@@ -38,6 +83,43 @@ mod scattering;
 mod scene;
 mod spectrum;
 mod transport;
+
+pub use crate::image::{OutputError as ImageError, StokesImage};
+pub use crate::integrators::Integrator;
+pub use crate::render::threads::{Threads, ThreadsError};
+pub use crate::render::{
+    Mode, Options, Photons, PlacedWorld, Progress, RenderError, Renderer, Settings, SettingsError,
+    Stop,
+};
+pub use crate::scene::{SceneError, World, load, world};
+pub use crate::spectrum::{Color, Spectrum};
+pub use {glam, hecs};
+
+/// Whatever goes wrong between a world and its image.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// With the scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// With the settings of a render.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// With threads.
+    #[error(transparent)]
+    Threads(#[from] ThreadsError),
+    /// With the file of an image.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Scene(error) => error.into(),
+            RenderError::Settings(error) => error.into(),
+        }
+    }
+}
 
 /// The rooms behind the door, for the tests of one room and the benches of kernels. Nothing in here
 /// is promised to stay.

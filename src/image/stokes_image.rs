@@ -1,6 +1,10 @@
 //! A finished Stokes image: what the film develops and what the outputs write.
 
+use std::path::Path;
+
 use crate::spectrum::Color;
+
+use super::OutputError;
 
 /// Stokes values per pixel and channel, with what is known of their error and origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +34,70 @@ impl StokesImage {
         Self { width, height, color, components, planes, variance: None, metadata: Vec::new() }
     }
 
+    /// Height, width, channels and Stokes components: the shape of [`StokesImage::to_array`].
+    pub fn shape(&self) -> [usize; 4] {
+        [self.height, self.width, self.color.channels(), self.components]
+    }
+
+    /// All values in one array: rows from the top, pixels from the left, then channels, then Stokes
+    /// components, the last index fastest. [`StokesImage::plane`] gives them without a copy.
+    pub fn to_array(&self) -> Vec<f32> {
+        interleaved(&self.planes, self.shape())
+    }
+
+    /// The squared standard errors in the layout of [`StokesImage::to_array`], if they are known.
+    pub fn variance_to_array(&self) -> Option<Vec<f32>> {
+        self.variance.as_ref().map(|planes| interleaved(planes, self.shape()))
+    }
+
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength.
+    pub fn channel_names(&self) -> Vec<String> {
+        match self.color {
+            Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
+            Color::Mono { .. } => vec![self.color.to_string()],
+        }
+    }
+
+    /// What the Stokes components are called.
+    pub fn component_names(&self) -> &'static [&'static str] {
+        &["S0", "S1", "S2", "S3"][..self.components]
+    }
+
+    /// What the metadata say under a name.
+    pub fn metadata(&self, name: &str) -> Option<&str> {
+        self.metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    }
+
+    /// Writes the image in the format that the extension names: `.exr` (everything), `.hdr` (the
+    /// paper's set of files) or `.png` (a preview of S0).
+    ///
+    /// # Errors
+    /// When the extension is another or the file cannot be written; nothing is left half-way.
+    pub fn save(&self, path: &Path) -> Result<(), OutputError> {
+        super::save(self, path)
+    }
+
+    /// Reads an image in the format that the extension names: `.exr`, `.hdr` or `.npy`.
+    ///
+    /// # Errors
+    /// When the extension is another, or the file is not what it promises.
+    pub fn load(path: &Path) -> Result<Self, OutputError> {
+        super::load(path)
+    }
+
     /// The plane of one Stokes component and channel.
     pub fn plane(&self, component: usize, channel: usize) -> &[f32] {
         &self.planes[component * self.color.channels() + channel]
     }
+}
+
+fn interleaved(planes: &[Vec<f32>], [height, width, channels, components]: [usize; 4]) -> Vec<f32> {
+    let mut values = Vec::with_capacity(height * width * channels * components);
+    for pixel in 0..height * width {
+        for channel in 0..channels {
+            let of_component = |component: usize| planes[component * channels + channel][pixel];
+            values.extend((0..components).map(of_component));
+        }
+    }
+    values
 }
