@@ -92,12 +92,11 @@ impl StokesImage {
 }
 
 fn interleaved(planes: &[Vec<f32>], [height, width, channels, components]: [usize; 4]) -> Vec<f32> {
-    let mut values = Vec::with_capacity(height * width * channels * components);
-    for pixel in 0..height * width {
-        for channel in 0..channels {
-            let of_component = |component: usize| planes[component * channels + channel][pixel];
-            values.extend((0..components).map(of_component));
-        }
-    }
-    values
+    let of_pixel = |pixel: usize| {
+        let of_channel = move |channel: usize| {
+            (0..components).map(move |component| planes[component * channels + channel][pixel])
+        };
+        (0..channels).flat_map(of_channel)
+    };
+    (0..height * width).flat_map(of_pixel).collect()
 }

@@ -135,7 +135,7 @@ impl Renderer {
         let start = Instant::now();
         let time_limit = self.settings.time_limit;
         let is_late = || time_limit.is_some_and(|limit| start.elapsed() > limit);
-        while !self.is_done() && !self.stop.is_set() && !(self.samples() > 0 && is_late()) {
+        while !(self.is_done() || self.stop.is_set() || (self.samples() > 0 && is_late())) {
             self.step();
             let (samples, total) = (self.samples(), self.settings.samples);
             if progress(&Progress { samples, total, steps: &*self.steps }).is_break() {

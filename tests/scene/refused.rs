@@ -206,7 +206,7 @@ fn phase_matrices() {
     let spoilt = |spoil: fn(&mut TabulatedMatrix)| {
         let mut matrix = fine.clone();
         spoil(&mut matrix);
-        table(vec![none.clone(); 0].into_iter().chain([matrix]).collect())
+        table(vec![matrix])
     };
     medium(spoilt(|m| m.wavelength_nm = Some(-1.0)), "table: needs rows, sorted");
     medium(spoilt(|m| m.theta_deg[1] = 0.0), "table[0]: needs increasing angles");

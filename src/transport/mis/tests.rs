@@ -191,7 +191,7 @@ impl Path {
 
     /// Density of tracing the vertices up to that of index `last` from the sensor, per area or
     /// volume each.
-    fn from_sensor(&self, last: usize) -> f64 {
+    fn of_sensor_side(&self, last: usize) -> f64 {
         let first = self.vertices[0].measure_to_sensor / self.sensor_distance2();
         let mut density = self.lens_pdf * self.sensor_pdf * first;
         for index in 1..=last {
@@ -203,7 +203,7 @@ impl Path {
 
     /// Density of tracing the emitter's point (or direction) and the vertices down to that of
     /// index `last`.
-    fn from_emitter(&self, last: usize) -> f64 {
+    fn of_emitter_side(&self, last: usize) -> f64 {
         let end = self.vertices.len() - 1;
         let measure = self.vertices[end].measure_to_light;
         let mut density = self.emission_pdf * measure / self.emitter_distance2();
@@ -222,17 +222,17 @@ impl Path {
             Way::Meet if self.emitter.delta() => 0.0,
             Way::Meet => {
                 let pdf = self.vertices[end].pdf_to_light;
-                self.from_sensor(end) * pdf * self.cos_at_light / self.emitter_distance2()
+                self.of_sensor_side(end) * pdf * self.cos_at_light / self.emitter_distance2()
             }
-            Way::ConnectEmitter if connects(end) => self.from_sensor(end) * self.direct_pdf,
+            Way::ConnectEmitter if connects(end) => self.of_sensor_side(end) * self.direct_pdf,
             Way::Connect(index) if connects(index) && connects(index + 1) => {
-                self.from_sensor(index) * self.from_emitter(index + 1)
+                self.of_sensor_side(index) * self.of_emitter_side(index + 1)
             }
             Way::ConnectSensor if connects(0) => {
-                self.light_paths * self.lens_pdf * self.from_emitter(0)
+                self.light_paths * self.lens_pdf * self.of_emitter_side(0)
             }
             Way::Merge(index) if connects(index) => {
-                self.eta * self.from_sensor(index) * self.from_emitter(index)
+                self.eta * self.of_sensor_side(index) * self.of_emitter_side(index)
             }
             Way::ConnectEmitter | Way::Connect(_) | Way::ConnectSensor | Way::Merge(_) => 0.0,
         }
