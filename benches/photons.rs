@@ -6,12 +6,13 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use sunstone::internals::math::columns::{Channels, Column};
 use sunstone::internals::math::{F32s, LANES, Vector, hash, lanes};
 use sunstone::internals::transport::tables::nearest_photons::nearest_distances;
 use sunstone::internals::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use sunstone::internals::transport::tables::photon_queries::QueryOrder;
 use sunstone::internals::transport::tables::photons::{PhotonClass, PhotonTable};
-use sunstone::internals::transport::tables::{Channels, Column, channels, vectors};
+use sunstone::internals::transport::tables::{channels, vectors};
 
 const N: usize = 3;
 const COUNT: usize = 1_000_000;
@@ -68,7 +69,7 @@ fn in_volume(salt: u32) -> Points {
 
 /// Photons at the points, whose light travels against the normals.
 fn photons_at(points: &Points) -> PhotonTable<N> {
-    let mut table = PhotonTable::new(PhotonClass::Power, COUNT);
+    let mut table = PhotonTable::of_class(PhotonClass::Power, COUNT);
     for row in (0..COUNT).step_by(LANES) {
         let number = |d: u32| F32s::from(lanes::each(|lane| uniform(99, row + lane, d)));
         let about = |d: u32| number(d) - F32s::splat(0.5);
@@ -76,7 +77,7 @@ fn photons_at(points: &Points) -> PhotonTable<N> {
         let normal = Vector::load(&points.normal, row);
         let direction = (around * F32s::splat(0.999) - normal).normalize();
         let power = [number(3), number(4), number(5)];
-        table.append(Vector::load(&points.position, row), direction, &power, LANES);
+        table.append_lanes(Vector::load(&points.position, row), direction, &power, LANES);
     }
     table
 }

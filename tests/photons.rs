@@ -1,11 +1,12 @@
 //! Gathering photons from the grid against looking at every photon.
 
+use sunstone::internals::math::columns::Column;
 use sunstone::internals::math::{F32s, LANES, Vector, hash, lanes};
 use sunstone::internals::transport::tables::nearest_photons::nearest_distances;
 use sunstone::internals::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use sunstone::internals::transport::tables::photon_queries::QueryOrder;
 use sunstone::internals::transport::tables::photons::{PhotonClass, PhotonTable};
-use sunstone::internals::transport::tables::{Column, vectors};
+use sunstone::internals::transport::tables::vectors;
 
 /// A number in [0, 1).
 fn uniform(salt: u32, row: usize, dimension: u32) -> f32 {
@@ -25,14 +26,14 @@ fn points(count: usize, point: impl Fn(usize) -> [f32; 3]) -> [Column; 3] {
 
 /// Photons at `position`, with power by row; polarized for the classes that have columns for it.
 fn photons(class: PhotonClass, position: &[Column; 3]) -> PhotonTable<2> {
-    let mut table = PhotonTable::new(class, 0);
+    let mut table = PhotonTable::of_class(class, 0);
     let count = position[0].len() - LANES;
     for row in (0..count).step_by(LANES) {
         let live = LANES.min(count - row);
         let number = |d: u32| F32s::from(lanes::each(|lane| uniform(9, row + lane, d)));
         let half = F32s::splat(0.5);
         let direction = Vector { x: number(0), y: number(1), z: number(2) - half }.normalize();
-        table.append(Vector::load(position, row), direction, &[number(3), number(4)], live);
+        table.append_lanes(Vector::load(position, row), direction, &[number(3), number(4)], live);
         for channel in 0..class.channels(2) {
             let states = [number(5) - half, number(6), half - number(7 + channel as u32)];
             table.store_stokes(row, row + live, channel, states);

@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use crate::math::Vector;
-use crate::scene::baked::{NONE, Shapes, Sphere, Triangle};
+use crate::scene::baked::{Shapes, Sphere, Triangle};
 use crate::scene::instanced::Instanced;
 
+use super::rays::Hit;
 use super::tree::Tree;
 use super::walk::{TraceScratch, walk};
 
@@ -51,24 +52,6 @@ impl ShortScene {
         let of_sphere = |s: &Sphere| (s.center.to_array(), s.radius * s.radius);
         Self { corners, triangles, spheres: spheres.iter().map(of_sphere).collect() }
     }
-}
-
-/// The nearest hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Distance in lengths of the direction; infinite when nothing is hit.
-    pub t: f32,
-    /// Barycentric weight of corner b, within [0, 1]; 0 for spheres.
-    pub u: f32,
-    /// Barycentric weight of corner c, within [0, 1]; 0 for spheres.
-    pub v: f32,
-    /// The primitive as [`crate::scene::baked::Shapes`] numbers them, or [`NONE`].
-    pub primitive: u32,
-}
-
-impl Hit {
-    /// Nothing is hit.
-    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, primitive: NONE };
 }
 
 /// What an accelerator is made of.

@@ -2,75 +2,19 @@
 
 use std::ops::Range;
 
-use crate::math::{F32s, LANES, U32s, Vector, lanes};
+use crate::math::columns::Rows;
+use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::NONE;
 
-use super::accelerator::{Accelerator, Hit, SHORT_CORNERS, ShortScene};
+use super::accelerator::{Accelerator, SHORT_CORNERS, ShortScene};
 use super::kernel::{Nearest, Rays, Renaming};
+use super::rays::{Hit, HitColumns, RayColumns};
 use super::walk::{TraceScratch, walk};
-
-/// Marks, in the place of a primitive, that a ray ended in a medium before it met one; the row of
-/// the medium is added. Smaller than [`NONE`].
-pub const IN_MEDIUM: u32 = 1 << 31;
-
-/// The medium of a primitive that is marked by [`IN_MEDIUM`].
-#[inline(always)]
-pub fn medium_met(primitive: u32) -> Option<u32> {
-    (primitive >= IN_MEDIUM && primitive != NONE).then(|| primitive - IN_MEDIUM)
-}
 
 /// Rays that are on their way through a large tree at a time: of 4, 6, 8, 12, 16 and 24 the least
 /// that is as fast as any among 4.4 million triangles. Rays sorted beforehand by direction or
 /// place, even all of a film, were no more than 5 % faster than these: less than sorting costs.
 const FLIGHT: usize = 16;
-
-/// Rays. Columns are padded by [`LANES`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RayColumns {
-    /// Origins, already off the surface they leave (see [`super::offset_origin`]).
-    pub origin: [Vec<f32>; 3],
-    /// Directions, unit length.
-    pub direction: [Vec<f32>; 3],
-}
-
-impl RayColumns {
-    /// Room for `capacity` rays.
-    pub fn new(capacity: usize) -> Self {
-        let column = || vec![0.0; capacity + LANES];
-        Self {
-            origin: std::array::from_fn(|_| column()),
-            direction: std::array::from_fn(|_| column()),
-        }
-    }
-
-    /// Origins and directions of the eight rays from `row` on.
-    #[inline(always)]
-    fn eight(&self, row: usize) -> (Vector<F32s>, Vector<F32s>) {
-        (Vector::load(&self.origin, row), Vector::load(&self.direction, row))
-    }
-}
-
-/// Nearest hits. Columns are padded by [`LANES`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HitColumns {
-    /// Distance; infinite when nothing is hit.
-    pub t: Vec<f32>,
-    /// Barycentric weight of corner b; 0 for spheres.
-    pub u: Vec<f32>,
-    /// Barycentric weight of corner c; 0 for spheres.
-    pub v: Vec<f32>,
-    /// The primitive, [`NONE`], or a medium ([`IN_MEDIUM`]).
-    pub primitive: Vec<u32>,
-}
-
-impl HitColumns {
-    /// Room for the hits of `capacity` rays.
-    pub fn new(capacity: usize) -> Self {
-        let column = || vec![0.0; capacity + LANES];
-        let primitive = vec![NONE; capacity + LANES];
-        Self { t: column(), u: column(), v: column(), primitive }
-    }
-}
 
 /// Finds the nearest hit of each ray in `rows`.
 pub fn trace_closest(
@@ -87,12 +31,7 @@ pub fn trace_closest(
     hits.u[rows.clone()].fill(0.0);
     hits.v[rows.clone()].fill(0.0);
     hits.primitive[rows.clone()].fill(NONE);
-    let better = |row: usize, hit: Hit| {
-        hits.t[row] = hit.t;
-        hits.u[row] = hit.u;
-        hits.v[row] = hit.v;
-        hits.primitive[row] = hit.primitive;
-    };
+    let better = |row: usize, hit: Hit| hits.set(row, hit);
     let load = |row: usize| rays.eight(row);
     let (tree, t_max) = (&accelerator.tree, |_| f32::INFINITY);
     match tree.is_large() {
@@ -141,7 +80,7 @@ fn closest_in_short(
         lanes::store(&mut hits.t, row, rows.end, nearest.t);
         lanes::store(&mut hits.u, row, rows.end, nearest.u);
         lanes::store(&mut hits.v, row, rows.end, nearest.v);
-        store_u32(&mut hits.primitive, row, rows.end, nearest.primitive);
+        lanes::store_u32(&mut hits.primitive, row, rows.end, nearest.primitive);
     }
 }
 
@@ -187,7 +126,7 @@ fn visibility_in_short(
         } else {
             blocked_in_short::<true>(&mut corners, (origin, direction), t_max, scene)
         };
-        store_u32(blocked, row, rows.end, mask.to_bits());
+        lanes::store_u32(blocked, row, rows.end, mask.to_bits());
     }
 }
 
@@ -225,12 +164,4 @@ fn shear_corners(
     for (to, corner) in sheared.iter_mut().zip(&scene.corners) {
         *to = rays.sheared(renaming.apply(Vector::splat(*corner)));
     }
-}
-
-/// [`lanes::store`] for identifiers.
-#[inline(always)]
-pub(super) fn store_u32(column: &mut [u32], row: usize, end: usize, value: U32s) {
-    let lanes = value.to_array();
-    let count = LANES.min(end - row);
-    column[row..row + count].copy_from_slice(&lanes[..count]);
 }

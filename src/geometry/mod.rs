@@ -21,13 +21,15 @@ mod kernel;
 mod offset;
 mod packet;
 mod prepared;
+mod rays;
 mod surface;
 mod table;
 mod tree;
 mod walk;
 
-pub use accelerator::{Accelerator, Hit, SHORT_SCENE, Statistics};
-pub use columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, trace_closest, trace_visibility};
+pub use accelerator::{Accelerator, SHORT_SCENE, Statistics};
+pub use columns::{trace_closest, trace_visibility};
 pub use offset::{offset_distance, offset_origin, offset_point, reach};
+pub use rays::{Hit, HitColumns, IN_MEDIUM, Ray, RayColumns, medium_met};
 pub use surface::{SurfaceColumns, resolve_surfaces};
 pub use walk::TraceScratch;

@@ -5,9 +5,9 @@
 
 use crate::math::{F32s, LANES, lanes};
 
-use super::accelerator::Hit;
 use super::block::{Node, Reference};
 use super::prepared::Prepared;
+use super::rays::Hit;
 use super::tree::View;
 use super::walk::{Inside, Walk};
 

@@ -4,40 +4,28 @@ use std::ops::Range;
 
 use glam::{Vec3, Vec3A};
 
+use crate::math::columns::{Column, columns};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{LEAST_COSINE, NONE, Shapes, Triangle};
 use crate::scene::instanced::Instance;
 
-use super::columns::{HitColumns, IN_MEDIUM, RayColumns, medium_met, store_u32};
+use super::rays::{HitColumns, IN_MEDIUM, RayColumns, medium_met};
 
-/// What was hit. Columns are padded by [`LANES`]; rows without a hit hold zero vectors and
-/// [`NONE`], those that ended in a medium a position and no normals.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SurfaceColumns {
-    /// World-space position.
-    pub position: [Vec<f32>; 3],
-    /// Unit normal on the primitive's own front side, not turned to the ray.
-    pub geometric_normal: [Vec<f32>; 3],
-    /// Interpolated unit normal; the geometric one where the mesh has none.
-    pub shading_normal: [Vec<f32>; 3],
-    /// Row in `surfaces` of the scene, or [`NONE`].
-    pub surface: Vec<u32>,
-    /// The primitive, [`NONE`], or a medium ([`super::IN_MEDIUM`]).
-    pub primitive: Vec<u32>,
-}
-
-impl SurfaceColumns {
-    /// Room for `capacity` rows.
-    pub fn new(capacity: usize) -> Self {
-        let vectors = || std::array::from_fn(|_| vec![0.0; capacity + LANES]);
-        let none = || vec![NONE; capacity + LANES];
-        Self {
-            position: vectors(),
-            geometric_normal: vectors(),
-            shading_normal: vectors(),
-            surface: none(),
-            primitive: none(),
-        }
+columns! {
+    /// What was hit. Rows without a hit hold zero vectors and [`NONE`], those that ended in a
+    /// medium a position and no normals.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct SurfaceColumns {
+        /// World-space position.
+        pub position: [Column; 3],
+        /// Unit normal on the primitive's own front side, not turned to the ray.
+        pub geometric_normal: [Column; 3],
+        /// Interpolated unit normal; the geometric one where the mesh has none.
+        pub shading_normal: [Column; 3],
+        /// Row in `surfaces` of the scene, or [`NONE`].
+        pub surface: Vec<u32> = NONE,
+        /// The primitive, [`NONE`], or a medium ([`super::IN_MEDIUM`]).
+        pub primitive: Vec<u32> = NONE,
     }
 }
 
@@ -86,8 +74,8 @@ pub fn resolve_surfaces(
         points.position.store(&mut surfaces.position, row, rows.end);
         points.geometric_normal.store(&mut surfaces.geometric_normal, row, rows.end);
         points.shading_normal.store(&mut surfaces.shading_normal, row, rows.end);
-        store_u32(&mut surfaces.surface, row, rows.end, surface.into());
-        store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
+        lanes::store_u32(&mut surfaces.surface, row, rows.end, surface.into());
+        lanes::store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
     }
 }
 

@@ -13,11 +13,11 @@ use glam::Vec3A;
 use crate::math::{F32s, LANES, Vector};
 use crate::scene::baked::NONE;
 
-use super::accelerator::Hit;
 use super::block::{Node, Reference};
 use super::kernel::{Candidates, renamed};
 use super::packet::walk_alike;
 use super::prepared::{BATCH, Prepared};
+use super::rays::Hit;
 use super::tree::{Tree, View};
 
 /// The place of a ray among those prepared and how far it has come.

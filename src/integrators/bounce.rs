@@ -1,6 +1,7 @@
 //! What all walks have in common between two traced segments.
 
 use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::math::columns::Column;
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::MaterialKind;
 use crate::transport::bounce::Bounce;
@@ -9,7 +10,6 @@ use crate::transport::stages::play_roulette::play_roulette;
 use crate::transport::stages::scatter_diffuse::scatter_diffuse;
 use crate::transport::stages::scatter_medium::scatter_medium;
 use crate::transport::stages::scatter_specular::scatter_specular;
-use crate::transport::tables::Column;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::partition::Partition;

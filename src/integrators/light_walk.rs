@@ -62,7 +62,7 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
     }
     w.profile.time(Stage::Sort, || {
         let [stored, by_slot] = &mut w.vertices;
-        by_slot.gather_by_slot(stored, &mut w.slot_order, chunk.slots());
+        by_slot.take_by_slot(stored, &mut w.slot_order, chunk.slots());
     });
 }
 

@@ -1,6 +1,7 @@
 //! All tables that a chunk needs, allocated once and reused.
 
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
+use crate::math::columns::Column;
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
@@ -10,8 +11,8 @@ use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_queries::QueryOrder;
+use crate::transport::tables::vectors;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
-use crate::transport::tables::{Column, vectors};
 
 use super::profile::Profile;
 

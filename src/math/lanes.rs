@@ -73,6 +73,14 @@ pub fn load_u32(column: &[u32], row: usize) -> U32s {
     U32s::from(lanes)
 }
 
+/// [`store`] for identifiers.
+#[inline(always)]
+pub fn store_u32(column: &mut [u32], row: usize, end: usize, value: U32s) {
+    let lanes = value.to_array();
+    let count = LANES.min(end - row);
+    column[row..row + count].copy_from_slice(&lanes[..count]);
+}
+
 /// Steps of a packed signed number from 0 to 1.
 const SIGNED_STEPS: f32 = i16::MAX as f32;
 

@@ -1,5 +1,6 @@
 //! Floor 0: numbers, lanes and vectors. Knows nothing of light.
 
+pub mod columns;
 pub mod hash;
 pub mod lanes;
 pub mod range;

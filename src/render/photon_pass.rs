@@ -66,7 +66,7 @@ impl<const N: usize> PhotonPass<N> {
         let classes: Vec<PhotonClass> = std::iter::once(PhotonClass::Power)
             .chain(optics.media.iter().map(|medium| class_of(&medium.phase)))
             .collect();
-        let tables = || classes.iter().map(|&class| PhotonTable::new(class, 0)).collect();
+        let tables = || classes.iter().map(|&class| PhotonTable::of_class(class, 0)).collect();
         Self {
             maps: PhotonMaps::new(&classes),
             first_radii: Vec::new(),

@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-use crate::geometry::offset_distance;
+use crate::geometry::{Hit, Ray, offset_distance};
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::KEEP;
 
 use super::sampler::{Purpose, draw};
-use super::tables::flights::FlightTable;
+use super::tables::flights::{Flight, FlightTable};
 use super::tables::paths::IdentityColumns;
 
 /// The wavelength that a path's distances and angles are drawn for.
@@ -38,13 +38,17 @@ pub fn step_over<const N: usize>(flights: &mut FlightTable<N>, index: usize, sce
     let normal = scene.shapes.geometric_normal(primitive, position);
     let skipped = offset_distance(scene.reach);
     let after = position + direction * skipped;
-    let to = flights.len;
-    let (row, travelled) = (flights.row[index], flights.travelled[index]);
-    let before = flights.inside[index];
-    flights.push(row, after.to_array(), direction.to_array(), before);
-    flights.travelled[to] = travelled + t + skipped;
-    flights.inside[to] = beyond(scene, primitive, normal.dot(direction) > 0.0, before);
-    let sigma_t = &scene.medium(flights.inside[to]).sigma_t;
+    let row = flights.row[index];
+    let to_front = normal.dot(direction) > 0.0;
+    let inside = beyond(scene, primitive, to_front, flights.inside[index]);
+    flights.push_row(Flight {
+        row,
+        rays: Ray { origin: after.to_array(), direction: direction.to_array() },
+        hits: Hit::MISS,
+        inside,
+        travelled: flights.travelled[index] + t + skipped,
+    });
+    let sigma_t = &scene.medium(inside).sigma_t;
     for (depth, sigma) in flights.depth[row as usize].iter_mut().zip(sigma_t) {
         *depth += sigma * skipped;
     }

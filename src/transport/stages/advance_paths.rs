@@ -1,8 +1,8 @@
 //! Sends the rows on along the directions drawn.
 
 use crate::geometry::{SurfaceColumns, offset_origin};
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector};
-use crate::transport::tables::Column;
 use crate::transport::tables::paths::PathTable;
 
 /// Starts the next segment of every row off its surface. `reach` bounds the scene's coordinates.

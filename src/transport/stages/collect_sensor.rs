@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::{Departure, SensorMatrix, SensorRow, film_axis};
 use crate::scattering::event::Form;
 use crate::transport::sides::SensorSide;
-use crate::transport::tables::Column;
 use crate::transport::tables::carriers::SensorCarriers;
 use crate::transport::tables::classes::SensorClass;
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};

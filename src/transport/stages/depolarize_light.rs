@@ -1,8 +1,8 @@
 //! Ends the polarization of light at depolarizers.
 
+use crate::math::columns::Channels;
 use crate::math::{LANES, Vector, lanes};
 use crate::transport::sides::LightSide;
-use crate::transport::tables::Channels;
 use crate::transport::tables::classes::LightClass;
 use crate::transport::tables::partition::Partition;
 

@@ -1,8 +1,8 @@
 //! Ends the polarization of sensor paths at depolarizers.
 
+use crate::math::columns::Channels;
 use crate::math::{LANES, Vector, lanes};
 use crate::transport::sides::SensorSide;
-use crate::transport::tables::Channels;
 use crate::transport::tables::carriers::SensorCarriers;
 use crate::transport::tables::classes::SensorClass;
 use crate::transport::tables::partition::{Part, Partition};

@@ -1,12 +1,13 @@
 //! Free flights: where paths meet particles of the media they cross, or the surface behind.
 
-use crate::geometry::{HitColumns, IN_MEDIUM, TraceScratch, offset_distance, trace_closest};
+use crate::geometry::{Hit, HitColumns, IN_MEDIUM, TraceScratch, offset_distance, trace_closest};
+use crate::math::columns::Rows;
 use crate::math::{F32s, LANES, Real, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{MaterialKind, NONE};
 use crate::transport::flight::{step_over, wavelength_of};
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::flights::{Flight, FlightTable};
 use crate::transport::tables::paths::PathTable;
 
 /// Draws how far every row flies, through boundaries that do not bend it, and turns hits behind
@@ -63,13 +64,16 @@ fn first_pieces<const N: usize, C>(
                     hits.primitive[row] = IN_MEDIUM + inside;
                 }
                 None if is_null_boundary(scene, hits.primitive[row]) => {
-                    let rays = &paths.rays;
-                    let of = |columns| lanes::row_of(columns, row);
-                    let to = flights.len;
-                    flights.push(row as u32, of(&rays.origin), of(&rays.direction), inside);
-                    (flights.hits.t[to], flights.hits.primitive[to]) = (t, hits.primitive[row]);
-                    flights.len = to;
-                    step_over(flights, to, scene);
+                    let index = flights.len;
+                    flights.push_row(Flight {
+                        row: row as u32,
+                        rays: paths.rays.get(row),
+                        hits: Hit { t, u: 0.0, v: 0.0, primitive: hits.primitive[row] },
+                        inside,
+                        travelled: 0.0,
+                    });
+                    flights.len = index;
+                    step_over(flights, index, scene);
                 }
                 None => {}
             }

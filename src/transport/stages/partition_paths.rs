@@ -1,10 +1,10 @@
 //! Groups rows by what they have met and carrier class, and drops those that end.
 
 use crate::geometry::HitColumns;
+use crate::math::columns::Columns;
 use crate::scattering::Scene;
 use crate::scattering::event::END;
 use crate::transport::tables::carriers::CarrierTable;
-use crate::transport::tables::gather;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 
@@ -28,10 +28,6 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
         let event = if bits == 0 { END } else { event };
         (event, paths.carriers.place_of_class(row))
     });
-    sorted.gather(paths, partition);
-    let order = &partition.order;
-    gather(&mut sorted_hits.t, &hits.t, order, 0);
-    gather(&mut sorted_hits.u, &hits.u, order, 0);
-    gather(&mut sorted_hits.v, &hits.v, order, 0);
-    gather(&mut sorted_hits.primitive, &hits.primitive, order, 0);
+    sorted.take(paths, partition);
+    sorted_hits.take_rows(hits, &partition.order, 0);
 }

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use crate::geometry::SurfaceColumns;
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector, lanes, warp};
 use crate::scattering::Scene;
 use crate::transport::bounce::{Bounce, Side};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::Column;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::vertex::{MaterialLanes, facing_of};
 

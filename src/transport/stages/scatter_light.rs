@@ -1,11 +1,11 @@
 //! Applies Mueller kernels to the light side: `s <- M s` (paper, equation 8).
 
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::{Arrival, LightCarrier};
 use crate::scattering::event::Form;
 use crate::transport::sides::LightSide;
-use crate::transport::tables::Column;
 use crate::transport::tables::carriers::LightCarriers;
 use crate::transport::tables::classes::LightClass;
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};

@@ -1,6 +1,7 @@
 //! Scatters rows that have met particles of media, and writes the Mueller kernels of those events
 //! where they are wanted.
 
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::s_axis;
@@ -10,7 +11,6 @@ use crate::scattering::vertex::mean;
 use crate::scattering::{Met, Scene};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::Column;
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;

@@ -2,6 +2,7 @@
 //! Mueller kernels of those events where they are wanted.
 
 use crate::geometry::SurfaceColumns;
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::elements::transmission_axis;
 use crate::polarization::kernel::Block;
@@ -10,7 +11,6 @@ use crate::scattering::specular::{against, reflect, refract};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::{Material, MaterialKind};
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::Column;
 use crate::transport::tables::kernels::{KernelColumns, StoredKernel};
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;

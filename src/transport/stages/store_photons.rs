@@ -33,7 +33,7 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
         }
         let start = photons.len;
         if photons.class == PhotonClass::Power {
-            photons.append(position, direction, &power, live);
+            photons.append_lanes(position, direction, &power, live);
             continue;
         }
         let rounded = round_directions(direction);
@@ -41,7 +41,7 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
         for (power, state) in power.iter_mut().zip(&states) {
             *power *= state[0];
         }
-        photons.append(position, direction, &power, live);
+        photons.append_lanes(position, direction, &power, live);
         for (channel, state) in states.iter().enumerate().take(photons.class.channels(N)) {
             let polarization = [state[1], state[2], state[3]];
             photons.store_stokes(start, photons.len, channel, polarization);

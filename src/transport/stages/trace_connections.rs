@@ -1,11 +1,12 @@
 //! Tests connections for visibility, and lets media take their share.
 
-use crate::geometry::{TraceScratch, trace_closest, trace_visibility};
+use crate::geometry::{Hit, TraceScratch, trace_closest, trace_visibility};
+use crate::math::columns::Rows;
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::{MaterialKind, NONE};
 use crate::transport::tables::connections::ConnectionTable;
-use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::flights::{Flight, FlightTable};
 
 use crate::transport::flight::step_over;
 
@@ -60,8 +61,13 @@ fn cross_boundaries<const N: usize>(
     flights.clear(connections.len);
     for row in 0..connections.len {
         let rays = &connections.rays;
-        let of = |columns| lanes::row_of(columns, row);
-        flights.push(row as u32, of(&rays.origin), of(&rays.direction), connections.inside[row]);
+        flights.push_row(Flight {
+            row: row as u32,
+            rays: rays.get(row),
+            hits: Hit::MISS,
+            inside: connections.inside[row],
+            travelled: 0.0,
+        });
     }
     connections.blocked[..connections.len].fill(0);
     while flights.len > 0 {

@@ -10,7 +10,8 @@
 
 use super::classes::{LightClass, SensorClass};
 use super::partition::Part;
-use super::{Channels, Column, channels, gather, vectors};
+use super::{channels, vectors};
+use crate::math::columns::{Channels, Column, take};
 use crate::math::lanes::{self, FromColumn};
 use crate::math::{F32s, Vector};
 use crate::polarization::{LightCarrier, SensorColumn, SensorMatrix, SensorRow, Stokes};
@@ -271,6 +272,6 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
 
 fn gather_group(to: &mut [Column], from: &[Column], order: &[u32], start: usize) {
     for (to, from) in to.iter_mut().zip(from) {
-        gather(to, from, order, start);
+        take(to, from, order, start);
     }
 }

@@ -1,8 +1,10 @@
 //! The Mueller kernels of this bounce's polarizing events.
 
-use super::{Channels, Column, channels, vectors};
+use crate::math::columns::{Channels, Column};
 use crate::math::{F32s, lanes};
 use crate::polarization::kernel::{Block, Kernel, SpheroidBlock};
+
+use super::{channels, vectors};
 
 /// One sparse block per row, relative to the scalar value M00 that already is in `beta`;
 /// `Event::channel` says which wavelengths are stored.

@@ -1,25 +1,29 @@
 //! What paths know of the media they are in.
 
-use super::{Channels, channels, gather, identifiers};
+use crate::math::columns::{Channels, Columns, columns};
+use crate::scene::baked::NONE;
 
-/// Columns that only scenes with media or boundaries of media have rows for.
-pub struct MediaColumns<const N: usize> {
-    /// The medium around the current segment's start: a row of the scene's media, or `NONE`.
-    pub inside: Vec<u32>,
-    /// Share of each wavelength in the density of the path. Distances and directions in media are
-    /// drawn for one wavelength, chosen for the whole path; its weight counts that any of them
-    /// could have been chosen (spectral multiple importance sampling: Wilkie et al. 2014, "Hero
-    /// wavelength spectral sampling"). Without meaning for a single wavelength.
-    pub share: Channels<N>,
+columns! {
+    /// Columns that only scenes with media or boundaries of media have rows for.
+    pub struct MediaColumns<const N: usize> {
+        /// The medium around the current segment's start: a row of the scene's media, or `NONE`.
+        pub inside: Vec<u32>,
+        /// Share of each wavelength in the density of the path. Distances and directions in media
+        /// are drawn for one wavelength, chosen for the whole path; its weight counts that any of
+        /// them could have been chosen (spectral multiple importance sampling: Wilkie et al. 2014,
+        /// "Hero wavelength spectral sampling"). Absent for a single wavelength.
+        pub share: Channels<N>,
+    }
 }
 
 impl<const N: usize> MediaColumns<N> {
-    /// Columns for `capacity` rows; empty ones if nothing is `present`.
-    pub fn new(capacity: usize, present: bool) -> Self {
-        if present {
-            return Self { inside: identifiers(capacity), share: channels(capacity) };
+    /// Columns for `capacity` rows; none if nothing is `present`.
+    pub fn if_any(capacity: usize, present: bool) -> Self {
+        let mut columns = if present { Self::new(capacity) } else { Self::absent() };
+        if N == 1 {
+            columns.share = Columns::absent();
         }
-        Self { inside: Vec::new(), share: std::array::from_fn(|_| Vec::new()) }
+        columns
     }
 
     /// Whether there are columns at all.
@@ -31,28 +35,13 @@ impl<const N: usize> MediaColumns<N> {
     /// The medium of a row, `NONE` without columns.
     #[inline(always)]
     pub fn inside(&self, row: usize) -> u32 {
-        self.inside.get(row).copied().unwrap_or(crate::scene::baked::NONE)
+        self.inside.get(row).copied().unwrap_or(NONE)
     }
 
     /// Starts the rows `0..rows`; `inside` has been written.
     pub fn start(&mut self, rows: usize) {
-        if self.present() {
-            for share in &mut self.share {
-                share[..rows].fill(1.0 / N as f32);
-            }
-        }
-    }
-
-    /// Takes the rows `order` of another table.
-    pub fn gather(&mut self, from: &Self, order: &[u32]) {
-        if !self.present() {
-            return;
-        }
-        gather(&mut self.inside, &from.inside, order, 0);
-        if N > 1 {
-            for (to, from) in self.share.iter_mut().zip(&from.share) {
-                gather(to, from, order, 0);
-            }
+        for share in self.share.iter_mut().filter(|share| !share.is_empty()) {
+            share[..rows].fill(1.0 / N as f32);
         }
     }
 }

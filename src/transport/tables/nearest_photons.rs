@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector, lanes};
 
-use super::Column;
 use super::photons::PhotonTable;
 
 /// Points that a thread takes at a time.

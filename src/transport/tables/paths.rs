@@ -1,13 +1,13 @@
 //! Subpaths alive, one row each.
 
 use crate::geometry::RayColumns;
+use crate::math::columns::{Channels, Column, Columns, columns};
 use crate::math::{F32s, lanes};
 use crate::transport::mis::{PartialWeights, TurnDensities};
 
 use super::carriers::CarrierTable;
 use super::media::MediaColumns;
 use super::partition::Partition;
-use super::{Channels, Column, channels, column, gather, identifiers};
 
 /// The subpaths of one side that are still being extended.
 pub struct PathTable<const N: usize, C> {
@@ -28,25 +28,29 @@ pub struct PathTable<const N: usize, C> {
     pub carriers: C,
 }
 
-/// Names of rows that survive every reordering.
-pub struct IdentityColumns {
-    /// Place in the chunk: where measurements go, and which light path a sensor path meets.
-    pub slot: Vec<u32>,
-    /// Seed of the path's random sequences.
-    pub seed: Vec<u32>,
-    /// Index in those sequences.
-    pub iteration: Vec<u32>,
+columns! {
+    /// Names of rows that survive every reordering.
+    pub struct IdentityColumns {
+        /// Place in the chunk: where measurements go, and which light path a sensor path meets.
+        pub slot: Vec<u32>,
+        /// Seed of the path's random sequences.
+        pub seed: Vec<u32>,
+        /// Index in those sequences.
+        pub iteration: Vec<u32>,
+    }
 }
 
-/// Partial weights, and what the unidirectional heuristic takes in their place.
-pub struct MisColumns {
-    /// Density per steradian of the current direction; infinite after a specular event and from
-    /// the sensor. Used by `path`.
-    pub pdf_w: Column,
-    /// [`PartialWeights::d_vcm`].
-    pub d_vcm: Column,
-    /// [`PartialWeights::d_vc`].
-    pub d_vc: Column,
+columns! {
+    /// Partial weights, and what the unidirectional heuristic takes in their place.
+    pub struct MisColumns {
+        /// Density per steradian of the current direction; infinite after a specular event and
+        /// from the sensor. Used by `path`.
+        pub pdf_w: Column,
+        /// [`PartialWeights::d_vcm`].
+        pub d_vcm: Column,
+        /// [`PartialWeights::d_vc`].
+        pub d_vc: Column,
+    }
 }
 
 impl MisColumns {
@@ -104,42 +108,26 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
         Self {
             len: 0,
             rays: RayColumns::new(capacity),
-            identity: IdentityColumns {
-                slot: identifiers(capacity),
-                seed: identifiers(capacity),
-                iteration: identifiers(capacity),
-            },
-            beta: channels(capacity),
-            mis: MisColumns {
-                pdf_w: column(capacity),
-                d_vcm: column(capacity),
-                d_vc: column(capacity),
-            },
-            media: MediaColumns::new(capacity, with_media),
+            identity: IdentityColumns::new(capacity),
+            beta: Columns::with_room(capacity),
+            mis: MisColumns::new(capacity),
+            media: MediaColumns::if_any(capacity, with_media),
             carriers: C::new(capacity),
         }
     }
 
     /// Takes the rows that `partition` keeps from another table, in its order.
-    pub fn gather(&mut self, from: &Self, partition: &Partition) {
+    pub fn take(&mut self, from: &Self, partition: &Partition) {
+        let Self { len, rays, identity, beta, mis, media, carriers } = self;
         let order = &partition.order;
-        self.len = order.len();
-        for axis in 0..3 {
-            gather(&mut self.rays.origin[axis], &from.rays.origin[axis], order, 0);
-            gather(&mut self.rays.direction[axis], &from.rays.direction[axis], order, 0);
-        }
-        gather(&mut self.identity.slot, &from.identity.slot, order, 0);
-        gather(&mut self.identity.seed, &from.identity.seed, order, 0);
-        gather(&mut self.identity.iteration, &from.identity.iteration, order, 0);
-        for channel in 0..N {
-            gather(&mut self.beta[channel], &from.beta[channel], order, 0);
-        }
-        gather(&mut self.mis.pdf_w, &from.mis.pdf_w, order, 0);
-        gather(&mut self.mis.d_vcm, &from.mis.d_vcm, order, 0);
-        gather(&mut self.mis.d_vc, &from.mis.d_vc, order, 0);
-        self.media.gather(&from.media, order);
+        *len = order.len();
+        rays.take_rows(&from.rays, order, 0);
+        identity.take_rows(&from.identity, order, 0);
+        beta.take_rows(&from.beta, order, 0);
+        mis.take_rows(&from.mis, order, 0);
+        media.take_rows(&from.media, order, 0);
         for part in &partition.parts {
-            self.carriers.gather(&from.carriers, order, part);
+            carriers.gather(&from.carriers, order, part);
         }
     }
 }

@@ -6,8 +6,8 @@
 //! along x have buckets that do too, and the eight cells of a query are four runs of two buckets.
 //! Two of the runs may share a bucket; such queries list their buckets singly, or photons would
 //! count twice. The stride is the extent of the photons along x, so that rows of cells side by
-//! side are side by side in memory: with all rows scattered by a hash, most of a gather was
-//! waiting for memory.
+//! side are side by side in memory: with all rows scattered by a hash, most of gathering
+//! was waiting for memory.
 //!
 //! Rows of one bucket keep the order of the table they come from, and a query visits runs in a
 //! fixed order, so sums over photons depend on the order of the photons alone and not on threads.
@@ -16,12 +16,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::math::columns::{Column, Columns, PairWork, Value, take};
 use crate::math::{F32s, LANES, Vector, hash, lanes};
 
 use super::photon_queries::QueryOrder;
 use super::photon_sort::PhotonSort;
 use super::photons::{PhotonClass, PhotonTable};
-use super::{Column, gather};
 
 /// Radii, in scene units, are taken to be within these bounds, so that their squares are numbers.
 const RADIUS_RANGE: [f32; 2] = [1e-18, 1e18];
@@ -155,7 +155,7 @@ impl<const N: usize> PhotonGrid<N> {
     pub fn new(class: PhotonClass) -> Self {
         let cells = Cells::new(1.0, 0, [0.0; 2]);
         Self {
-            photons: PhotonTable::new(class, 0),
+            photons: PhotonTable::of_class(class, 0),
             starts: vec![0; (1 << cells.bits) + 1],
             cells,
             radius_squared: 1.0,
@@ -181,20 +181,7 @@ impl<const N: usize> PhotonGrid<N> {
         self.photons.clear();
         self.photons.reserve(order.len());
         self.photons.len = order.len();
-        let to = &mut self.photons;
-        for (to, from) in to.position.iter_mut().zip(&photons.position) {
-            gather_rows(to, from, order);
-        }
-        gather_rows(&mut to.direction, &photons.direction, order);
-        for (to, from) in to.power.iter_mut().zip(&photons.power) {
-            gather_rows(to, from, order);
-        }
-        let states = photons.class.channels(N);
-        for (to, from) in to.stokes.iter_mut().zip(&photons.stokes) {
-            for (to, from) in to[..states].iter_mut().zip(from) {
-                gather_rows(to, from, order);
-            }
-        }
+        self.photons.each_with(photons, &TakeOnAllThreads(order));
     }
 
     /// How space is cut, for [`QueryOrder::sort`].
@@ -456,10 +443,14 @@ fn extent_of(column: &[f32]) -> [f32; 2] {
         .reduce(|| none, wider)
 }
 
-/// Takes the rows `order` of a column, on all threads.
-fn gather_rows<T: Copy + Send + Sync>(to: &mut [T], from: &[T], order: &[u32]) {
-    to[..order.len()]
-        .par_chunks_mut(ROWS)
-        .zip(order.par_chunks(ROWS))
-        .for_each(|(to, order)| gather(to, from, order, 0));
+/// Takes the rows of an order.
+struct TakeOnAllThreads<'a>(&'a [u32]);
+
+impl PairWork for TakeOnAllThreads<'_> {
+    fn column<T: Value>(&self, to: &mut [T], from: &[T]) {
+        to[..self.0.len()]
+            .par_chunks_mut(ROWS)
+            .zip(self.0.par_chunks(ROWS))
+            .for_each(|(to, order)| take(to, from, order, 0));
+    }
 }

@@ -49,7 +49,7 @@ impl<const N: usize> PhotonMap<N> {
     /// An empty map.
     pub fn new(class: PhotonClass, dimensions: u32) -> Self {
         Self {
-            stored: PhotonTable::new(class, 0),
+            stored: PhotonTable::of_class(class, 0),
             grid: PhotonGrid::new(class),
             radius: 1.0,
             light_paths: 1.0,

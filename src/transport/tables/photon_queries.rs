@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::Column;
+use crate::math::columns::Column;
+
 use super::photon_grid::Cells;
 
 /// Bits that one pass of the sort looks at.

@@ -1,4 +1,4 @@
-//! Photons: light that arrived somewhere, as columns that a gather reads eight rows at a time.
+//! Photons: light that arrived somewhere, as columns that gathering reads eight rows at a time.
 //!
 //! A photon is where it is, along which direction its light travels and what power it carries.
 //! Photons on depolarizing surfaces need no more, in either mode: such a surface scatters the
@@ -22,9 +22,8 @@ use std::ops::Range;
 
 use wide::i32x8;
 
+use crate::math::columns::{Channels, Column, Columns, columns};
 use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
-
-use super::{Channels, Column, channels, identifiers, vectors};
 
 /// Which columns of polarization the photons of a table have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,35 +48,31 @@ impl PhotonClass {
     }
 }
 
-/// Photons of one class. Columns that the class lacks are empty.
-pub struct PhotonTable<const N: usize> {
-    /// Number of rows in use.
-    pub len: usize,
-    /// Which columns there are.
-    pub class: PhotonClass,
-    /// Where, in scene units.
-    pub position: [Column; 3],
-    /// Along which unit vector the light travels, packed by [`pack_directions`].
-    pub direction: Vec<u32>,
-    /// Power per wavelength.
-    pub power: Channels<N>,
-    /// s1..s3 over s0 by wavelength, packed by [`lanes::store_signed`].
-    pub stokes: [[Vec<i16>; N]; 3],
+columns! {
+    /// Photons of one class. Columns that the class lacks are absent.
+    pub table PhotonTable<const N: usize> {
+        /// Where, in scene units.
+        pub position: [Column; 3],
+        /// Along which unit vector the light travels, packed by [`pack_directions`].
+        pub direction: Vec<u32>,
+        /// Power per wavelength.
+        pub power: Channels<N>,
+        /// s1..s3 over s0 by wavelength, packed by [`lanes::store_signed`].
+        pub stokes: [[Vec<i16>; N]; 3],
+    } beside {
+        /// Which columns there are.
+        pub class: PhotonClass = PhotonClass::SpectralStokes,
+    }
 }
 
 impl<const N: usize> PhotonTable<N> {
     /// An empty table for `capacity` rows; it grows if more come.
-    pub fn new(class: PhotonClass, capacity: usize) -> Self {
-        let states = class.channels(N);
-        let size = |channel: usize| if channel < states { capacity + LANES } else { 0 };
-        Self {
-            len: 0,
-            class,
-            position: vectors(capacity),
-            direction: identifiers(capacity),
-            power: channels(capacity),
-            stokes: std::array::from_fn(|_| std::array::from_fn(|n| vec![0; size(n)])),
+    pub fn of_class(class: PhotonClass, capacity: usize) -> Self {
+        let mut table = Self { class, ..Self::new(capacity) };
+        for group in &mut table.stokes {
+            group[class.channels(N)..].fill_with(Columns::absent);
         }
+        table
     }
 
     /// Removes all rows and keeps the memory.
@@ -85,31 +80,10 @@ impl<const N: usize> PhotonTable<N> {
         self.len = 0;
     }
 
-    /// Memory of one row in bytes.
-    pub fn bytes_per_photon(&self) -> usize {
-        let states = 3 * self.class.channels(N);
-        (3 + N) * size_of::<f32>() + size_of::<u32>() + states * size_of::<i16>()
-    }
-
-    /// Makes room for `more` rows after `len`.
-    pub fn reserve(&mut self, more: usize) {
-        let needed = self.len + more + LANES;
-        if needed > self.direction.len() {
-            let size = needed.max(2 * self.direction.len());
-            self.position.iter_mut().for_each(|column| column.resize(size, 0.0));
-            self.power.iter_mut().for_each(|column| column.resize(size, 0.0));
-            self.direction.resize(size, 0);
-            let states = self.class.channels(N);
-            for group in &mut self.stokes {
-                group[..states].iter_mut().for_each(|column| column.resize(size, 0));
-            }
-        }
-    }
-
     /// Appends the first `live` lanes, at most eight. The Stokes states of the new rows, if the
     /// class has any, are to be stored by [`PhotonTable::store_stokes`].
     #[inline(always)]
-    pub fn append(
+    pub fn append_lanes(
         &mut self,
         position: Vector<F32s>,
         direction: Vector<F32s>,
@@ -143,29 +117,14 @@ impl<const N: usize> PhotonTable<N> {
                 values[n] = lanes::load(&power[n], row);
             }
             let (position, direction) = (Vector::load(position, row), Vector::load(direction, row));
-            self.append(position, direction, &values, live);
+            self.append_lanes(position, direction, &values, live);
         }
     }
 
     /// Appends all rows of another table of the same class.
     pub fn append_table(&mut self, from: &Self) {
         assert_eq!(self.class, from.class, "photons of different classes");
-        self.reserve(from.len);
-        let (rows, end) = (self.len, self.len + from.len);
-        for (to, from_column) in self.position.iter_mut().zip(&from.position) {
-            to[rows..end].copy_from_slice(&from_column[..from.len]);
-        }
-        for (to, from_column) in self.power.iter_mut().zip(&from.power) {
-            to[rows..end].copy_from_slice(&from_column[..from.len]);
-        }
-        self.direction[rows..end].copy_from_slice(&from.direction[..from.len]);
-        let states = self.class.channels(N);
-        for (to, from_group) in self.stokes.iter_mut().zip(&from.stokes) {
-            for (to, from_column) in to[..states].iter_mut().zip(from_group) {
-                to[rows..end].copy_from_slice(&from_column[..from.len]);
-            }
-        }
-        self.len = end;
+        self.append(from);
     }
 
     /// Stores s1..s3 of wavelength `channel` over s0, each in [-1, 1], for the rows from `row` to
@@ -298,6 +257,7 @@ fn sign_of(sign: F32s, magnitude: F32s) -> F32s {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{channels, vectors};
     use super::*;
     use crate::math::{hash, warp};
 
@@ -351,28 +311,28 @@ mod tests {
 
     #[test]
     fn a_row_takes_the_memory_that_is_stated() {
-        let bytes = |class| PhotonTable::<3>::new(class, 100).bytes_per_photon();
+        let bytes = |class| PhotonTable::<3>::of_class(class, 100).bytes_per_row();
         assert_eq!(bytes(PhotonClass::Power), 28);
         assert_eq!(bytes(PhotonClass::Stokes), 34);
         assert_eq!(bytes(PhotonClass::SpectralStokes), 46);
         for class in [PhotonClass::Power, PhotonClass::Stokes, PhotonClass::SpectralStokes] {
-            let table = PhotonTable::<3>::new(class, 100);
+            let table = PhotonTable::<3>::of_class(class, 100);
             let floats = table.position.iter().chain(&table.power);
             let bytes = floats.map(|c| size_of_val(&c[..])).sum::<usize>()
                 + size_of_val(&table.direction[..])
                 + table.stokes.iter().flatten().map(|c| size_of_val(&c[..])).sum::<usize>();
-            assert_eq!(bytes, table.bytes_per_photon() * (100 + LANES));
+            assert_eq!(bytes, table.bytes_per_row() * (100 + LANES));
         }
     }
 
     fn filled(class: PhotonClass, packets: u32, salt: u32) -> PhotonTable<2> {
-        let mut table = PhotonTable::new(class, 3);
+        let mut table = PhotonTable::of_class(class, 3);
         for row in 0..packets {
             let live = 1 + (row as usize + salt as usize) % LANES;
             let position = direction(row + 100 * salt) * F32s::splat(3.0);
             let power = [uniform(salt, row), uniform(salt + 9, row)];
             let start = table.len;
-            table.append(position, direction(row + salt), &power, live);
+            table.append_lanes(position, direction(row + salt), &power, live);
             for channel in 0..class.channels(2) {
                 let values = direction(row + salt + 1000 * channel as u32);
                 let states = [values.x, values.y, values.z];
@@ -386,7 +346,7 @@ mod tests {
     fn tables_are_appended_row_by_row() {
         for class in [PhotonClass::Power, PhotonClass::Stokes, PhotonClass::SpectralStokes] {
             let (first, second) = (filled(class, 20, 1), filled(class, 30, 2));
-            let mut both = PhotonTable::new(class, 0);
+            let mut both = PhotonTable::of_class(class, 0);
             both.append_table(&first);
             both.append_table(&second);
             assert_eq!(both.len, first.len + second.len);
@@ -405,8 +365,8 @@ mod tests {
 
     #[test]
     fn states_survive_to_half_a_step() {
-        let mut table = PhotonTable::<3>::new(PhotonClass::Stokes, 0);
-        table.append(direction(0), direction(0), &[F32s::ONE; 3], 5);
+        let mut table = PhotonTable::<3>::of_class(PhotonClass::Stokes, 0);
+        table.append_lanes(direction(0), direction(0), &[F32s::ONE; 3], 5);
         let given = [[-1.0, 1.0, 0.0, 0.3, -0.7], [0.5, 0.0, -0.0, 1e-3, 1e-6], [1.5; 5]];
         let mut states = [F32s::ZERO; 3];
         for component in 0..3 {
@@ -431,7 +391,7 @@ mod tests {
     #[test]
     fn columns_become_photons() {
         let rows = 37;
-        let mut table = PhotonTable::<1>::new(PhotonClass::Power, 0);
+        let mut table = PhotonTable::<1>::of_class(PhotonClass::Power, 0);
         let (mut position, mut along) = (vectors(rows), vectors(rows));
         let mut power = channels::<1>(rows);
         for row in (0..rows).step_by(LANES) {

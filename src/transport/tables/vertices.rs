@@ -1,95 +1,55 @@
 //! Light vertices that sensor paths and the sensor connect to.
 
+use crate::math::columns::{Channels, Column, columns};
 use crate::math::{F32s, lanes};
 use crate::transport::mis::PartialWeights;
 
 use super::states::LightState;
-use super::{Channels, Column, channels, column, gather, identifiers, vectors};
 
-/// Vertices of light paths on diffuse surfaces and in media. At depolarizers they carry power and
-/// no Stokes vector: what leaves those does not depend on the polarization of what arrived.
-pub struct VertexTable<const N: usize> {
-    /// Number of rows in use.
-    pub len: usize,
-    /// Where.
-    pub position: [Column; 3],
-    /// Geometric normal, to the front; zero in a medium.
-    pub geometric_normal: [Column; 3],
-    /// Shading normal.
-    pub shading_normal: [Column; 3],
-    /// Where the light came from: away from the surface, unit length.
-    pub given: [Column; 3],
-    /// Throughput times BRDF, per steradian; only the throughput in a medium.
-    pub power: Channels<N>,
-    /// 1 if the back scatters too, else 0.
-    pub two_sided: Column,
-    /// [`PartialWeights::d_vcm`] on arrival.
-    pub d_vcm: Column,
-    /// [`PartialWeights::d_vc`] on arrival.
-    pub d_vc: Column,
-    /// Slot of the path.
-    pub slot: Vec<u32>,
-    /// Segments from the emitter.
-    pub path_length: Vec<u32>,
-    /// The medium around the vertex: a row of the scene's media, or `NONE`.
-    pub inside: Vec<u32>,
-    /// The medium whose particle the vertex is, or `NONE` on a surface.
-    pub volume: Vec<u32>,
-    /// Polarization of the arriving light where the vertex does not undo it: a row of `states`,
-    /// or `NONE`.
-    pub state: Vec<u32>,
-    /// Polarized light on arrival.
-    pub states: Vec<LightState<N>>,
+columns! {
+    /// Vertices of light paths on diffuse surfaces and in media. At depolarizers they carry power
+    /// and no Stokes vector: what leaves those does not depend on the polarization of what arrived.
+    pub table VertexTable<const N: usize> {
+        /// Where.
+        pub position: [Column; 3],
+        /// Geometric normal, to the front; zero in a medium.
+        pub geometric_normal: [Column; 3],
+        /// Shading normal.
+        pub shading_normal: [Column; 3],
+        /// Where the light came from: away from the surface, unit length.
+        pub given: [Column; 3],
+        /// Throughput times BRDF, per steradian; only the throughput in a medium.
+        pub power: Channels<N>,
+        /// 1 if the back scatters too, else 0.
+        pub two_sided: Column,
+        /// [`PartialWeights::d_vcm`] on arrival.
+        pub d_vcm: Column,
+        /// [`PartialWeights::d_vc`] on arrival.
+        pub d_vc: Column,
+        /// Slot of the path.
+        pub slot: Vec<u32>,
+        /// Segments from the emitter.
+        pub path_length: Vec<u32>,
+        /// The medium around the vertex: a row of the scene's media, or `NONE`.
+        pub inside: Vec<u32>,
+        /// The medium whose particle the vertex is, or `NONE` on a surface.
+        pub volume: Vec<u32>,
+        /// Polarization of the arriving light where the vertex does not undo it: a row of `states`,
+        /// or `NONE`.
+        pub state: Vec<u32>,
+    } beside {
+        /// Polarized light on arrival.
+        pub states: Vec<LightState<N>> = Vec::new(),
+    }
 }
 
 impl<const N: usize> VertexTable<N> {
-    /// An empty table for `capacity` rows; it grows if more come.
-    pub fn new(capacity: usize) -> Self {
-        Self {
-            len: 0,
-            position: vectors(capacity),
-            geometric_normal: vectors(capacity),
-            shading_normal: vectors(capacity),
-            given: vectors(capacity),
-            power: channels(capacity),
-            two_sided: column(capacity),
-            d_vcm: column(capacity),
-            d_vc: column(capacity),
-            slot: identifiers(capacity),
-            path_length: identifiers(capacity),
-            inside: identifiers(capacity),
-            volume: identifiers(capacity),
-            state: identifiers(capacity),
-            states: Vec::new(),
-        }
-    }
-
-    /// Makes room for `more` rows after `len`.
-    pub fn reserve(&mut self, more: usize) {
-        let needed = self.len + more + crate::math::LANES;
-        if needed > self.slot.len() {
-            let size = needed.max(2 * self.slot.len());
-            for column in self.float_columns() {
-                column.resize(size, 0.0);
-            }
-            self.identifier_columns().for_each(|column| column.resize(size, 0));
-        }
-    }
-
     /// Takes all rows of another table, ordered by slot and, within, by path length; `ends[s]`
-    /// becomes the first row after those of slot `s`. Rows must come in by path length.
-    pub fn gather_by_slot(&mut self, from: &mut Self, order: &mut SlotOrder, slots: usize) {
+    /// of the order becomes the first row after those of slot `s`. Rows must come in by path
+    /// length.
+    pub fn take_by_slot(&mut self, from: &mut Self, order: &mut SlotOrder, slots: usize) {
         order.sort(&from.slot[..from.len], slots);
-        self.len = 0;
-        self.reserve(from.len);
-        self.len = from.len;
-        let rows = &order.order;
-        for (to, from) in self.float_columns().zip(from.float_columns()) {
-            gather(to, from, rows, 0);
-        }
-        for (to, from) in self.identifier_columns().zip(from.identifier_columns()) {
-            gather(to, from, rows, 0);
-        }
+        self.take(from, &order.order);
         std::mem::swap(&mut self.states, &mut from.states);
     }
 
@@ -110,20 +70,6 @@ impl<const N: usize> VertexTable<N> {
     pub fn clear(&mut self) {
         self.len = 0;
         self.states.clear();
-    }
-
-    fn identifier_columns(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
-        let all = [&mut self.slot, &mut self.path_length, &mut self.inside];
-        all.into_iter().chain([&mut self.volume, &mut self.state])
-    }
-
-    fn float_columns(&mut self) -> impl Iterator<Item = &mut Column> {
-        (self.position.iter_mut())
-            .chain(&mut self.geometric_normal)
-            .chain(&mut self.shading_normal)
-            .chain(&mut self.given)
-            .chain(&mut self.power)
-            .chain([&mut self.two_sided, &mut self.d_vcm, &mut self.d_vc])
     }
 }
 
