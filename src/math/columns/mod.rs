@@ -1,5 +1,5 @@
 //! Columns: the rows of a table field by field. A table's columns are declared once, with
-//! [`columns!`]; room for rows, growing, pushing, appending and taking rows by an order follow.
+//! `columns!`; room for rows, growing, pushing, appending and taking rows by an order follow.
 //!
 //! A column is a plain vector, padded by [`LANES`] rows so that the last ones can be read eight at
 //! a time. These are columns, each in any of the others:
@@ -9,7 +9,7 @@
 //! | [`Column`] | a float |
 //! | `Vec<T>` for a [`Value`] `T` | an identifier, a packed number, a short array |
 //! | `[C; K]` of columns `C` | a vector, a value per wavelength ([`Channels`]), a matrix |
-//! | a struct that [`columns!`] declares | what its fields hold |
+//! | a struct that `columns!` declares | what its fields hold |
 //!
 //! Columns that a table does without are absent: vectors without even the padding, which every
 //! operation here passes over.
