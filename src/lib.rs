@@ -95,6 +95,8 @@ pub use crate::scene::{SceneError, World, load, world};
 pub use crate::spectrum::{Color, Spectrum};
 pub use {glam, hecs};
 
+use self::particles::Fault;
+
 /// Whatever goes wrong between a world and its image.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -112,6 +114,12 @@ pub enum Error {
     Image(#[from] ImageError),
 }
 
+impl From<Fault> for Error {
+    fn from(fault: Fault) -> Self {
+        SceneError::alone(fault).into()
+    }
+}
+
 impl From<RenderError> for Error {
     fn from(error: RenderError) -> Self {
         match error {
@@ -119,6 +127,28 @@ impl From<RenderError> for Error {
             RenderError::Settings(error) => error.into(),
         }
     }
+}
+
+/// What media of spheres are made of: [`world::Phase::Spheres`] and [`world::Phase::Milk`].
+///
+/// ```
+/// use sunstone::particles::{Amount, Milk, Sizes};
+/// use sunstone::world::{Component, Phase, Spheres, World};
+///
+/// let mut world = World::new("dairy");
+/// let milk = Milk { fat_percent: 3.5, protein_percent: 3.4, dilution: 0.01 };
+/// world.add_medium("milk", Phase::Milk(milk))?;
+/// let sizes = Sizes::log_normal(0.5, 0.1, Amount::Number, None)?;
+/// let beads = Component { sizes, eta: 1.59.into(), k: 0.0.into(), volume_fraction: 1e-4 };
+/// let (host_eta, host_k) = (1.33.into(), 0.0.into());
+/// let beads = Spheres { components: vec![beads], host_eta, host_k };
+/// world.add_medium("beads", Phase::Spheres(beads))?;
+/// # Ok::<(), sunstone::Error>(())
+/// ```
+pub mod particles {
+    pub use crate::math::Fault;
+    pub use crate::polarization::milk::Milk;
+    pub use crate::polarization::particles::{Amount, Sizes};
 }
 
 /// The rooms behind the door, for the tests of one room and the benches of kernels. Nothing in here

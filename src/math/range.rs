@@ -46,7 +46,8 @@ impl Range {
 }
 
 /// What is wrong with a field of something, and how to mend it; whose field it is, others know.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.text())]
 pub struct Fault {
     /// The field, as `reflectance` or `components[0].eta`; empty for the whole.
     pub field: String,
@@ -64,6 +65,13 @@ impl Fault {
         remedy: impl Into<String>,
     ) -> Self {
         Self { field: field.into(), problem: problem.into(), remedy: remedy.into() }
+    }
+
+    fn text(&self) -> String {
+        match self.field.as_str() {
+            "" => self.problem.clone(),
+            field => format!("{field}: {}", self.problem),
+        }
     }
 
     /// The same fault, of a field that has another name.

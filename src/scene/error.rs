@@ -36,6 +36,11 @@ impl SceneError {
         Self::new(format!("{name}{separator}{}", fault.field), fault.problem, fault.remedy)
     }
 
+    /// The error that a fault is, in a field of what the caller knows.
+    pub(crate) fn alone(fault: Fault) -> Self {
+        Self::new(fault.field, fault.problem, fault.remedy)
+    }
+
     /// The same error with the file's name; none if that is empty.
     #[must_use]
     pub(super) fn in_file(mut self, file: &Path) -> Self {

@@ -20,8 +20,8 @@ use crate::spectrum::Spectrum;
 /// replaced by a number.
 ///
 /// ```
-/// use sunstone::internals::scene::world::{Bsdf, Geometry, Lens, Material, Transform, World};
-/// use glam::{DVec3, Vec3};
+/// use sunstone::glam::{DVec3, Vec3};
+/// use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform, World};
 ///
 /// let mut world = World::new("room");
 /// let white = world.add_material("white", Material::from(Bsdf::diffuse(0.7)).two_sided())?;
@@ -40,7 +40,7 @@ use crate::spectrum::Spectrum;
 ///
 /// let error = world.add_material("snow", Bsdf::diffuse(2.5)).unwrap_err();
 /// assert_eq!(error.to_string(), "material `snow`, reflectance: 2.5 must be within [0, 1]");
-/// # Ok::<(), sunstone::internals::scene::SceneError>(())
+/// # Ok::<(), sunstone::SceneError>(())
 /// ```
 impl World {
     /// An empty scene.

@@ -58,14 +58,13 @@ impl World {
     /// Checks all that has been added, read or edited, as `bake` does before anything else.
     ///
     /// ```
-    /// use sunstone::internals::scene::world::Bsdf;
-    /// use sunstone::internals::scene::{bake, load};
-    /// use sunstone::internals::spectrum::{Color, Spectrum};
+    /// use sunstone::world::Bsdf;
+    /// use sunstone::{PlacedWorld, load};
     ///
     /// let mut world = load("scenes/cornell.gltf".as_ref())?;
     /// let white = world.find("white").expect("the box has a white material");
     /// *world.entities_mut().get::<&mut Bsdf>(white)? = Bsdf::diffuse(2.5);
-    /// let error = bake::<3>(&world, Color::Rgb).unwrap_err().to_string();
+    /// let error = PlacedWorld::new(world).map(|_| ()).unwrap_err().to_string();
     /// assert!(error.contains("\"white\", reflectance: 2.5 must be within [0, 1]"), "{error}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
