@@ -8,37 +8,16 @@ use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
-use super::light_walk::{self, light_paths, splat_vertices};
-use super::profile::Stage;
-use super::sensor_walk::{
-    arrive, connect_emitters, depart, for_each_connectable, measure_connections, start, trace,
+use super::connect::{
+    connect_emitters, for_each_connectable, light_paths, measure_connections, splat_vertices,
+    store_vertices,
 };
+use super::profile::Stage;
+use super::sides::{LightWalk, SensorWalk};
+use super::walk::walk;
 use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Bidirectional;
-
-/// Measures one chunk into `workspace.measured` and splats into `workspace.splats`.
-fn bdpt<const N: usize, M: LightModel<N>>(
-    workspace: &mut Workspace<N, M>,
-    scene: &Scene<N>,
-    chunk: &Chunk,
-) {
-    light_walk::start(workspace, scene, chunk);
-    light_walk::store_vertices(workspace, scene, chunk);
-    splat_vertices(workspace, scene, chunk, STRATEGY);
-
-    start(workspace, scene, chunk, light_paths(scene));
-    for path_length in 1..=chunk.path_length_max {
-        trace(workspace, scene, path_length, STRATEGY);
-        if path_length == chunk.path_length_max || workspace.sensor[0].len == 0 {
-            break;
-        }
-        arrive(workspace, scene, chunk, path_length, STRATEGY);
-        connect_emitters(workspace, scene, path_length, STRATEGY);
-        connect_vertices(workspace, scene, chunk.path_length_max - path_length - 1);
-        depart(workspace, scene, path_length);
-    }
-}
 
 /// Connects the vertices that can be to those of their light paths that are at most
 /// `vertex_length_max` segments from the emitter.
@@ -53,7 +32,7 @@ fn connect_vertices<const N: usize, M: LightModel<N>>(
         let vertices = (&w.vertices[1], &w.slot_order);
         let length_max = vertex_length_max;
         w.profile.time(Stage::Connect, || {
-            let surfaces = &w.surfaces;
+            let surfaces = &w.walk.surfaces;
             connect_to_vertices::<N, M>(
                 connections,
                 paths,
@@ -84,6 +63,14 @@ impl Schedule for Bdpt {
         chunk: &Chunk,
         _photons: Option<&PhotonMaps<N>>,
     ) {
-        bdpt(workspace, scene, chunk);
+        LightWalk::start(workspace, scene, chunk);
+        store_vertices(workspace, scene, chunk);
+        splat_vertices(workspace, scene, chunk, STRATEGY);
+
+        SensorWalk::start(workspace, scene, chunk, light_paths(scene));
+        walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {
+            connect_emitters(workspace, scene, path_length, STRATEGY);
+            connect_vertices(workspace, scene, chunk.path_length_max - path_length - 1);
+        });
     }
 }

@@ -5,20 +5,9 @@ use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
-use super::light_walk::{splat_emission, splat_vertices, start, store_vertices};
+use super::connect::{splat_emission, splat_vertices, store_vertices};
+use super::sides::LightWalk;
 use super::workspace::Workspace;
-
-/// Splats one chunk of light paths into `workspace.splats`.
-fn light<const N: usize, M: LightModel<N>>(
-    workspace: &mut Workspace<N, M>,
-    scene: &Scene<N>,
-    chunk: &Chunk,
-) {
-    start(workspace, scene, chunk);
-    splat_emission(workspace, scene, chunk);
-    store_vertices(workspace, scene, chunk);
-    splat_vertices(workspace, scene, chunk, Strategy::Unidirectional);
-}
 
 /// The integrator.
 pub struct Light;
@@ -37,6 +26,9 @@ impl Schedule for Light {
         chunk: &Chunk,
         _photons: Option<&PhotonMaps<N>>,
     ) {
-        light(workspace, scene, chunk);
+        LightWalk::start(workspace, scene, chunk);
+        splat_emission(workspace, scene, chunk);
+        store_vertices(workspace, scene, chunk);
+        splat_vertices(workspace, scene, chunk, Strategy::Unidirectional);
     }
 }

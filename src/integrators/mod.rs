@@ -1,16 +1,17 @@
-//! Floor 8: schedules. Each integrator reads as the list of its stages, over one chunk.
+//! Floor 8: schedules. Paths of either side take one walk over a chunk; each integrator says what
+//! is done at its vertices.
 //!
 //! Adding one: its file, with a type that is a [`Schedule`], and its line in the list below.
 
 pub mod bdpt;
-mod bounce;
+mod connect;
 pub mod light;
-pub mod light_walk;
 pub mod path;
 pub mod photons;
 pub mod ppm;
 pub mod profile;
-mod sensor_walk;
+mod sides;
+mod walk;
 pub mod workspace;
 
 use crate::scattering::Scene;

@@ -12,44 +12,27 @@ use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::Schedule;
+use super::connect::{connect_emitters, for_each_connectable};
 use super::profile::Stage;
-use super::sensor_walk::{arrive, connect_emitters, depart, for_each_connectable, start, trace};
+use super::sides::SensorWalk;
+use super::walk::walk;
 use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Merging;
 
-/// Measures one chunk into `workspace.measured`.
-fn ppm<const N: usize, M: LightModel<N>>(
-    workspace: &mut Workspace<N, M>,
-    scene: &Scene<N>,
-    chunk: &Chunk,
-    maps: &PhotonMaps<N>,
-) {
-    walk(workspace, scene, chunk, |workspace, path_length| {
-        connect_emitters(workspace, scene, path_length, STRATEGY);
-        merge(workspace, scene, maps, chunk.path_length_max - path_length);
-    });
-}
-
 /// Traces the paths of a chunk through specular events up to their first other vertices, for
 /// which it calls `visit` with the segments so far.
-pub fn walk<const N: usize, M: LightModel<N>>(
-    w: &mut Workspace<N, M>,
+pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
+    workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
     mut visit: impl FnMut(&mut Workspace<N, M>, u32),
 ) {
-    start(w, scene, chunk, 0.0);
-    for path_length in 1..=chunk.path_length_max {
-        trace(w, scene, path_length, STRATEGY);
-        if path_length == chunk.path_length_max || w.sensor[0].len == 0 {
-            break;
-        }
-        arrive(w, scene, chunk, path_length, STRATEGY);
-        visit(w, path_length);
-        w.sensor[1].len = w.partition.keep_specular();
-        depart(w, scene, path_length);
-    }
+    SensorWalk::start(workspace, scene, chunk, 0.0);
+    walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {
+        visit(workspace, path_length);
+        workspace.sensor[1].len = workspace.walk.partition.keep_specular();
+    });
 }
 
 /// Merges the vertices that can be with the photons about them that have `length_max` segments at
@@ -63,7 +46,7 @@ fn merge<const N: usize, M: LightModel<N>>(
     for_each_connectable(w, |w, of_event| {
         let map = (maps.of(of_event.0.met), length_max);
         let (measured, order, paths) = (&mut w.measured, &mut w.queries, &w.sensor[1]);
-        let surfaces = &w.surfaces;
+        let surfaces = &w.walk.surfaces;
         w.profile.time(Stage::Merge, || {
             merge_photons::<N, M>(measured, order, paths, surfaces, map, scene, of_event);
         });
@@ -88,6 +71,9 @@ impl Schedule for Ppm {
         photons: Option<&PhotonMaps<N>>,
     ) {
         let photons = photons.expect("photons are shot before they are gathered");
-        ppm(workspace, scene, chunk, photons);
+        walk_to_merging(workspace, scene, chunk, |workspace, path_length| {
+            connect_emitters(workspace, scene, path_length, STRATEGY);
+            merge(workspace, scene, photons, chunk.path_length_max - path_length);
+        });
     }
 }

@@ -22,20 +22,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub sensor: [PathTable<N, M::Sensor>; 2],
     /// Light paths, and where they are sorted to.
     pub light: [PathTable<N, M::Light>; 2],
-    /// What rays have hit, and where that is sorted to.
-    pub hits: [HitColumns; 2],
-    /// The surfaces there.
-    pub surfaces: SurfaceColumns,
-    /// Which rows do what next.
-    pub partition: Partition,
-    /// New directions.
-    pub drawn: [Column; 3],
-    /// Kernels of polarizing events.
-    pub kernels: KernelColumns<N>,
-    /// Rays on their way through boundaries of media.
-    pub flights: FlightTable<N>,
-    /// What tracing needs.
-    pub scratch: TraceScratch,
+    /// What walks work with beside.
+    pub walk: WalkTables<N>,
     /// Vertices that look for photons.
     pub queries: QueryOrder,
     /// Connections under test.
@@ -52,26 +40,52 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub profile: Profile,
 }
 
+/// What a walk works with, of either side: rows are those of its paths.
+pub struct WalkTables<const N: usize> {
+    /// What rays have hit, and where that is sorted to.
+    pub hits: [HitColumns; 2],
+    /// The surfaces there.
+    pub surfaces: SurfaceColumns,
+    /// Which rows do what next.
+    pub partition: Partition,
+    /// New directions.
+    pub drawn: [Column; 3],
+    /// Kernels of polarizing events.
+    pub kernels: KernelColumns<N>,
+    /// Rays on their way through boundaries of media.
+    pub flights: FlightTable<N>,
+    /// What tracing needs.
+    pub scratch: TraceScratch,
+}
+
 impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
     /// Empty tables, with or without media.
     pub fn new(components: usize, with_media: bool) -> Self {
         Self {
             sensor: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
-            hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
-            surfaces: SurfaceColumns::new(ROWS),
-            partition: Partition::default(),
-            drawn: vectors(ROWS),
-            kernels: KernelColumns::new(ROWS),
+            walk: WalkTables::new(),
             queries: QueryOrder::default(),
-            flights: FlightTable::new(ROWS),
-            scratch: TraceScratch::default(),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),
             measured: Measured::new(ROWS, components),
             splats: Splats::default(),
             profile: Profile::default(),
+        }
+    }
+}
+
+impl<const N: usize> WalkTables<N> {
+    fn new() -> Self {
+        Self {
+            hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
+            surfaces: SurfaceColumns::new(ROWS),
+            partition: Partition::default(),
+            drawn: vectors(ROWS),
+            kernels: KernelColumns::new(ROWS),
+            flights: FlightTable::new(ROWS),
+            scratch: TraceScratch::default(),
         }
     }
 }

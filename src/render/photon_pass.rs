@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::integrators::photons;
-use crate::integrators::ppm::walk;
+use crate::integrators::ppm::walk_to_merging;
 use crate::integrators::profile::{Profile, Stage};
 use crate::scattering::Scene;
 use crate::scene::baked::{MaterialKind, Phase};
@@ -169,10 +169,10 @@ impl<const N: usize> PhotonPass<N> {
             let of_pixels = Chunk { sequence: Sequence::PerPath, ..chunk(settings, shot, 0, 0) };
             let chunk = Chunk { x, y, width, height, ..of_pixels };
             pool.with(|workspace| {
-                walk(workspace, scene, &chunk, |w, _| {
-                    for (event, rows) in w.partition.connectable() {
+                walk_to_merging(workspace, scene, &chunk, |w, _| {
+                    for (event, rows) in w.walk.partition.connectable() {
                         let map = map_of(event.met);
-                        let [x, y, z] = &w.surfaces.position;
+                        let [x, y, z] = &w.walk.surfaces.position;
                         points[map].extend(rows.map(|row| [x[row], y[row], z[row]]));
                     }
                 });

@@ -1,0 +1,140 @@
+//! Connections, which several integrators make at the vertices of their walks.
+
+use std::ops::Range;
+
+use crate::scattering::event::Event;
+use crate::scattering::{Met, Scene};
+use crate::transport::stages::connect_emission::connect_emission;
+use crate::transport::stages::connect_to_emitters::connect_to_emitters;
+use crate::transport::stages::connect_to_sensor::connect_to_sensor;
+use crate::transport::stages::gather_connections::{gather_connections, splat_connections};
+use crate::transport::stages::store_light_vertices::store_light_vertices;
+use crate::transport::stages::trace_connections::trace_connections;
+use crate::transport::{Chunk, LightModel, Strategy};
+
+use super::profile::Stage;
+use super::sides::LightWalk;
+use super::walk::walk;
+use super::workspace::{WalkTables, Workspace};
+
+/// Light paths an iteration: one for every pixel.
+pub fn light_paths<const N: usize>(scene: &Scene<N>) -> f32 {
+    (scene.sensor.width * scene.sensor.height) as f32
+}
+
+/// Does `work` for every kind of event that can be connected to, and its rows.
+pub fn for_each_connectable<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    mut work: impl FnMut(&mut Workspace<N, M>, (Event, Range<usize>)),
+) {
+    let all = std::mem::take(&mut w.walk.partition);
+    // The partition is put aside, since what is done with its rows writes to its neighbors.
+    for of_event in all.connectable() {
+        work(w, of_event);
+    }
+    w.walk.partition = all;
+}
+
+/// Connects the vertices of sensor paths that can be to one emitter each.
+pub fn connect_emitters<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    path_length: u32,
+    strategy: Strategy,
+) {
+    for_each_connectable(w, |w, of_event| {
+        let met = of_event.0.met;
+        let (connections, paths) = (&mut w.connections, &w.sensor[1]);
+        let surfaces = &w.walk.surfaces;
+        w.profile.time(Stage::Connect, || {
+            connect_to_emitters(
+                connections,
+                paths,
+                surfaces,
+                scene,
+                of_event,
+                path_length,
+                strategy,
+            );
+        });
+        measure_connections(w, scene, met);
+    });
+}
+
+/// Tests the connections at hand, from vertices that have `met` the same, and adds up those that
+/// are open.
+pub fn measure_connections<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    met: Met,
+) {
+    test_connections(w, scene);
+    w.profile.time(Stage::Gather, || {
+        let (connections, paths) = (&w.connections, &w.sensor[1]);
+        gather_connections::<N, M>(&mut w.measured, connections, paths, scene, met);
+    });
+}
+
+/// Traces the light paths of a chunk, just started, and leaves their vertices ordered by slot in
+/// `workspace.vertices[1]`.
+pub fn store_vertices<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+) {
+    w.vertices[0].clear();
+    walk::<LightWalk, N, M>(w, scene, chunk, Strategy::Bidirectional, |w, path_length| {
+        let WalkTables { surfaces, partition, .. } = &w.walk;
+        let (vertices, paths) = (&mut w.vertices[0], &w.light[1]);
+        w.profile.time(Stage::Connect, || {
+            for of_event in partition.connectable() {
+                store_light_vertices(vertices, paths, surfaces, scene, of_event, path_length);
+            }
+        });
+    });
+    w.profile.time(Stage::Sort, || {
+        let [stored, by_slot] = &mut w.vertices;
+        by_slot.take_by_slot(stored, &mut w.slot_order, chunk.slots());
+    });
+}
+
+/// Connects the starts of all light paths to the sensor: emitters seen directly.
+pub fn splat_emission<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+) {
+    let (connections, paths) = (&mut w.connections, &w.light[0]);
+    w.profile.time(Stage::Connect, || {
+        connect_emission(connections, paths, chunk, scene, light_paths(scene));
+    });
+    splat(w, scene);
+}
+
+/// Connects all light vertices to the sensor.
+pub fn splat_vertices<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+    strategy: Strategy,
+) {
+    let (connections, vertices) = (&mut w.connections, &w.vertices[1]);
+    w.profile.time(Stage::Connect, || {
+        let light_paths = light_paths(scene);
+        connect_to_sensor::<N, M>(connections, vertices, chunk, scene, light_paths, strategy);
+    });
+    splat(w, scene);
+}
+
+fn splat<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
+    test_connections(w, scene);
+    w.profile.time(Stage::Gather, || splat_connections(&mut w.splats, &w.connections));
+}
+
+fn test_connections<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
+    w.profile.rays_visibility += w.connections.len as u64;
+    let WalkTables { flights, scratch, .. } = &mut w.walk;
+    w.profile.time(Stage::Visibility, || {
+        trace_connections(&mut w.connections, (flights, scratch), scene);
+    });
+}

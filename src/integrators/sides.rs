@@ -1,0 +1,140 @@
+//! The two sides that paths are traced from, as types.
+
+use crate::scattering::Scene;
+use crate::transport::bounce::Side;
+use crate::transport::stages::collect_emission::collect_emission;
+use crate::transport::stages::collect_sensor::collect_sensor;
+use crate::transport::stages::depolarize_light::depolarize_light;
+use crate::transport::stages::depolarize_sensor::depolarize_sensor;
+use crate::transport::stages::emit_light_paths::emit_light_paths;
+use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
+use crate::transport::stages::scatter_light::scatter_light;
+use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::partition::Partition;
+use crate::transport::tables::paths::PathTable;
+use crate::transport::{Chunk, LightModel, Strategy};
+
+use super::profile::{Profile, Stage};
+use super::walk::WalkSide;
+use super::workspace::{WalkTables, Workspace};
+
+/// Paths from the sensor, `workspace.sensor`.
+pub struct SensorWalk;
+
+/// Paths from the emitters, `workspace.light`.
+pub struct LightWalk;
+
+impl SensorWalk {
+    /// Starts the paths of a chunk. `light_paths` is the number of light paths an iteration that
+    /// connect to the sensor, or zero.
+    pub fn start<const N: usize, M: LightModel<N>>(
+        w: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        chunk: &Chunk,
+        light_paths: f32,
+    ) {
+        w.profile.time(Stage::Start, || {
+            w.measured.clear();
+            let components = w.measured.components();
+            generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths, components);
+        });
+    }
+}
+
+impl LightWalk {
+    /// Emits the paths of a chunk.
+    pub fn start<const N: usize, M: LightModel<N>>(
+        w: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        chunk: &Chunk,
+    ) {
+        w.profile.time(Stage::Start, || {
+            w.splats.clear();
+            emit_light_paths(&mut w.light[0], chunk, scene);
+        });
+    }
+}
+
+impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
+    type Carriers = M::Sensor;
+    const SIDE: Side = Side::Sensor;
+
+    #[inline(always)]
+    fn tables(
+        w: &mut Workspace<N, M>,
+    ) -> (&mut [PathTable<N, M::Sensor>; 2], &mut WalkTables<N>, &mut Profile) {
+        (&mut w.sensor, &mut w.walk, &mut w.profile)
+    }
+
+    fn segments(chunk: &Chunk) -> u32 {
+        chunk.path_length_max
+    }
+
+    fn comes_from_infinity(scene: &Scene<N>) -> bool {
+        !scene.sensor.is_finite()
+    }
+
+    fn meet_emitters(
+        w: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        path_length: u32,
+        strategy: Strategy,
+    ) {
+        let (paths, hits) = (&w.sensor[0], &w.walk.hits[0]);
+        w.profile.time(Stage::Emission, || {
+            collect_emission(&mut w.measured, paths, hits, scene, path_length, strategy);
+        });
+    }
+
+    fn depolarize(paths: &mut PathTable<N, M::Sensor>, partition: &Partition) {
+        depolarize_sensor(&mut paths.carriers, &mut paths.beta, partition);
+    }
+
+    fn apply_kernels(
+        paths: &mut PathTable<N, M::Sensor>,
+        kernels: &KernelColumns<N>,
+        partition: &Partition,
+        scene: &Scene<N>,
+    ) {
+        let (directions, up) = (&paths.rays.direction, scene.sensor.up());
+        collect_sensor(&mut paths.carriers, kernels, directions, up, partition);
+    }
+}
+
+impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
+    type Carriers = M::Light;
+    const SIDE: Side = Side::Light;
+
+    #[inline(always)]
+    fn tables(
+        w: &mut Workspace<N, M>,
+    ) -> (&mut [PathTable<N, M::Light>; 2], &mut WalkTables<N>, &mut Profile) {
+        (&mut w.light, &mut w.walk, &mut w.profile)
+    }
+
+    /// One more leads to the sensor.
+    fn segments(chunk: &Chunk) -> u32 {
+        chunk.path_length_max.saturating_sub(1)
+    }
+
+    /// Which paths do is known by their densities.
+    fn comes_from_infinity(_scene: &Scene<N>) -> bool {
+        true
+    }
+
+    /// Emitters do not scatter light.
+    fn meet_emitters(_: &mut Workspace<N, M>, _: &Scene<N>, _: u32, _: Strategy) {}
+
+    fn depolarize(paths: &mut PathTable<N, M::Light>, partition: &Partition) {
+        depolarize_light(&mut paths.carriers, &mut paths.beta, partition);
+    }
+
+    fn apply_kernels(
+        paths: &mut PathTable<N, M::Light>,
+        kernels: &KernelColumns<N>,
+        partition: &Partition,
+        _scene: &Scene<N>,
+    ) {
+        scatter_light(&mut paths.carriers, kernels, &paths.rays.direction, partition);
+    }
+}

@@ -1,0 +1,165 @@
+//! The walk that paths of either side take, from vertex to vertex. An integrator says what is
+//! done at each.
+
+use crate::geometry::{resolve_surfaces, trace_closest};
+use crate::scattering::{Met, Scene};
+use crate::scene::baked::MaterialKind;
+use crate::transport::bounce::{Bounce, Side};
+use crate::transport::stages::advance_paths::advance_paths;
+use crate::transport::stages::fly_through_media::fly_through_media;
+use crate::transport::stages::partition_paths::partition_paths;
+use crate::transport::stages::play_roulette::play_roulette;
+use crate::transport::stages::scatter_diffuse::scatter_diffuse;
+use crate::transport::stages::scatter_medium::scatter_medium;
+use crate::transport::stages::scatter_specular::scatter_specular;
+use crate::transport::stages::weigh_arrival::weigh_arrival;
+use crate::transport::tables::carriers::CarrierTable;
+use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::partition::Partition;
+use crate::transport::tables::paths::PathTable;
+use crate::transport::{Chunk, LightModel, Strategy};
+
+use super::profile::{Profile, Stage};
+use super::workspace::{WalkTables, Workspace};
+
+/// What the walks of the two sides do not have in common.
+pub trait WalkSide<const N: usize, M: LightModel<N>> {
+    /// Polarization that paths carry along.
+    type Carriers: CarrierTable;
+    /// Which way paths are traced.
+    const SIDE: Side;
+
+    /// The paths and where they are sorted to, what the walk works with, and its clock.
+    fn tables(
+        workspace: &mut Workspace<N, M>,
+    ) -> (&mut [PathTable<N, Self::Carriers>; 2], &mut WalkTables<N>, &mut Profile);
+
+    /// Segments that are traced at most.
+    fn segments(chunk: &Chunk) -> u32;
+
+    /// Whether first segments may come from infinity.
+    fn comes_from_infinity(scene: &Scene<N>) -> bool;
+
+    /// Does what there is to do with emitters that the segments just traced have met.
+    fn meet_emitters(
+        workspace: &mut Workspace<N, M>,
+        scene: &Scene<N>,
+        path_length: u32,
+        strategy: Strategy,
+    );
+
+    /// Ends polarization at depolarizers.
+    fn depolarize(paths: &mut PathTable<N, Self::Carriers>, partition: &Partition);
+
+    /// Applies the kernels of polarizing events; `paths` still have the old directions.
+    fn apply_kernels(
+        paths: &mut PathTable<N, Self::Carriers>,
+        kernels: &KernelColumns<N>,
+        partition: &Partition,
+        scene: &Scene<N>,
+    );
+}
+
+/// Takes the paths of a chunk, which have been started, from vertex to vertex, and calls `visit`
+/// with the segments so far whenever they have arrived at vertices that are not their last ones.
+/// `workspace.walk` holds these, in the order of the sorted paths.
+pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+    strategy: Strategy,
+    mut visit: impl FnMut(&mut Workspace<N, M>, u32),
+) {
+    let segments = S::segments(chunk);
+    for path_length in 1..=segments {
+        trace::<S, N, M>(w, scene, path_length);
+        S::meet_emitters(w, scene, path_length, strategy);
+        if path_length == chunk.path_length_max {
+            break;
+        }
+        arrive::<S, N, M>(w, scene, chunk, path_length, strategy);
+        visit(w, path_length);
+        let ([_, sorted], ..) = S::tables(w);
+        if path_length == segments || sorted.len == 0 {
+            break;
+        }
+        depart::<S, N, M>(w, scene, path_length);
+    }
+}
+
+/// Finds the ends of the next segments, on surfaces or in media.
+fn trace<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    path_length: u32,
+) {
+    let ([paths, _], WalkTables { hits: [hits, _], flights, scratch, .. }, profile) = S::tables(w);
+    profile.rays_closest += paths.len as u64;
+    profile.time(Stage::Trace, || {
+        trace_closest(hits, scratch, &paths.rays, 0..paths.len, &scene.accelerator);
+    });
+    if scene.has_media() {
+        profile.time(Stage::Flight, || {
+            fly_through_media(hits, paths, (flights, scratch), scene, path_length);
+        });
+    }
+}
+
+/// Plays roulette, groups the paths that go on by what they have hit and brings them there.
+fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    chunk: &Chunk,
+    path_length: u32,
+    strategy: Strategy,
+) {
+    let ([paths, sorted], tables, profile) = S::tables(w);
+    let WalkTables { hits: [hits, sorted_hits], surfaces, partition, .. } = tables;
+    profile.time(Stage::Sort, || {
+        if chunk.plays_roulette(path_length) {
+            play_roulette(paths, hits, scene, path_length);
+        }
+        partition_paths(sorted, sorted_hits, partition, paths, hits, scene);
+        resolve_surfaces(surfaces, sorted_hits, &sorted.rays, 0..sorted.len, &scene.shapes);
+        if strategy == Strategy::Bidirectional {
+            let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
+            weigh_arrival(sorted, sorted_hits, surfaces, (scene, partition), from_infinity);
+        }
+    });
+    profile.time(Stage::Mueller, || S::depolarize(sorted, partition));
+}
+
+/// Sends the sorted paths on in new directions.
+fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    path_length: u32,
+) {
+    let (tables, walk, profile) = S::tables(w);
+    let sorted = &mut tables[1];
+    let bounce = Bounce { path_length, side: S::SIDE };
+    profile.time(Stage::Scatter, || scatter::<N, M, _>(sorted, walk, scene, bounce));
+    let WalkTables { surfaces, partition, drawn, kernels, .. } = walk;
+    profile.time(Stage::Mueller, || S::apply_kernels(sorted, kernels, partition, scene));
+    profile.time(Stage::Advance, || advance_paths(sorted, drawn, surfaces, scene.reach));
+    tables.swap(0, 1);
+}
+
+/// Draws a new direction for every row, with its kernel where the mode asks for one.
+fn scatter<const N: usize, M: LightModel<N>, C>(
+    paths: &mut PathTable<N, C>,
+    walk: &mut WalkTables<N>,
+    scene: &Scene<N>,
+    bounce: Bounce,
+) {
+    let WalkTables { surfaces, partition, drawn, kernels, .. } = walk;
+    let diffuse = partition.rows_of(Met::Surface(MaterialKind::Diffuse));
+    scatter_diffuse(drawn, paths, surfaces, scene, diffuse, bounce);
+    if M::POLARIZED {
+        scatter_specular::<N, true, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, true, C>(drawn, kernels, paths, scene, partition, bounce);
+    } else {
+        scatter_specular::<N, false, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, false, C>(drawn, kernels, paths, scene, partition, bounce);
+    }
+}
