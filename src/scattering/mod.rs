@@ -9,6 +9,7 @@ pub mod emitter;
 pub mod event;
 pub mod immersion;
 pub mod medium;
+pub mod phase;
 pub mod scene;
 pub mod sensor;
 pub mod specular;

@@ -6,6 +6,7 @@ use crate::math::{F32s, LANES, Real, Vector, lanes, warp};
 use crate::polarization::s_axis;
 use crate::scattering::diffuse::{BRDF, Facing};
 use crate::scattering::medium::{PhaseFunction, half_sine2};
+use crate::scattering::phase::Scatters;
 use crate::scattering::vertex::{Turn, VertexLanes, mean};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;

@@ -7,6 +7,7 @@ use glam::Vec3;
 use crate::math::{LANES, Vector, lanes};
 use crate::polarization::s_axis;
 use crate::scattering::medium::{PhaseFunction, PhaseLookup, half_sine2};
+use crate::scattering::phase::Scatters;
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;

@@ -9,6 +9,7 @@ use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::event::Event;
 use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, half_sine2};
+use crate::scattering::phase::Scatters;
 use crate::scattering::vertex::VertexLanes;
 use crate::scattering::{Met, Scene};
 use crate::transport::LightModel;

@@ -7,6 +7,7 @@ use crate::polarization::kernel::{Block, SpheroidBlock};
 use crate::polarization::s_axis;
 use crate::scattering::event::{Event, Form};
 use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, deflect, half_sine2};
+use crate::scattering::phase::Scatters;
 use crate::scattering::vertex::mean;
 use crate::scattering::{Met, Scene};
 use crate::transport::mis::TurnDensities;

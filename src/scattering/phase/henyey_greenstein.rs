@@ -1,0 +1,51 @@
+//! The phase function of Henyey and Greenstein 1941, which depolarizes.
+
+use std::f32::consts::PI;
+
+use crate::math::{F32s, LANES, lanes};
+use crate::polarization::kernel::SpheroidBlock;
+
+use super::Scatters;
+
+/// Isotropic where the mean cosine is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HenyeyGreenstein<const N: usize> {
+    /// Mean cosine of the scattering angle, within (-1, 1), positive forwards.
+    pub g: [f32; N],
+}
+
+impl<const N: usize> Scatters<N> for HenyeyGreenstein<N> {
+    const POLARIZES: bool = false;
+
+    #[inline(always)]
+    fn values(&self, half_sine2: F32s) -> [F32s; N] {
+        let mut values = [F32s::splat(0.0); N];
+        for (value, &g) in values.iter_mut().zip(&self.g) {
+            let back = F32s::splat((1.0 - g) * (1.0 - g));
+            let base = half_sine2.mul_add(F32s::splat(4.0 * g), back);
+            *value = F32s::splat((1.0 - g * g) * (0.25 / PI)) / (base * base.sqrt());
+        }
+        values
+    }
+
+    #[inline(always)]
+    fn sample(&self, wavelength: [u32; LANES], u: F32s) -> F32s {
+        let g = F32s::from(lanes::each(|lane| self.g[wavelength[lane] as usize]));
+        let one = F32s::splat(1.0);
+        let (less, more) = (one - g, one + g);
+        let inverse = one / (g * u).mul_add(F32s::splat(2.0), less);
+        let half = less * (one - u) * inverse * F32s::splat(0.5);
+        half * (less * more).mul_add(inverse, less)
+    }
+
+    #[inline(always)]
+    fn kernels(&self, _: F32s) -> [SpheroidBlock<F32s>; N] {
+        let zero = F32s::splat(0.0);
+        [SpheroidBlock { a: zero, b: zero, c: zero, d: zero, s: zero }; N]
+    }
+
+    #[inline(always)]
+    fn values_and_kernels(&self, half_sine2: F32s) -> ([F32s; N], [SpheroidBlock<F32s>; N]) {
+        (self.values(half_sine2), self.kernels(half_sine2))
+    }
+}

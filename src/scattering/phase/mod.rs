@@ -1,0 +1,227 @@
+//! Phase functions, eight rows of one medium at a time: a file for each, behind the trait
+//! [`Scatters`].
+//!
+//! Scattering angles come as `half_sine2 = sin^2(theta / 2)`, which two unit vectors give without
+//! cancellation however close to forward they are: a quarter of the square of their difference.
+
+mod henyey_greenstein;
+mod table;
+
+use crate::math::{F32s, LANES, Real, Vector, warp};
+use crate::polarization::kernel::SpheroidBlock;
+use crate::scene::baked;
+
+pub use self::henyey_greenstein::HenyeyGreenstein;
+pub use self::table::PhaseLookup;
+
+/// What the stages ask of a phase function.
+pub trait Scatters<const N: usize> {
+    /// Whether what leaves can be polarized.
+    const POLARIZES: bool;
+
+    /// The phase function at every wavelength, in 1/sr: also the density of [`Self::sample`].
+    fn values(&self, half_sine2: F32s) -> [F32s; N];
+
+    /// An angle distributed by the phase function of each lane's wavelength.
+    fn sample(&self, wavelength: [u32; LANES], u: F32s) -> F32s;
+
+    /// The phase matrix over its first element, at every wavelength; zero where it depolarizes.
+    fn kernels(&self, half_sine2: F32s) -> [SpheroidBlock<F32s>; N];
+
+    /// [`Self::values`] and [`Self::kernels`] by one look.
+    fn values_and_kernels(&self, half_sine2: F32s) -> ([F32s; N], [SpheroidBlock<F32s>; N]);
+}
+
+/// Makes the enum of all phase functions from their list, and the functions of [`Scatters`] for
+/// whichever a medium has.
+macro_rules! phase_functions {
+    ($($(#[$doc:meta])* $Name:ident($Model:ident),)*) => {
+        /// A phase function, ready for look-ups.
+        #[derive(Clone, Debug)]
+        pub enum PhaseFunction<const N: usize> {
+            $($(#[$doc])* $Name($Model<N>),)*
+        }
+
+        impl<const N: usize> PhaseFunction<N> {
+            /// [`Scatters::POLARIZES`].
+            #[inline(always)]
+            pub fn polarizes(&self) -> bool {
+                match self {
+                    $(Self::$Name(_) => <$Model<N> as Scatters<N>>::POLARIZES,)*
+                }
+            }
+
+            /// [`Scatters::values`].
+            #[inline(always)]
+            pub fn values(&self, half_sine2: F32s) -> [F32s; N] {
+                match self {
+                    $(Self::$Name(model) => model.values(half_sine2),)*
+                }
+            }
+
+            /// [`Scatters::sample`].
+            #[inline(always)]
+            pub fn sample(&self, wavelength: [u32; LANES], u: F32s) -> F32s {
+                match self {
+                    $(Self::$Name(model) => model.sample(wavelength, u),)*
+                }
+            }
+
+            /// [`Scatters::kernels`].
+            #[inline(always)]
+            pub fn kernels(&self, half_sine2: F32s) -> [SpheroidBlock<F32s>; N] {
+                match self {
+                    $(Self::$Name(model) => model.kernels(half_sine2),)*
+                }
+            }
+
+            /// [`Scatters::values_and_kernels`].
+            #[inline(always)]
+            pub fn values_and_kernels(
+                &self,
+                half_sine2: F32s,
+            ) -> ([F32s; N], [SpheroidBlock<F32s>; N]) {
+                match self {
+                    $(Self::$Name(model) => model.values_and_kernels(half_sine2),)*
+                }
+            }
+        }
+    };
+}
+
+phase_functions! {
+    /// Henyey and Greenstein, a depolarizer.
+    HenyeyGreenstein(HenyeyGreenstein),
+    /// Tabulated, polarizing.
+    Table(PhaseLookup),
+}
+
+impl<const N: usize> From<&baked::Phase<N>> for PhaseFunction<N> {
+    fn from(phase: &baked::Phase<N>) -> Self {
+        match phase {
+            baked::Phase::HenyeyGreenstein { g } => {
+                Self::HenyeyGreenstein(HenyeyGreenstein { g: *g })
+            }
+            baked::Phase::Table(table) => Self::Table(PhaseLookup::new(table)),
+        }
+    }
+}
+
+/// `sin^2(theta / 2)` of the angle between two unit vectors.
+#[inline(always)]
+pub fn half_sine2<F: Real>(from: Vector<F>, to: Vector<F>) -> F {
+    let quarter = (to - from).length_squared() * F::splat(0.25);
+    F::select(quarter.gt(F::one()), F::one(), quarter)
+}
+
+/// A unit vector at the angle `half_sine2` to the unit vector `axis`, turned by `turns` about it.
+#[inline(always)]
+pub fn deflect(axis: Vector<F32s>, half_sine2: F32s, turns: F32s) -> Vector<F32s> {
+    let one = F32s::splat(1.0);
+    let cosine = one - half_sine2 - half_sine2;
+    let sine = F32s::splat(2.0) * (half_sine2 * (one - half_sine2)).max(F32s::splat(0.0)).sqrt();
+    let (y, x) = warp::sin_cos_turns(turns);
+    let tangent = axis.any_perpendicular();
+    let bitangent = axis.cross(tangent);
+    tangent.mul_add(x * sine, bitangent.mul_add(y * sine, axis * cosine)).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes;
+    use crate::polarization::rayleigh::rayleigh_depolarized;
+    use crate::scene::baked::PhaseTable;
+
+    fn henyey_greenstein(g: f32) -> PhaseFunction<1> {
+        PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [g] })
+    }
+
+    /// The table of depolarized dipoles, made here so that nothing else is needed.
+    fn dipoles() -> PhaseFunction<1> {
+        const INTERVALS: usize = 1024;
+        let angle = |i: usize| std::f64::consts::PI * i as f64 / INTERVALS as f64;
+        let at = |i: usize| rayleigh_depolarized(angle(i).cos(), 0.03);
+        let half_sine2: Vec<f64> =
+            (0..=INTERVALS).map(|i| (0.5 * angle(i)).sin().powi(2)).collect();
+        let mut cdf = vec![0.0];
+        for i in 0..INTERVALS {
+            let mean = 0.5 * (at(i).0 + at(i + 1).0);
+            let step = half_sine2[i + 1] - half_sine2[i];
+            cdf.push(cdf[i] + 4.0 * std::f64::consts::PI * mean * step);
+        }
+        let total = cdf[INTERVALS];
+        let single = |value: f64| [value as f32];
+        PhaseFunction::Table(PhaseLookup::new(&PhaseTable {
+            half_sine2: half_sine2.iter().map(|&x| x as f32).collect(),
+            m00: (0..=INTERVALS).map(|i| single(at(i).0 / total)).collect(),
+            cdf: cdf.iter().map(|&x| single(x / total)).collect(),
+            elements: (0..=INTERVALS)
+                .map(|i| {
+                    let kernel = at(i).1;
+                    [kernel.a, kernel.b, kernel.c, kernel.d, kernel.s].map(single)
+                })
+                .collect(),
+            spheres: false,
+            achromatic: true,
+        }))
+    }
+
+    #[test]
+    fn tables_read_what_they_were_made_of() {
+        let phase = dipoles();
+        for step in 0..=1000 {
+            let theta = std::f64::consts::PI * f64::from(step) / 1000.0;
+            let v = F32s::splat((0.5 * theta).sin().powi(2) as f32);
+            let (m00, expected) = rayleigh_depolarized(theta.cos(), 0.03);
+            let found = f64::from(phase.values(v)[0].to_array()[0]);
+            assert!((found / m00 - 1.0).abs() < 1e-5, "{theta}: {found}, {m00}");
+            let [kernel] = phase.kernels(v);
+            for (found, expected) in [
+                (kernel.a, expected.a),
+                (kernel.b, expected.b),
+                (kernel.c, expected.c),
+                (kernel.d, expected.d),
+                (kernel.s, expected.s),
+            ] {
+                assert!((f64::from(found.to_array()[0]) - expected).abs() < 2e-5, "{theta}");
+            }
+        }
+    }
+
+    /// The share of samples below an angle is the integral up to it: 2^16 equal steps of the
+    /// random number leave no noise.
+    #[test]
+    fn samples_follow_the_values() {
+        for phase in
+            [dipoles(), henyey_greenstein(0.8), henyey_greenstein(-0.3), henyey_greenstein(0.0)]
+        {
+            const COUNT: usize = 1 << 16;
+            let mut samples = Vec::new();
+            for first in (0..COUNT).step_by(LANES) {
+                let u = lanes::each(|lane| ((first + lane) as f32 + 0.5) / COUNT as f32);
+                samples.extend(phase.sample([0; LANES], F32s::from(u)).to_array());
+            }
+            let mut integral = 0.0;
+            for step in 0..2048 {
+                let middle = F32s::splat((step as f32 + 0.5) / 2048.0);
+                let value = f64::from(phase.values(middle)[0].to_array()[0]);
+                integral += value * 4.0 * std::f64::consts::PI / 2048.0;
+                let edge = (step as f32 + 1.0) / 2048.0;
+                let below = samples.iter().filter(|&&v| v < edge).count() as f64 / COUNT as f64;
+                assert!((below - integral).abs() < 2e-3, "{phase:?} {edge}: {below}, {integral}");
+            }
+            assert!((integral - 1.0).abs() < 2e-3, "{integral}");
+        }
+    }
+
+    #[test]
+    fn deflections_have_their_angle() {
+        let axis = Vector::splat([0.6, 0.0, -0.8]);
+        let angles = F32s::from([0.0, 1e-6, 1e-4, 0.01, 0.3, 0.7, 0.999, 1.0]);
+        let found = half_sine2(axis, deflect(axis, angles, F32s::splat(0.3))).to_array();
+        for (found, expected) in found.iter().zip(angles.to_array()) {
+            assert!((found - expected).abs() < 1e-3 * expected.min(1e-3) + 1e-7);
+        }
+    }
+}
