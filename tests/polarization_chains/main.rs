@@ -1,9 +1,10 @@
 //! The order of matrices, the frames and the signs, against 120 chains of events that were traced
 //! elsewhere as electric fields in three dimensions, without any Stokes vector.
 
-#[path = "support/chains.rs"]
+#[path = "../support/chains.rs"]
 mod chains;
-#[path = "support/vertex.rs"]
+mod columns;
+#[path = "../support/vertex.rs"]
 mod vertex;
 
 use chains::{Traced, lift, trace};
