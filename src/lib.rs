@@ -86,6 +86,7 @@ mod transport;
 
 pub use crate::image::{OutputError as ImageError, StokesImage};
 pub use crate::integrators::Integrator;
+pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{
     Mode, Options, Photons, PlacedWorld, Progress, RenderError, Renderer, Settings, SettingsError,
@@ -106,6 +107,9 @@ pub enum Error {
     /// With the settings of a render.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// With the memory: the film is too large for it.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// With threads.
     #[error(transparent)]
     Threads(#[from] ThreadsError),
@@ -125,6 +129,7 @@ impl From<RenderError> for Error {
         match error {
             RenderError::Scene(error) => error.into(),
             RenderError::Settings(error) => error.into(),
+            RenderError::Memory(error) => error.into(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use crate::render::settings::{SAMPLES_MAX, check_color, check_photons};
+use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
 use crate::spectrum::Color;
 
@@ -15,8 +16,6 @@ use super::files::extension;
 const SPP: u32 = 64;
 /// Replicates where variances are asked for and no number is given.
 const REPLICATES: u32 = 16;
-/// Most threads that can be asked for.
-const THREADS_MAX: usize = 4096;
 /// Wavelength where none is named, in nanometers.
 const WAVELENGTH_NM: f32 = 550.0;
 
@@ -160,32 +159,4 @@ pub(super) fn seconds(name: &str, seconds: Option<f64>) -> Result<Option<Duratio
     Duration::try_from_secs_f64(seconds)
         .map(Some)
         .map_err(|_| CliError::Usage(format!("{name} must be a number of seconds, not {seconds}")))
-}
-
-/// Refuses a film that the memory does not hold, before the system ends the render for it.
-///
-/// Counts what every render needs: the sums of the film in double precision, and the image that
-/// is developed from them, with their variances. The tables of paths come on top; they are small.
-pub(super) fn check_memory(
-    settings: &Options,
-    [width, height]: [u32; 2],
-    available: Option<u64>,
-) -> Result<(), CliError> {
-    let components = settings.mode.components() as u64;
-    let bytes_of_value = if settings.replicates > 1 { 3 * 8 + 2 * 4 } else { 8 + 4 };
-    let values = u64::from(width) * u64::from(height) * components;
-    let needed = values * settings.color.channels() as u64 * bytes_of_value;
-    match available {
-        Some(available) if needed > available => Err(CliError::System(format!(
-            "a film of {width} x {height} pixels needs {:.1} GiB of memory and {:.1} GiB are \
-             available: give a smaller --width and --height",
-            gibibytes(needed),
-            gibibytes(available)
-        ))),
-        _ => Ok(()),
-    }
-}
-
-fn gibibytes(bytes: u64) -> f64 {
-    bytes as f64 / f64::from(1 << 30)
 }

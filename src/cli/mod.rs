@@ -32,6 +32,9 @@ enum CliError {
     /// Threads could not be started.
     #[error(transparent)]
     Threads(#[from] crate::render::threads::ThreadsError),
+    /// The memory does not hold the film.
+    #[error(transparent)]
+    Memory(#[from] crate::render::memory::MemoryError),
     /// The system refused something.
     #[error("{0}")]
     System(String),
@@ -48,6 +51,7 @@ impl From<RenderError> for CliError {
         match error {
             RenderError::Scene(error) => error.into(),
             RenderError::Settings(error) => error.into(),
+            RenderError::Memory(error) => error.into(),
         }
     }
 }

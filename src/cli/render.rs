@@ -30,7 +30,6 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         say(format_args!("warning: {warning}"));
     }
     let world = PlacedWorld::new(world)?;
-    job::check_memory(&settings, world.film_size(&settings)?, system::available_memory())?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
     let is_blind = settings.integrator == Integrator::Light && renderer.has_specular_surfaces();

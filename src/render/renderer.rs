@@ -12,6 +12,7 @@ use crate::scene::SceneError;
 use crate::spectrum::Color;
 use crate::transport::{Polarized, Scalar};
 
+use super::memory::{MemoryError, check_memory};
 use super::run::{Run, Steps};
 use super::threads::Threads;
 use super::{Mode, PlacedWorld, Settings, SettingsError};
@@ -39,6 +40,9 @@ pub enum RenderError {
     /// The settings do not go with the world.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The film is too large for the memory.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
 }
 
 /// Stops a render from elsewhere: from another thread, say. All clones are one.
@@ -77,10 +81,11 @@ impl Renderer {
     /// A render in which nothing has been done yet, on the threads of the caller's rayon pool.
     ///
     /// # Errors
-    /// When a spectrum of the world does not cover the color, nothing emits, or the film would be
-    /// too large.
+    /// When a spectrum of the world does not cover the color, nothing emits, or the film is too
+    /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
         let film = world.film_size(settings)?;
+        check_memory(settings, film)?;
         Ok(match settings.color {
             Color::Rgb => Self::of(world.rgb(settings.color, film)?, settings),
             Color::Mono { .. } => Self::of(world.mono(settings.color, film)?, settings),
@@ -117,8 +122,10 @@ impl Renderer {
     }
 
     /// Renders `samples` more samples per pixel, in the same waves, whatever was asked for; with
-    /// photons, a multiple of the samples of an iteration. Ends early if it is stopped.
+    /// photons, so many that iterations are whole. Ends early if it is stopped.
     pub fn advance(&mut self, samples: u32) {
+        let samples = samples.div_ceil(self.settings.samples_per_iteration());
+        let samples = samples.saturating_mul(self.settings.samples_per_iteration());
         let end = self.samples().saturating_add(samples);
         while self.samples() < end && !self.stop.is_set() {
             let before = self.samples();
@@ -171,7 +178,8 @@ impl Renderer {
 
     /// The image so far, without variances.
     pub fn preview(&self) -> StokesImage {
-        self.steps.preview()
+        let steps = &self.steps;
+        on(self.threads.as_deref(), || steps.preview())
     }
 
     /// The time that every stage has taken so far, and the rays and photons.
@@ -195,17 +203,23 @@ impl Renderer {
     /// known of its making as metadata.
     pub fn finish(self) -> StokesImage {
         let metadata = metadata(&self.settings, self.samples());
-        let mut image = self.steps.finish();
+        let steps = self.steps;
+        let mut image = on(self.threads.as_deref(), || steps.finish());
         image.metadata = metadata;
         image
     }
 
     fn step_at_most(&mut self, samples: u32) {
         let steps = &mut self.steps;
-        match &self.threads {
-            Some(threads) => threads.run(|| steps.step(samples)),
-            None => steps.step(samples),
-        }
+        on(self.threads.as_deref(), || steps.step(samples));
+    }
+}
+
+/// Does work on some threads, or on those of the caller.
+fn on<R: Send>(threads: Option<&Threads>, work: impl FnOnce() -> R + Send) -> R {
+    match threads {
+        Some(threads) => threads.run(work),
+        None => work(),
     }
 }
 

@@ -17,7 +17,7 @@ use super::tiles::{Pool, wave};
 const WAVE: u32 = 16;
 
 /// What a render does whose wavelengths and mode are known to itself alone.
-pub trait Steps: Send {
+pub trait Steps: Send + Sync {
     /// Renders the next wave, `most` samples per pixel at most, and less where a replicate ends.
     fn step(&mut self, most: u32);
     /// Samples per pixel so far.
@@ -143,7 +143,12 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         if self.of_replicate > 0 {
             self.film.finish_replicate(self.of_replicate);
         }
-        self.film.develop()
+        // Photons and working tables take memory that the image may need.
+        let film = {
+            let run = *self;
+            run.film
+        };
+        film.develop()
     }
 }
 

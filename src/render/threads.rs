@@ -3,14 +3,29 @@
 /// A number of threads, started once.
 pub struct Threads(rayon::ThreadPool);
 
-/// The system did not start the threads.
+/// Most threads that can be asked for.
+pub const THREADS_MAX: usize = 4096;
+
+/// There are no such threads.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot start the threads: {0}")]
-pub struct ThreadsError(#[from] rayon::ThreadPoolBuildError);
+pub enum ThreadsError {
+    /// A number out of range.
+    #[error("threads must be from 1 to {THREADS_MAX}, not {0}")]
+    Count(usize),
+    /// The system did not start them.
+    #[error("cannot start the threads: {0}")]
+    Start(#[from] rayon::ThreadPoolBuildError),
+}
 
 impl Threads {
-    /// Starts `count` threads, or one per processor.
+    /// Starts `count` threads, from 1 to [`THREADS_MAX`], or one per processor.
+    ///
+    /// # Errors
+    /// When the number is out of range, or the system does not start so many.
     pub fn start(count: Option<usize>) -> Result<Self, ThreadsError> {
+        if let Some(count) = count.filter(|count| !(1..=THREADS_MAX).contains(count)) {
+            return Err(ThreadsError::Count(count));
+        }
         let builder = rayon::ThreadPoolBuilder::new().num_threads(count.unwrap_or(0));
         Ok(Self(builder.build()?))
     }

@@ -29,7 +29,9 @@
 //! - **state**: polarized light that a vertex or connection keeps: a Stokes vector over its
 //!   intensity.
 //! - **connect**: to guess a segment between two vertices that a ray then tests.
-//! - **gather**: to bring rows into a new order; of connections, to measure those that are open.
+//! - **take**: to bring rows of columns into a new order. **gather**: to measure the connections
+//!   that are open, or the photons about a vertex.
+//! - **bounce**: a vertex of a walk: which segment leads to it, on which side.
 //! - **splat**: light that a connection to the sensor brings to any pixel.
 //! - **merge**: to take vertices of two subpaths for one because they are near.
 //! - **measure**: to add light to the film's side, through the carrier of a sensor row.

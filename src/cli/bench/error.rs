@@ -18,9 +18,10 @@ use crate::cli::{CliError, job};
 use crate::image::StokesImage;
 use crate::image::compare::{ComponentComparison, compare, in_words, relative_variance};
 use crate::image::load as load_image;
+use crate::render::memory::check_memory;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Options, PlacedWorld, Renderer, Settings, system};
+use crate::render::{Options, PlacedWorld, Renderer, Settings};
 use crate::spectrum::Color;
 
 /// Replicates of a reference that is rendered, for its variances.
@@ -39,7 +40,7 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
     if let Some(image) = &given {
         check_fit(arguments, image, &options, size)?;
     }
-    job::check_memory(&options, size, system::available_memory())?;
+    check_memory(&options, size)?;
     let subject = load(&arguments.scene)?;
     let threads = Threads::start(arguments.work.threads)?;
     let renders = arguments.integrator.len() as u64 * u64::from(arguments.seeds);

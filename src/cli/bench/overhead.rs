@@ -12,9 +12,10 @@ use crate::bench::costs::Costs;
 use crate::bench::overhead::{Case, Conditions, Overhead};
 use crate::cli::args::IntegratorName;
 use crate::cli::{CliError, job};
+use crate::render::memory::check_memory;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Mode, Options, Settings, system};
+use crate::render::{Mode, Options, Settings};
 
 /// Samples per pixel of a round, and of an iteration of photons, where no number is typed.
 const SAMPLES: u32 = 16;
@@ -28,7 +29,7 @@ pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
     let plan = plan(arguments, size)?;
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
-    job::check_memory(&plan[0], size, system::available_memory())?;
+    check_memory(&plan[0], size)?;
     let subjects = load_all(&arguments.scenes)?;
     work::check_names(&subjects, &arguments.integrator)?;
     let threads = Threads::start(arguments.work.threads)?;

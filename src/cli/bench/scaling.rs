@@ -15,9 +15,10 @@ use crate::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
 use crate::cli::args::ColorName;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
+use crate::render::memory::check_memory;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Options, Photons, PlacedWorld, RenderError, Renderer, Settings, system};
+use crate::render::{Options, Photons, PlacedWorld, RenderError, Renderer, Settings};
 use crate::spectrum::Color;
 
 /// Samples per pixel that are rendered one after another.
@@ -47,7 +48,7 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), arguments.scene.as_slice())?;
     for point in plans.iter().flat_map(|(_, points)| points) {
-        job::check_memory(&point.options, film_of(&point.options), system::available_memory())?;
+        check_memory(&point.options, film_of(&point.options))?;
     }
     let subject = match &arguments.scene {
         Some(path) => load(path)?,

@@ -9,9 +9,10 @@ use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
+use crate::render::memory::check_memory;
 use crate::render::settings::{SAMPLES_MAX, check_film, check_photons};
 use crate::render::threads::Threads;
-use crate::render::{Mode, Options, Photons, Settings, system};
+use crate::render::{Mode, Options, Photons, Settings};
 
 /// The paper's Table 1.
 pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
@@ -21,7 +22,7 @@ pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     let size = [arguments.width, arguments.height];
-    job::check_memory(&polarized, size, system::available_memory())?;
+    check_memory(&polarized, size)?;
     let subjects = load_all(&arguments.scenes)?;
     if output.record.is_some() {
         super::work::check_names(&subjects, &[])?;
