@@ -5,8 +5,8 @@ use super::{Options, system};
 /// A film that the memory does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "a film of {} x {} pixels needs {:.1} GiB of memory and {:.1} GiB are available: give a smaller \
-     width and height",
+    "a film of {} x {} pixels needs {:.1} GiB of memory and {:.1} GiB are available: give a \
+     smaller width and height",
     film[0], film[1], gibibytes(*needed), gibibytes(*available)
 )]
 pub struct MemoryError {
@@ -18,7 +18,7 @@ pub struct MemoryError {
     pub available: u64,
 }
 
-/// Refuses a film that the memory does not hold; where the system does not tell what there is, none.
+/// Refuses a film that the memory does not hold; none where the system does not tell.
 pub fn check_memory(options: &Options, film: [u32; 2]) -> Result<(), MemoryError> {
     let available = system::available_memory().unwrap_or(u64::MAX);
     let needed = bytes_of_film(options, film);
