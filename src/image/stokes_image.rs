@@ -23,7 +23,8 @@ pub struct StokesImage {
     pub planes: Vec<Vec<f32>>,
     /// Squared standard error of every value, in the layout of `planes`.
     pub variance: Option<Vec<Vec<f32>>>,
-    /// Facts about the render (scene, command, seed, ...) in the order in which they are shown.
+    /// Facts about the render (integrator, seed, ...; the program adds scene, command and seconds),
+    /// in the order in which they are shown.
     pub metadata: Vec<(String, String)>,
 }
 

@@ -50,7 +50,8 @@ pub enum RenderError {
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Asks the render to stop when the current wave of samples is done.
+    /// Asks the render to stop when the current wave of samples is done: [`Renderer::run`] and
+    /// [`Renderer::advance`] end then, for good; [`Renderer::step`] does what it is told.
     pub fn stop(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

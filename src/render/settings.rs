@@ -21,7 +21,7 @@ pub const PIXELS_MAX: u64 = 1 << 31;
 /// How photons are shot and gathered; for integrators that do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photons {
-    /// Light paths an iteration of photons, from 1 to [`PHOTONS_MAX`].
+    /// Light paths an iteration of photons, from 1 to 2^28.
     pub per_iteration: u32,
     /// Samples per pixel for every iteration of photons, at least one.
     pub samples: u32,
@@ -138,7 +138,8 @@ impl Default for Options {
     }
 }
 
-/// [`Options`] that have been checked: none of them renders black in silence.
+/// [`Options`] that have been checked: none is out of its range, where it would render nothing.
+/// What an integrator cannot see in a world is another matter ([`Integrator::summary`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings(Options);
 
@@ -195,7 +196,8 @@ impl Deref for Settings {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{setting} {rule}")]
 pub struct SettingsError {
-    /// The field of [`Options`] or [`Photons`].
+    /// What the command line calls the option, with `_` for `-`: mostly the field of [`Options`] or
+    /// [`Photons`].
     pub setting: &'static str,
     /// What must hold, and what is the case.
     pub rule: String,

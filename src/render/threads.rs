@@ -18,7 +18,7 @@ pub enum ThreadsError {
 }
 
 impl Threads {
-    /// Starts `count` threads, from 1 to [`THREADS_MAX`], or one per processor.
+    /// Starts `count` threads, from 1 to 4,096, or one per processor.
     ///
     /// # Errors
     /// When the number is out of range, or the system does not start so many.

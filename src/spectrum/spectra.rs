@@ -15,7 +15,7 @@ pub enum Spectrum {
     Table(SpectrumTable),
 }
 
-/// A tabulated spectrum: see [`SpectrumTable::new`].
+/// A tabulated spectrum: see `SpectrumTable::new`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumTable {
     wavelengths_nm: Vec<f32>,
@@ -88,10 +88,10 @@ impl SpectrumTable {
 }
 
 impl Spectrum {
-    /// A table of constants: see [`SpectrumTable::new`].
+    /// A table of constants: see `SpectrumTable::new`.
     ///
     /// # Errors
-    /// As for [`SpectrumTable::new`].
+    /// As for `SpectrumTable::new`.
     pub fn table(wavelengths_nm: &[f32], values: &[f32]) -> Result<Self, &'static str> {
         SpectrumTable::new(wavelengths_nm.to_vec(), values.to_vec()).map(Self::Table)
     }

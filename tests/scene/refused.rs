@@ -269,7 +269,7 @@ fn cameras() {
     }
     for sides in [[0, 5], [5, 0], [65_537, 5]] {
         let set = room().set_resolution(sides).unwrap_err().to_string();
-        has_all(&set, &["camera `eye`, resolution", "whole numbers from 1 to 65536"]);
+        has_all(&set, &["camera `eye`, resolution", "whole numbers from 1 to 65535"]);
         assert_eq!(edited(|world| insert(world, "eye", Resolution(sides))), set);
     }
     assert!(World::new("").set_resolution([5, 5]).is_err(), "no camera yet");

@@ -126,7 +126,8 @@ impl World {
         self.called("medium", name, |world, name| world.put_medium(name, medium.into()))
     }
 
-    /// Puts the camera in its place: the only one, in place of that which was there.
+    /// Puts the camera in its place: the only one, in place of that which was there, with its
+    /// resolution; that of the new one is to be set anew.
     ///
     /// # Errors
     /// When the projection is none, or the place is sheared, mirrored or singular.
@@ -143,7 +144,7 @@ impl World {
         Ok(camera)
     }
 
-    /// Has the camera ask for a film size: width and height in pixels, from 1 to 65,536.
+    /// Has the camera ask for a film size: width and height in pixels, from 1 to 65,535.
     ///
     /// # Errors
     /// When there is no camera, or a side is out of range.

@@ -66,14 +66,14 @@ impl Lens {
     }
 }
 
-/// The film size that the scene asks for: width and height in pixels, from 1 to 65,536.
+/// The film size that the scene asks for: width and height in pixels, from 1 to 65,535.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resolution(pub [u32; 2]);
 
 impl Resolution {
     /// From width and height.
     pub(crate) fn of(sides: &[u64]) -> Result<Self, Fault> {
-        const SIDE_MAX: u64 = 65_536;
+        const SIDE_MAX: u64 = 65_535;
         match sides {
             &[width, height]
                 if (1..=SIDE_MAX).contains(&width) && (1..=SIDE_MAX).contains(&height) =>
