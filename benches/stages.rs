@@ -8,26 +8,25 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sunstone::internals::geometry::{
     HitColumns, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
-use sunstone::internals::scattering::Scene;
+use sunstone::internals::scattering::{Scene, Side};
 use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
-use sunstone::internals::transport::bounce::{Bounce, Side};
 use sunstone::internals::transport::chunk::{ROWS, Sequence};
 use sunstone::internals::transport::stages::advance_paths::advance_paths;
 use sunstone::internals::transport::stages::collect_sensor::collect_sensor;
 use sunstone::internals::transport::stages::connect_to_emitters::connect_to_emitters;
 use sunstone::internals::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use sunstone::internals::transport::stages::partition_paths::partition_paths;
-use sunstone::internals::transport::stages::scatter_diffuse::scatter_diffuse;
-use sunstone::internals::transport::stages::scatter_specular::scatter_specular;
+use sunstone::internals::transport::stages::scatter_surfaces::scatter_surfaces;
 use sunstone::internals::transport::stages::trace_connections::trace_connections;
 use sunstone::internals::transport::tables::connections::ConnectionTable;
 use sunstone::internals::transport::tables::flights::FlightTable;
-use sunstone::internals::transport::tables::kernels::KernelColumns;
+use sunstone::internals::transport::tables::kernels::DepartureColumns;
 use sunstone::internals::transport::tables::partition::Partition;
 use sunstone::internals::transport::tables::paths::PathTable;
-use sunstone::internals::transport::tables::vectors;
-use sunstone::internals::transport::{Chunk, LightModel, Polarized, Scalar, Strategy};
+use sunstone::internals::transport::{
+    Arrived, Bounce, Chunk, LightModel, Polarized, Scalar, Strategy,
+};
 
 const N: usize = 3;
 
@@ -51,9 +50,8 @@ fn cornell() -> Scene<N> {
     Scene::new(bake(&world, Color::Rgb).expect("a shipped scene"), 64, 64)
 }
 
-fn specular<M: LightModel<N>>(
-    drawn: &mut [Vec<f32>; 3],
-    kernels: &mut KernelColumns<N>,
+fn scatter<M: LightModel<N>>(
+    departures: &mut DepartureColumns<N>,
     paths: &mut PathTable<N, M::Sensor>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
@@ -61,9 +59,9 @@ fn specular<M: LightModel<N>>(
 ) {
     let bounce = Bounce { path_length: 1, side: Side::Sensor };
     if M::POLARIZED {
-        scatter_specular::<N, true, _>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, true, _>(departures, paths, surfaces, scene, partition, bounce);
     } else {
-        scatter_specular::<N, false, _>(drawn, kernels, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, false, _>(departures, paths, surfaces, scene, partition, bounce);
     }
 }
 
@@ -76,7 +74,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
     let mut connections = ConnectionTable::new(ROWS);
-    let (mut drawn, mut kernels) = (vectors(ROWS), KernelColumns::new(ROWS));
+    let mut departures = DepartureColumns::new(ROWS);
     let rows = CHUNK.slots();
     let mut group = criterion.benchmark_group(format!("stage/{mode}"));
     group.throughput(Throughput::Elements(rows as u64));
@@ -104,35 +102,29 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let (event, diffuse) = partition.connectable().next().expect("walls are diffuse");
     group.bench_function("connect_to_emitters", |bench| {
         bench.iter(|| {
-            let (rows, strategy) = ((event, diffuse.clone()), Strategy::Unidirectional);
-            connect_to_emitters(&mut connections, &sorted, &surfaces, &scene, rows, 1, strategy);
+            let (paths, surfaces, rows) = (&sorted, &surfaces, diffuse.clone());
+            let arrived = Arrived { paths, surfaces, event, rows, path_length: 1 };
+            connect_to_emitters(&mut connections, &arrived, &scene, Strategy::Unidirectional);
         });
     });
     group.bench_function("trace_connections", |bench| {
         bench.iter(|| trace_connections(&mut connections, (&mut flights, &mut scratch), &scene));
     });
-    group.bench_function("scatter_diffuse", |bench| {
+    group.bench_function("scatter_surfaces", |bench| {
         bench.iter(|| {
-            let rows = diffuse.clone();
-            let bounce = Bounce { path_length: 1, side: Side::Sensor };
-            scatter_diffuse(&mut drawn, &mut sorted, &surfaces, &scene, rows, bounce);
-        });
-    });
-    group.bench_function("scatter_specular", |bench| {
-        bench.iter(|| {
-            specular::<M>(&mut drawn, &mut kernels, &mut sorted, &surfaces, &scene, &partition);
+            scatter::<M>(&mut departures, &mut sorted, &surfaces, &scene, &partition);
         });
     });
     group.bench_function("collect_sensor", |bench| {
         bench.iter(|| {
             let directions = &sorted.rays.direction;
             let up = scene.sensor.up();
-            collect_sensor(&mut sorted.carriers, &kernels, directions, up, &partition);
+            collect_sensor(&mut sorted.carriers, &departures.kernels, directions, up, &partition);
             black_box(&mut sorted.carriers);
         });
     });
     group.bench_function("advance_paths", |bench| {
-        bench.iter(|| advance_paths(&mut sorted, &drawn, &surfaces, scene.reach));
+        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces, scene.reach));
     });
     group.finish();
 }

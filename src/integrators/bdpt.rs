@@ -5,7 +5,7 @@
 use crate::scattering::Scene;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::connect::{
@@ -19,31 +19,23 @@ use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Bidirectional;
 
-/// Connects the vertices that can be to those of their light paths that are at most
-/// `vertex_length_max` segments from the emitter.
+/// Connects the vertices that can be, after `path_length` segments, to those of their light paths
+/// that keep the whole within `path_length_max`.
 fn connect_vertices<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
-    vertex_length_max: u32,
+    path_length: u32,
+    path_length_max: u32,
 ) {
-    for_each_connectable(w, |w, of_event| {
-        let met = of_event.0.met;
-        let (connections, paths) = (&mut w.connections, &w.sensor[1]);
-        let vertices = (&w.vertices[1], &w.slot_order);
-        let length_max = vertex_length_max;
+    for_each_connectable(w, |w, (event, rows)| {
+        let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
+        let arrived = Arrived { paths, surfaces, event, rows, path_length };
+        let (connections, vertices) = (&mut w.connections, (&w.vertices[1], &w.slot_order));
+        let length_max = path_length_max - path_length - 1;
         w.profile.time(Stage::Connect, || {
-            let surfaces = &w.walk.surfaces;
-            connect_to_vertices::<N, M>(
-                connections,
-                paths,
-                surfaces,
-                vertices,
-                scene,
-                of_event,
-                length_max,
-            );
+            connect_to_vertices::<N, M>(connections, &arrived, vertices, scene, length_max);
         });
-        measure_connections(w, scene, met);
+        measure_connections(w, scene, event.met);
     });
 }
 
@@ -70,7 +62,7 @@ impl Schedule for Bdpt {
         SensorWalk::start(workspace, scene, chunk, light_paths(scene));
         walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {
             connect_emitters(workspace, scene, path_length, STRATEGY);
-            connect_vertices(workspace, scene, chunk.path_length_max - path_length - 1);
+            connect_vertices(workspace, scene, path_length, chunk.path_length_max);
         });
     }
 }

@@ -2,15 +2,14 @@
 
 use std::ops::Range;
 
-use crate::scattering::event::Event;
-use crate::scattering::{Met, Scene};
+use crate::scattering::{Event, Met, Scene};
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
 use crate::transport::stages::gather_connections::{gather_connections, splat_connections};
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::profile::Stage;
 use super::sides::LightWalk;
@@ -42,22 +41,14 @@ pub fn connect_emitters<const N: usize, M: LightModel<N>>(
     path_length: u32,
     strategy: Strategy,
 ) {
-    for_each_connectable(w, |w, of_event| {
-        let met = of_event.0.met;
-        let (connections, paths) = (&mut w.connections, &w.sensor[1]);
-        let surfaces = &w.walk.surfaces;
+    for_each_connectable(w, |w, (event, rows)| {
+        let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
+        let arrived = Arrived { paths, surfaces, event, rows, path_length };
+        let connections = &mut w.connections;
         w.profile.time(Stage::Connect, || {
-            connect_to_emitters(
-                connections,
-                paths,
-                surfaces,
-                scene,
-                of_event,
-                path_length,
-                strategy,
-            );
+            connect_to_emitters(connections, &arrived, scene, strategy);
         });
-        measure_connections(w, scene, met);
+        measure_connections(w, scene, event.met);
     });
 }
 
@@ -70,8 +61,8 @@ pub fn measure_connections<const N: usize, M: LightModel<N>>(
 ) {
     test_connections(w, scene);
     w.profile.time(Stage::Gather, || {
-        let (connections, paths) = (&w.connections, &w.sensor[1]);
-        gather_connections::<N, M>(&mut w.measured, connections, paths, scene, met);
+        let at = (&w.sensor[1], &w.walk.surfaces);
+        gather_connections::<N, M>(&mut w.measured, &w.connections, at, scene, met);
     });
 }
 
@@ -87,8 +78,9 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
         let WalkTables { surfaces, partition, .. } = &w.walk;
         let (vertices, paths) = (&mut w.vertices[0], &w.light[1]);
         w.profile.time(Stage::Connect, || {
-            for of_event in partition.connectable() {
-                store_light_vertices(vertices, paths, surfaces, scene, of_event, path_length);
+            for (event, rows) in partition.connectable() {
+                let arrived = Arrived { paths, surfaces, event, rows, path_length };
+                store_light_vertices(vertices, &arrived, scene);
             }
         });
     });

@@ -4,7 +4,7 @@ use crate::scattering::Scene;
 use crate::transport::stages::store_photons::store_photons;
 use crate::transport::tables::photon_maps::map_of;
 use crate::transport::tables::photons::PhotonTable;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::profile::Stage;
 use super::sides::LightWalk;
@@ -27,8 +27,8 @@ pub fn photons<const N: usize, M: LightModel<N>>(
         let (WalkTables { surfaces, partition, .. }, paths) = (&w.walk, &w.light[1]);
         w.profile.time(Stage::Store, || {
             for (event, rows) in partition.connectable() {
-                let map = &mut batch[map_of(event.met)];
-                store_photons(map, paths, surfaces, rows, path_length);
+                let arrived = Arrived { paths, surfaces, event, rows, path_length };
+                store_photons(&mut batch[map_of(event.met)], &arrived);
             }
         });
     });

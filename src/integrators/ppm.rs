@@ -9,7 +9,7 @@
 use crate::scattering::Scene;
 use crate::transport::stages::merge_photons::merge_photons;
 use crate::transport::tables::photon_maps::PhotonMaps;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::connect::{connect_emitters, for_each_connectable};
@@ -35,20 +35,22 @@ pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
     });
 }
 
-/// Merges the vertices that can be with the photons about them that have `length_max` segments at
-/// most.
+/// Merges the vertices that can be, after `path_length` segments, with the photons about them that
+/// keep the whole within `path_length_max`.
 fn merge<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     maps: &PhotonMaps<N>,
-    length_max: u32,
+    path_length: u32,
+    path_length_max: u32,
 ) {
-    for_each_connectable(w, |w, of_event| {
-        let map = (maps.of(of_event.0.met), length_max);
-        let (measured, order, paths) = (&mut w.measured, &mut w.queries, &w.sensor[1]);
-        let surfaces = &w.walk.surfaces;
+    for_each_connectable(w, |w, (event, rows)| {
+        let map = (maps.of(event.met), path_length_max - path_length);
+        let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
+        let arrived = Arrived { paths, surfaces, event, rows, path_length };
+        let (measured, order) = (&mut w.measured, &mut w.queries);
         w.profile.time(Stage::Merge, || {
-            merge_photons::<N, M>(measured, order, paths, surfaces, map, scene, of_event);
+            merge_photons::<N, M>(measured, order, &arrived, map, scene);
         });
     });
 }
@@ -73,7 +75,7 @@ impl Schedule for Ppm {
         let photons = photons.expect("photons are shot before they are gathered");
         walk_to_merging(workspace, scene, chunk, |workspace, path_length| {
             connect_emitters(workspace, scene, path_length, STRATEGY);
-            merge(workspace, scene, photons, chunk.path_length_max - path_length);
+            merge(workspace, scene, photons, path_length, chunk.path_length_max);
         });
     }
 }

@@ -1,7 +1,6 @@
 //! The two sides that paths are traced from, as types.
 
-use crate::scattering::Scene;
-use crate::transport::bounce::Side;
+use crate::scattering::{Scene, Side};
 use crate::transport::stages::collect_emission::collect_emission;
 use crate::transport::stages::collect_sensor::collect_sensor;
 use crate::transport::stages::depolarize_light::depolarize_light;

@@ -2,22 +2,19 @@
 //! done at each.
 
 use crate::geometry::{resolve_surfaces, trace_closest};
-use crate::scattering::{Met, Scene};
-use crate::scene::baked::MaterialKind;
-use crate::transport::bounce::{Bounce, Side};
+use crate::scattering::{Scene, Side};
 use crate::transport::stages::advance_paths::advance_paths;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::play_roulette::play_roulette;
-use crate::transport::stages::scatter_diffuse::scatter_diffuse;
 use crate::transport::stages::scatter_medium::scatter_medium;
-use crate::transport::stages::scatter_specular::scatter_specular;
+use crate::transport::stages::scatter_surfaces::scatter_surfaces;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::tables::carriers::CarrierTable;
-use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::kernels::{DepartureColumns, KernelColumns};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Bounce, Chunk, LightModel, Strategy};
 
 use super::profile::{Profile, Stage};
 use super::workspace::{WalkTables, Workspace};
@@ -139,9 +136,10 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     let sorted = &mut tables[1];
     let bounce = Bounce { path_length, side: S::SIDE };
     profile.time(Stage::Scatter, || scatter::<N, M, _>(sorted, walk, scene, bounce));
-    let WalkTables { surfaces, partition, drawn, kernels, .. } = walk;
+    let WalkTables { surfaces, partition, departures, .. } = walk;
+    let DepartureColumns { direction, kernels } = departures;
     profile.time(Stage::Mueller, || S::apply_kernels(sorted, kernels, partition, scene));
-    profile.time(Stage::Advance, || advance_paths(sorted, drawn, surfaces, scene.reach));
+    profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces, scene.reach));
     tables.swap(0, 1);
 }
 
@@ -152,14 +150,12 @@ fn scatter<const N: usize, M: LightModel<N>, C>(
     scene: &Scene<N>,
     bounce: Bounce,
 ) {
-    let WalkTables { surfaces, partition, drawn, kernels, .. } = walk;
-    let diffuse = partition.rows_of(Met::Surface(MaterialKind::Diffuse));
-    scatter_diffuse(drawn, paths, surfaces, scene, diffuse, bounce);
+    let WalkTables { surfaces, partition, departures, .. } = walk;
     if M::POLARIZED {
-        scatter_specular::<N, true, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
-        scatter_medium::<N, true, C>(drawn, kernels, paths, scene, partition, bounce);
+        scatter_surfaces::<N, true, C>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, true, C>(departures, paths, scene, partition, bounce);
     } else {
-        scatter_specular::<N, false, C>(drawn, kernels, paths, surfaces, scene, partition, bounce);
-        scatter_medium::<N, false, C>(drawn, kernels, paths, scene, partition, bounce);
+        scatter_surfaces::<N, false, C>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_medium::<N, false, C>(departures, paths, scene, partition, bounce);
     }
 }

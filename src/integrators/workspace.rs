@@ -1,17 +1,15 @@
 //! All tables that a chunk needs, allocated once and reused.
 
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
-use crate::math::columns::Column;
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_queries::QueryOrder;
-use crate::transport::tables::vectors;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
 use super::profile::Profile;
@@ -48,10 +46,8 @@ pub struct WalkTables<const N: usize> {
     pub surfaces: SurfaceColumns,
     /// Which rows do what next.
     pub partition: Partition,
-    /// New directions.
-    pub drawn: [Column; 3],
-    /// Kernels of polarizing events.
-    pub kernels: KernelColumns<N>,
+    /// Where they go from there.
+    pub departures: DepartureColumns<N>,
     /// Rays on their way through boundaries of media.
     pub flights: FlightTable<N>,
     /// What tracing needs.
@@ -82,8 +78,7 @@ impl<const N: usize> WalkTables<N> {
             hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
             surfaces: SurfaceColumns::new(ROWS),
             partition: Partition::default(),
-            drawn: vectors(ROWS),
-            kernels: KernelColumns::new(ROWS),
+            departures: DepartureColumns::new(ROWS),
             flights: FlightTable::new(ROWS),
             scratch: TraceScratch::default(),
         }

@@ -6,7 +6,6 @@ use crate::integrators::photons;
 use crate::integrators::ppm::walk_to_merging;
 use crate::integrators::profile::{Profile, Stage};
 use crate::scattering::Scene;
-use crate::scene::baked::{MaterialKind, Phase};
 use crate::transport::chunk::{ROWS, Sequence, tiles};
 use crate::transport::tables::nearest_photons::nearest_distances;
 use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
@@ -50,22 +49,20 @@ pub struct Shot {
 }
 
 impl<const N: usize> PhotonPass<N> {
-    /// Empty maps for a scene; in `polarized` renders, photons in polarizing media have states.
+    /// Empty maps for a scene; in `polarized` renders, photons at what polarizes have states.
     pub fn new(scene: &Scene<N>, photons: u32, polarized: bool) -> Self {
-        let optics = &scene.optics;
-        let is_chromatic = optics.materials.iter().any(|m| m.kind == MaterialKind::Conductor)
-            || optics.media.iter().any(|medium| match &medium.phase {
-                Phase::HenyeyGreenstein { .. } => false,
-                Phase::Table(table) => !table.achromatic,
-            });
-        let class_of = |phase: &Phase<N>| match phase {
-            Phase::Table(_) if polarized && is_chromatic => PhotonClass::SpectralStokes,
-            Phase::Table(_) if polarized => PhotonClass::Stokes,
-            Phase::Table(_) | Phase::HenyeyGreenstein { .. } => PhotonClass::Power,
+        let is_chromatic = scene.events_present().any(|event| !event.achromatic);
+        let class_of = |map: usize| {
+            let mut events = scene.events_present().filter(|event| map_of(event.met) == map);
+            if !(polarized && events.any(|event| event.keeps_polarized())) {
+                PhotonClass::Power
+            } else if is_chromatic {
+                PhotonClass::SpectralStokes
+            } else {
+                PhotonClass::Stokes
+            }
         };
-        let classes: Vec<PhotonClass> = std::iter::once(PhotonClass::Power)
-            .chain(optics.media.iter().map(|medium| class_of(&medium.phase)))
-            .collect();
+        let classes: Vec<PhotonClass> = (0..1 + scene.optics.media.len()).map(class_of).collect();
         let tables = || classes.iter().map(|&class| PhotonTable::of_class(class, 0)).collect();
         Self {
             maps: PhotonMaps::new(&classes),

@@ -1,15 +1,30 @@
 //! What paths meet, and what that does to polarization: all that tells the loops of the stages
 //! apart.
 
-use crate::scene::baked::{MaterialKind, Optics, Phase};
+use super::medium::Medium;
+use super::phase::{Scatters, for_phase};
+use super::surface::SurfaceKind;
+use crate::math::F32s;
+use crate::polarization::{Block, SpheroidBlock};
 
 /// What a path has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Met {
     /// A surface of some kind.
-    Surface(MaterialKind),
+    Surface(SurfaceKind),
     /// A particle of the medium in this row of the scene's media.
     Medium(u32),
+}
+
+impl Met {
+    /// Its place among the scene's events.
+    #[inline(always)]
+    pub fn event(self) -> usize {
+        match self {
+            Self::Surface(kind) => kind.event(),
+            Self::Medium(row) => SurfaceKind::EVENTS + row as usize,
+        }
+    }
 }
 
 /// How many elements a Mueller kernel has.
@@ -21,6 +36,58 @@ pub enum Form {
     Block,
     /// a, b, c, d and s.
     Spheroid,
+}
+
+/// A kernel's elements over M00, eight rows at a time.
+pub trait Elements: Copy {
+    /// How many there are.
+    const FORM: Form;
+
+    /// All that there may be.
+    fn spheroid(self) -> SpheroidBlock<F32s>;
+}
+
+/// All elements of kernels at every wavelength.
+#[inline(always)]
+pub fn spheroids<K: Elements, const N: usize>(kernels: &[K; N]) -> [SpheroidBlock<F32s>; N] {
+    let mut spheroids = [Depolarizer.spheroid(); N];
+    for (spheroid, kernel) in spheroids.iter_mut().zip(kernels) {
+        *spheroid = kernel.spheroid();
+    }
+    spheroids
+}
+
+/// The kernel without elements: what leaves is unpolarized.
+#[derive(Clone, Copy, Debug)]
+pub struct Depolarizer;
+
+impl Elements for Depolarizer {
+    const FORM: Form = Form::Depolarizer;
+
+    #[inline(always)]
+    fn spheroid(self) -> SpheroidBlock<F32s> {
+        let zero = F32s::splat(0.0);
+        SpheroidBlock { a: zero, b: zero, c: zero, d: zero, s: zero }
+    }
+}
+
+impl Elements for Block<F32s> {
+    const FORM: Form = Form::Block;
+
+    #[inline(always)]
+    fn spheroid(self) -> SpheroidBlock<F32s> {
+        let Self { a, c, s } = self;
+        SpheroidBlock { a, b: F32s::splat(1.0), c, d: c, s }
+    }
+}
+
+impl Elements for SpheroidBlock<F32s> {
+    const FORM: Form = Form::Spheroid;
+
+    #[inline(always)]
+    fn spheroid(self) -> Self {
+        self
+    }
 }
 
 /// A kind of event: the rows that meet it go through the same loops.
@@ -37,21 +104,6 @@ pub struct Event {
 /// The place of the event at which paths end among the scene's events.
 pub const END: usize = 0;
 
-/// Events at surfaces, in the order of the rows that meet them, specular ones first; media follow.
-const SURFACES: [Event; 6] = [
-    at_surface(MaterialKind::Absorber, Form::Depolarizer),
-    at_surface(MaterialKind::Conductor, Form::Block),
-    at_surface(MaterialKind::Dielectric, Form::Block),
-    at_surface(MaterialKind::Polarizer, Form::Block),
-    at_surface(MaterialKind::Retarder, Form::Block),
-    at_surface(MaterialKind::Diffuse, Form::Depolarizer),
-];
-
-const fn at_surface(kind: MaterialKind, form: Form) -> Event {
-    let achromatic = !matches!(kind, MaterialKind::Conductor);
-    Event { met: Met::Surface(kind), form, achromatic }
-}
-
 impl Event {
     /// The channel of the kernel columns that holds a wavelength's coefficients.
     #[inline(always)]
@@ -59,34 +111,28 @@ impl Event {
         if self.achromatic { 0 } else { wavelength }
     }
 
+    /// Whether light that vertices keep, as photons or to be connected to, leaves them polarized.
+    #[inline(always)]
+    pub fn keeps_polarized(&self) -> bool {
+        self.connects() && self.form != Form::Depolarizer
+    }
+
     /// Whether vertices of this kind can be connected to: all but those that leave light a
     /// single way.
     #[inline(always)]
     pub fn connects(&self) -> bool {
-        matches!(self.met, Met::Surface(MaterialKind::Diffuse) | Met::Medium(_))
+        match self.met {
+            Met::Surface(kind) => kind.connects(),
+            Met::Medium(_) => true,
+        }
     }
 }
 
-/// All events of a scene: [`END`], those at surfaces, and one for every medium.
-pub fn events<const N: usize>(optics: &Optics<N>) -> Vec<Event> {
-    let in_media = optics.media.iter().zip(0..).map(|(medium, row)| {
-        let (form, achromatic) = match &medium.phase {
-            Phase::HenyeyGreenstein { .. } => (Form::Depolarizer, true),
-            Phase::Table(table) if table.spheres => (Form::Block, table.achromatic),
-            Phase::Table(table) => (Form::Spheroid, table.achromatic),
-        };
+/// All events of a scene with these media: [`END`], those at surfaces, and one for every medium.
+pub fn events<const N: usize>(media: &[Medium<N>]) -> Vec<Event> {
+    let in_media = media.iter().zip(0..).map(|(medium, row)| {
+        let (form, achromatic) = for_phase!(&medium.phase, phase => phase.kernel());
         Event { met: Met::Medium(row), form, achromatic }
     });
-    SURFACES.into_iter().chain(in_media).collect()
-}
-
-/// The place of a kind of material among the events; boundaries of media are never met.
-pub fn event_of_kind(kind: MaterialKind) -> usize {
-    SURFACES.iter().position(|event| event.met == Met::Surface(kind)).unwrap_or(END)
-}
-
-/// The place of a medium among the events.
-#[inline(always)]
-pub fn event_of_medium(medium: u32) -> usize {
-    SURFACES.len() + medium as usize
+    SurfaceKind::events().chain(in_media).collect()
 }

@@ -2,9 +2,7 @@
 
 use crate::scene::baked;
 
-use super::phase::HenyeyGreenstein;
-
-pub use super::phase::{PhaseFunction, PhaseLookup, deflect, half_sine2};
+use super::phase::{HenyeyGreenstein, PhaseFunction};
 
 /// A homogeneous medium with what is derived from its coefficients.
 #[derive(Clone, Debug)]

@@ -4,7 +4,6 @@
 //! Scalar values only decide where paths go; kernels are relative to them (`polarization`), so
 //! that scalar and polarized renders trace the same paths.
 
-pub mod diffuse;
 pub mod emitter;
 pub mod event;
 pub mod immersion;
@@ -12,9 +11,11 @@ pub mod medium;
 pub mod phase;
 pub mod scene;
 pub mod sensor;
-pub mod specular;
+pub mod side;
+pub mod surface;
 pub mod vertex;
 
-pub use event::Met;
+pub use event::{Event, Met};
 pub use scene::Scene;
 pub use sensor::Sensor;
+pub use side::Side;

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use crate::geometry::{self, Accelerator, medium_met};
-use crate::scene::baked::{BakedScene, Material, MaterialKind, NONE, Optics, Shapes};
+use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, Shapes};
 use crate::scene::emitter::Emitter;
 
 use super::Sensor;
 use super::emitter;
 use super::emitter::direct::DirectTable;
-use super::event::{END, Event, event_of_kind, event_of_medium, events};
+use super::event::{END, Event, Met, events};
 use super::immersion::Immersion;
 use super::medium::Medium;
+use super::surface::{Material, Surfaces};
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
@@ -23,18 +24,20 @@ pub struct Scene<const N: usize> {
     pub optics: Optics<N>,
     /// The camera with its film.
     pub sensor: Sensor,
-    /// For every triangle and sphere, its row in `optics.materials`.
+    /// The materials, and the tables of their models.
+    pub surfaces: Surfaces<N>,
+    /// For every triangle and sphere, its row in the materials.
     material_of_primitive: Vec<u32>,
     /// All kinds of events.
     pub events: Vec<Event>,
     /// Nothing, then for every triangle and sphere, its kind of event.
     event_of_hit: Vec<u8>,
-    /// For every material, the probability with which roulette lets a path go on.
-    survival_of_material: Vec<f32>,
     /// The media, and behind them one that is clear.
     media: Vec<Medium<N>>,
     /// Whether there are surfaces that are nothing but boundaries of media.
     pub has_null_boundaries: bool,
+    /// Whether light can leave vertices that connect polarized.
+    pub has_polarizing_vertices: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// Bound of the coordinates of all primitives, which scales the offsets of rays.
@@ -68,11 +71,17 @@ impl<const N: usize> Scene<N> {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
         let material_of_primitive: Vec<u32> =
             shapes.surface_of_primitive.iter().map(material_of).collect();
-        let kinds = material_of_primitive.iter().map(|&row| optics.materials[row as usize].kind);
-        let event_of_hit =
-            std::iter::once(END).chain(kinds.map(event_of_kind)).map(|event| event as u8).collect();
-        let survival_of_material = optics.materials.iter().map(super::specular::survival).collect();
-        let media = optics.media.iter().map(Medium::new).chain([Medium::clear()]).collect();
+        let surfaces = Surfaces::new(&optics.materials);
+        let materials = surfaces.materials();
+        let event_of = |&row: &u32| materials[row as usize].kind.event();
+        let event_of_hit = std::iter::once(END)
+            .chain(material_of_primitive.iter().map(event_of))
+            .map(|event| event as u8)
+            .collect();
+        let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
+        let events = events(&media);
+        media.push(Medium::clear());
+        let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
         let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
         let media_of = |emitter: &Emitter<N>| emitter::media(&emitter.model, &immersion);
         let emitter_media = optics.emitters.iter().map(media_of).collect();
@@ -83,8 +92,9 @@ impl<const N: usize> Scene<N> {
             direct: DirectTable::new(&shapes, &optics),
             reach: geometry::reach(&shapes.bounds),
             emitter_cdf: running_sum(optics.emitters.iter().map(|emitter| emitter.probability)),
-            events: events(&optics),
-            has_null_boundaries: optics.materials.iter().any(|m| m.kind == MaterialKind::Null),
+            has_polarizing_vertices,
+            events,
+            has_null_boundaries: materials.iter().any(|it| it.kind.is_crossed()),
             has_shading_normals: shapes.has_shading_normals(),
             media,
             accelerator,
@@ -92,11 +102,11 @@ impl<const N: usize> Scene<N> {
             optics,
             material_of_primitive,
             event_of_hit,
-            survival_of_material,
+            surfaces,
         }
     }
 
-    /// The row of a primitive's material in `optics.materials`.
+    /// The row of a primitive's material.
     #[inline(always)]
     pub fn material_row(&self, primitive: u32) -> usize {
         match self.material_of_primitive.get(primitive as usize) {
@@ -110,8 +120,8 @@ impl<const N: usize> Scene<N> {
 
     /// A primitive's material.
     #[inline(always)]
-    pub fn material_at(&self, primitive: u32) -> &Material<N> {
-        &self.optics.materials[self.material_row(primitive)]
+    pub fn material_at(&self, primitive: u32) -> &Material {
+        &self.surfaces.materials()[self.material_row(primitive)]
     }
 
     /// The emitter that the random number `u` in [0, 1) chooses, by its probability.
@@ -119,14 +129,19 @@ impl<const N: usize> Scene<N> {
         self.emitter_cdf.partition_point(|&sum| sum <= u).min(self.emitter_cdf.len() - 1)
     }
 
+    /// The events that some surface or medium of the scene is met by.
+    pub fn events_present(&self) -> impl Iterator<Item = Event> {
+        present(&self.events, self.surfaces.materials())
+    }
+
     /// The place in `events` of what a ray hit, which may be nothing ([`NONE`]) or a medium.
     #[inline(always)]
     pub fn event_hit(&self, primitive: u32) -> usize {
         match medium_met(primitive) {
-            Some(medium) => event_of_medium(medium),
+            Some(medium) => Met::Medium(medium).event(),
             None => match self.event_of_hit.get(primitive.wrapping_add(1) as usize) {
                 Some(event) => *event as usize,
-                None => event_of_kind(self.material_at(primitive).kind),
+                None => self.material_at(primitive).kind.event(),
             },
         }
     }
@@ -144,11 +159,9 @@ impl<const N: usize> Scene<N> {
     /// Whether some surfaces leave light a single way, so that light paths cannot connect them to
     /// the sensor.
     pub fn has_specular_surfaces(&self) -> bool {
-        let kind = |material: u32| self.optics.materials[material as usize].kind;
-        self.shapes.surfaces.iter().any(|surface| {
-            let kind = kind(surface.material);
-            !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
-        })
+        let materials = self.surfaces.materials();
+        let mut used = self.shapes.surfaces.iter().map(|it| &materials[it.material as usize]);
+        used.any(|material| material.kind.is_specular())
     }
 
     /// A medium; a clear one for [`NONE`].
@@ -157,12 +170,22 @@ impl<const N: usize> Scene<N> {
         &self.media[(row as usize).min(self.media.len() - 1)]
     }
 
+    /// The medium on the side of a primitive that is entered, for a path in the medium `before`.
+    #[inline(always)]
+    pub fn medium_beyond(&self, primitive: u32, to_front: bool, before: u32) -> u32 {
+        let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
+        match if to_front { surface.exterior } else { surface.interior } {
+            KEEP => before,
+            medium => medium,
+        }
+    }
+
     /// The probability with which roulette lets a path go on from what it hit.
     #[inline(always)]
     pub fn survival(&self, primitive: u32) -> f32 {
         match medium_met(primitive) {
             Some(medium) => self.medium(medium).survival,
-            None => self.survival_of_material[self.material_row(primitive)],
+            None => self.material_at(primitive).survival,
         }
     }
 
@@ -175,6 +198,15 @@ impl<const N: usize> Scene<N> {
             self.optics.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
         }
     }
+}
+
+/// Those of the events that media and these materials are met by.
+fn present(events: &[Event], materials: &[Material]) -> impl Iterator<Item = Event> {
+    let is_present = |met: Met| match met {
+        Met::Surface(kind) => materials.iter().any(|material| material.kind == kind),
+        Met::Medium(_) => true,
+    };
+    events.iter().filter(move |event| is_present(event.met)).copied()
 }
 
 fn running_sum(probabilities: impl Iterator<Item = f32>) -> Vec<f32> {

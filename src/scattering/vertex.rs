@@ -1,22 +1,129 @@
-//! Vertices that can be connected to, eight at a time: diffuse surfaces and media alike.
+//! Vertices that can be connected to, eight at a time: on surfaces and in media alike.
+//!
+//! Stages ask with [`for_scatterer`] for code that is compiled for what their rows have met, and
+//! work on [`Scatterer`] and [`Vertices`] there.
 
-use crate::math::{F32s, Vector, warp};
+use crate::geometry::SurfaceColumns;
+use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
+use crate::polarization::{SpheroidBlock, s_axis};
 
-use super::diffuse::Facing;
-use super::medium::{Medium, half_sine2};
+use super::Scene;
+use super::event::{Elements, Form, spheroids};
+use super::medium::Medium;
+use super::phase::{Scatters, half_sine2};
+use super::surface::model::{LaneRows, two_sided};
+use super::surface::{Connecting, Facing, ModelLanes};
 
-/// Eight vertices of sensor paths that have met the same kind of event.
-#[expect(clippy::large_enum_variant, reason = "it lives on the stack of one loop")]
-pub enum VertexLanes<'a, const N: usize> {
-    /// On Lambertian surfaces.
-    Surface {
-        /// Their normals.
-        facing: Facing,
-        /// Their BRDF, per steradian.
-        brdf: [F32s; N],
-    },
-    /// In a medium.
-    Volume(&'a Medium<N>),
+/// What rows have met: all surfaces of one model, or one medium.
+pub trait Scatterer<const N: usize>: Copy {
+    /// Eight vertices.
+    type Vertices: Vertices<N>;
+    /// Whether what leaves can be polarized.
+    const POLARIZES: bool;
+
+    /// The vertices in some rows.
+    fn at(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> Self::Vertices;
+
+    /// Light vertices that were kept; [`Vertices::factor`] is in their power.
+    fn kept(self, kept: KeptLanes) -> Self::Vertices;
+}
+
+/// Eight vertices of a scatterer. Directions are unit vectors: `given`, to where the path comes
+/// from, and `drawn` point away from the vertex, `k_in` and `k_out` along the light.
+pub trait Vertices<const N: usize>: Copy {
+    /// Whether what they do to photons is one for all directions but for the sides of surfaces.
+    const IS_EVEN: bool;
+
+    /// The part of the scattering function that no direction changes.
+    fn factor(&self) -> [F32s; N];
+
+    /// What light vertices keep besides their power.
+    fn keep(&self) -> KeptLanes;
+
+    /// The turn of a sensor path.
+    fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N>;
+
+    /// The turn of a light path: with shading normals, not the same.
+    fn turn_of_light(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N>;
+
+    /// What of a photon's power is scattered along `k_out`, over [`Self::per_photon`].
+    fn merge(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> [F32s; N];
+
+    /// What every photon's power is multiplied by.
+    fn per_photon(&self) -> [F32s; N];
+
+    /// The kernels, and the x axis of their frames.
+    fn kernels(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N>;
+
+    /// [`Self::merge`] and [`Self::kernels`] by one look; the axis may have any length.
+    fn merge_polarized(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> ([F32s; N], Kernels<N>);
+}
+
+/// Kernels over M00 at every wavelength, and the x axis of their frames: perpendicular to the
+/// light before and after.
+pub type Kernels<const N: usize> = ([SpheroidBlock<F32s>; N], Vector<F32s>);
+
+/// Which rows of columns eight lanes hold.
+pub trait RowLanes: Copy {
+    /// The rows of the lanes.
+    fn rows(self) -> LaneRows;
+
+    /// Reads a column of vectors.
+    fn vectors(self, columns: &[Vec<f32>; 3]) -> Vector<F32s>;
+}
+
+/// The rows from the first on; the second says how many are in use.
+#[derive(Clone, Copy)]
+pub struct Consecutive(pub usize, pub usize);
+
+impl RowLanes for Consecutive {
+    #[inline(always)]
+    fn rows(self) -> LaneRows {
+        LaneRows::Each(lanes::each(|lane| self.0 + lane.min(self.1 - 1)))
+    }
+
+    #[inline(always)]
+    fn vectors(self, columns: &[Vec<f32>; 3]) -> Vector<F32s> {
+        Vector::load(columns, self.0)
+    }
+}
+
+/// One row in all lanes.
+#[derive(Clone, Copy)]
+pub struct Same(pub usize);
+
+impl RowLanes for Same {
+    #[inline(always)]
+    fn rows(self) -> LaneRows {
+        LaneRows::Same(self.0)
+    }
+
+    #[inline(always)]
+    fn vectors(self, columns: &[Vec<f32>; 3]) -> Vector<F32s> {
+        Vector::splat(lanes::row_of(columns, self.0))
+    }
+}
+
+/// Any rows.
+impl RowLanes for [usize; LANES] {
+    #[inline(always)]
+    fn rows(self) -> LaneRows {
+        LaneRows::Each(self)
+    }
+
+    #[inline(always)]
+    fn vectors(self, columns: &[Vec<f32>; 3]) -> Vector<F32s> {
+        Vector::gather(|lane| lanes::row_of(columns, self[lane]))
+    }
+}
+
+/// What eight vertices of one scatterer are found again by.
+#[derive(Clone, Copy)]
+pub struct KeptLanes {
+    /// Their normals; zero in media, which have none.
+    pub facing: Facing,
+    /// The rows in the table of their model, else 0; so too in lanes that hold other vertices.
+    pub rows: U32s,
 }
 
 /// What a vertex does to light between two directions.
@@ -35,32 +142,283 @@ pub struct Turn<const N: usize> {
     pub measure: F32s,
 }
 
-impl<const N: usize> VertexLanes<'_, N> {
-    /// The turn between the directions `given`, to where the path comes from, and `drawn`, both
-    /// away from the vertex.
+impl<const N: usize> Turn<N> {
+    /// No light, no way.
     #[inline(always)]
-    pub fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
-        match self {
-            Self::Surface { facing, brdf } => {
-                let cosine = drawn.dot(facing.shading).abs();
-                let reflects = facing.reflects(given, drawn);
-                let mut value = *brdf;
-                value.iter_mut().for_each(|value| *value = reflects & (*value * cosine));
-                Turn {
-                    value,
-                    pdf: warp::cosine_pdf(cosine),
-                    pdf_reverse: warp::cosine_pdf(given.dot(facing.shading).abs()),
-                    measure: drawn.dot(facing.geometric).abs(),
-                }
-            }
-            Self::Volume(medium) => {
-                let value = medium.phase.values(half_sine2(-given, drawn));
-                let pdf = mean(&value);
-                Turn { value, pdf, pdf_reverse: pdf, measure: F32s::splat(medium.density) }
-            }
+    pub fn none() -> Self {
+        let zero = F32s::splat(0.0);
+        Self { value: [zero; N], pdf: zero, pdf_reverse: zero, measure: zero }
+    }
+
+    /// `if_true` where the mask holds, `if_false` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: F32s, if_true: Self, if_false: Self) -> Self {
+        let select = |a: F32s, b: F32s| Real::select(mask, a, b);
+        let mut value = if_false.value;
+        for (value, &chosen) in value.iter_mut().zip(&if_true.value) {
+            *value = select(chosen, *value);
+        }
+        Self {
+            value,
+            pdf: select(if_true.pdf, if_false.pdf),
+            pdf_reverse: select(if_true.pdf_reverse, if_false.pdf_reverse),
+            measure: select(if_true.measure, if_false.measure),
         }
     }
 }
+
+/// Surfaces of one model.
+pub struct OnSurfaces<'a, M, const N: usize> {
+    scene: &'a Scene<N>,
+    models: &'a [M],
+}
+
+impl<M, const N: usize> Clone for OnSurfaces<'_, M, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M, const N: usize> Copy for OnSurfaces<'_, M, N> {}
+
+impl<'a, M, const N: usize> OnSurfaces<'a, M, N> {
+    /// Those of the scene whose model has the table `models`.
+    #[inline(always)]
+    pub fn new(scene: &'a Scene<N>, models: &'a [M]) -> Self {
+        Self { scene, models }
+    }
+
+    /// The parameters of those in some rows, and their normals.
+    #[inline(always)]
+    pub fn load(
+        self,
+        surfaces: &SurfaceColumns,
+        rows: impl RowLanes,
+    ) -> (ModelLanes<'a, M>, Facing) {
+        let material = rows.rows().map(|row| self.scene.material_row(surfaces.primitive[row]));
+        let materials = self.scene.surfaces.materials();
+        let facing = Facing {
+            geometric: rows.vectors(&surfaces.geometric_normal),
+            shading: rows.vectors(&surfaces.shading_normal),
+            two_sided: two_sided(materials, &material),
+        };
+        (ModelLanes::new(self.models, material.map(|row| materials[row].row as usize)), facing)
+    }
+}
+
+/// Eight of them.
+#[derive(Clone, Copy)]
+pub struct SurfaceVertices<M: Connecting<N>, const N: usize> {
+    kept: KeptLanes,
+    factor: [F32s; N],
+    lanes: M::Lanes,
+}
+
+impl<M: Connecting<N>, const N: usize> Scatterer<N> for OnSurfaces<'_, M, N> {
+    type Vertices = SurfaceVertices<M, N>;
+    const POLARIZES: bool = !matches!(M::Kernel::FORM, Form::Depolarizer);
+
+    #[inline(always)]
+    fn at(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> Self::Vertices {
+        let (models, facing) = self.load(surfaces, rows);
+        let kept = KeptLanes { facing, rows: models.rows.numbers() };
+        SurfaceVertices { kept, factor: M::factor(&models), lanes: M::lanes(&models) }
+    }
+
+    #[inline(always)]
+    fn kept(self, kept: KeptLanes) -> Self::Vertices {
+        let rows = LaneRows::Each(kept.rows.to_array().map(|row| row as usize));
+        let lanes = M::lanes(&ModelLanes::new(self.models, rows));
+        SurfaceVertices { kept, factor: [F32s::splat(1.0); N], lanes }
+    }
+}
+
+impl<M: Connecting<N>, const N: usize> SurfaceVertices<M, N> {
+    /// The turn, where the cosine of the drawn direction comes with a factor.
+    #[inline(always)]
+    fn turned(
+        &self,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        scaled: impl FnOnce(F32s) -> F32s,
+    ) -> Turn<N> {
+        let facing = &self.kept.facing;
+        let cosine = scaled(drawn.dot(facing.shading).abs());
+        let reflects = facing.reflects(given, drawn);
+        let mut value = M::shape(&self.lanes, facing, given, drawn);
+        for (value, &factor) in value.iter_mut().zip(&self.factor) {
+            *value = reflects & (factor * *value * cosine);
+        }
+        Turn {
+            value,
+            pdf: M::pdf(&self.lanes, facing, given, drawn),
+            pdf_reverse: M::pdf(&self.lanes, facing, drawn, given),
+            measure: drawn.dot(facing.geometric).abs(),
+        }
+    }
+}
+
+impl<M: Connecting<N>, const N: usize> Vertices<N> for SurfaceVertices<M, N> {
+    const IS_EVEN: bool = M::IS_EVEN;
+
+    #[inline(always)]
+    fn factor(&self) -> [F32s; N] {
+        self.factor
+    }
+
+    #[inline(always)]
+    fn keep(&self) -> KeptLanes {
+        self.kept
+    }
+
+    #[inline(always)]
+    fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
+        self.turned(given, drawn, |cosine| cosine)
+    }
+
+    #[inline(always)]
+    fn turn_of_light(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
+        self.turned(given, drawn, |cosine| self.kept.facing.adjoint(given, drawn) * cosine)
+    }
+
+    /// Photons count by the geometric normal, and the integral asks for the shading normal.
+    #[inline(always)]
+    fn merge(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> [F32s; N] {
+        let facing = &self.kept.facing;
+        let reflects = facing.reflects(k_out, -k_in);
+        let ratio = k_in.dot(facing.shading) / k_in.dot(facing.geometric);
+        let mut value = M::shape(&self.lanes, facing, k_out, -k_in);
+        value.iter_mut().for_each(|value| *value = reflects & (*value * ratio));
+        value
+    }
+
+    #[inline(always)]
+    fn per_photon(&self) -> [F32s; N] {
+        self.factor
+    }
+
+    #[inline(always)]
+    fn kernels(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N> {
+        let (kernels, axis) = M::kernels(&self.lanes, &self.kept.facing, k_in, k_out);
+        (spheroids(&kernels), axis)
+    }
+
+    #[inline(always)]
+    fn merge_polarized(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> ([F32s; N], Kernels<N>) {
+        (self.merge(k_in, k_out), self.kernels(k_in, k_out))
+    }
+}
+
+/// A medium with the phase function `P`; any vertex in it is like any other.
+pub struct InMedium<'a, P, const N: usize> {
+    /// What it is.
+    pub medium: &'a Medium<N>,
+    /// How it scatters.
+    pub phase: &'a P,
+}
+
+impl<P, const N: usize> Clone for InMedium<'_, P, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P, const N: usize> Copy for InMedium<'_, P, N> {}
+
+impl<P: Scatters<N>, const N: usize> Scatterer<N> for InMedium<'_, P, N> {
+    type Vertices = Self;
+    const POLARIZES: bool = P::POLARIZES;
+
+    #[inline(always)]
+    fn at(self, _surfaces: &SurfaceColumns, _rows: impl RowLanes) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn kept(self, _kept: KeptLanes) -> Self {
+        self
+    }
+}
+
+impl<P: Scatters<N>, const N: usize> Vertices<N> for InMedium<'_, P, N> {
+    const IS_EVEN: bool = false;
+
+    #[inline(always)]
+    fn factor(&self) -> [F32s; N] {
+        [F32s::splat(1.0); N]
+    }
+
+    #[inline(always)]
+    fn keep(&self) -> KeptLanes {
+        KeptLanes { facing: Facing::none(), rows: U32s::splat(0) }
+    }
+
+    #[inline(always)]
+    fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
+        let value = self.phase.values(half_sine2(-given, drawn));
+        let pdf = mean(&value);
+        Turn { value, pdf, pdf_reverse: pdf, measure: F32s::splat(self.medium.density) }
+    }
+
+    #[inline(always)]
+    fn turn_of_light(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
+        self.turn(given, drawn)
+    }
+
+    #[inline(always)]
+    fn merge(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> [F32s; N] {
+        self.phase.values(half_sine2(k_in, k_out))
+    }
+
+    /// The power of photons counts scatterings: over the coefficient, it is fluence.
+    #[inline(always)]
+    fn per_photon(&self) -> [F32s; N] {
+        let mut factors = [F32s::splat(0.0); N];
+        for (factor, &sigma_s) in factors.iter_mut().zip(&self.medium.sigma_s) {
+            *factor = F32s::splat(if sigma_s > 0.0 { 1.0 / sigma_s } else { 0.0 });
+        }
+        factors
+    }
+
+    #[inline(always)]
+    fn kernels(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N> {
+        (self.phase.kernels(half_sine2(k_in, k_out)), s_axis(k_in, k_out))
+    }
+
+    #[inline(always)]
+    fn merge_polarized(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> ([F32s; N], Kernels<N>) {
+        let (values, kernels) = self.phase.values_and_kernels(half_sine2(k_in, k_out));
+        // Where it vanishes, forwards, no turn is needed.
+        (values, (kernels, k_in.cross(k_out)))
+    }
+}
+
+/// Compiles code for every connecting surface model and every phase function, and runs that of
+/// what was met; `None` for surfaces that are not connected.
+macro_rules! for_scatterer {
+    ($scene:expr, $met:expr, $scatterer:ident => $body:expr) => {
+        match $met {
+            $crate::scattering::Met::Surface(kind) => {
+                $crate::scattering::surface::for_connecting!(
+                    $scene.surfaces, kind, models => {
+                        let $scatterer =
+                            $crate::scattering::vertex::OnSurfaces::new($scene, models);
+                        $body
+                    }
+                )
+            }
+            $crate::scattering::Met::Medium(medium) => {
+                let medium = $scene.medium(medium);
+                $crate::scattering::phase::for_phase!(&medium.phase, phase => {
+                    let $scatterer = $crate::scattering::vertex::InMedium { medium, phase };
+                    Some($body)
+                })
+            }
+        }
+    };
+}
+
+pub(crate) use for_scatterer;
 
 /// The mean over the wavelengths.
 #[inline(always)]

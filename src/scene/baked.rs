@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::emitter::Emitter;
 use super::instanced::Instanced;
+use super::world::SurfaceModel;
 
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
@@ -135,72 +136,20 @@ pub struct Surface {
     pub exterior: u32,
 }
 
-/// How light scatters off a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum MaterialKind {
-    /// Absorbs everything.
-    Absorber,
-    /// Lambertian reflector, an ideal depolarizer: `reflectance`.
-    Diffuse,
-    /// Smooth metal: `eta`, `k`.
-    Conductor,
-    /// Smooth dielectric boundary: `ior` behind the normal relative to before it.
-    Dielectric,
-    /// Straight transmission through a (partial) linear polarizer: `m00`, `a`, `c`, `axis`.
-    Polarizer,
-    /// Straight transmission through a linear retarder: `retardance`, `axis`.
-    Retarder,
-    /// Nothing but a boundary between media: light goes on as if it were not there, and it counts
-    /// for no segment of a path.
-    Null,
-}
-
-/// A material, evaluated at the wavelengths of the render.
+/// A material at the wavelengths of the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material<const N: usize> {
-    /// Which of the other fields count.
-    pub kind: MaterialKind,
-    /// Whether the back scatters like the front. If not, the back of an absorber, diffuse
-    /// surface or conductor absorbs. Without meaning for the kinds that transmit.
+    /// How it scatters.
+    pub model: SurfaceModel<[f32; N]>,
+    /// Whether the back scatters like the front; if not, the back absorbs. Without meaning where
+    /// the model transmits.
     pub two_sided: bool,
-    /// Diffuse: directional-hemispherical reflectance, within [0, 1].
-    pub reflectance: [f32; N],
-    /// Conductor: real part of the index of refraction (n - i k), relative to vacuum.
-    pub eta: [f32; N],
-    /// Conductor: extinction coefficient k >= 0 of the index of refraction n - i k.
-    pub k: [f32; N],
-    /// Dielectric: index of refraction of the inside relative to the outside, greater than 0.
-    pub ior: f32,
-    /// Polarizer: transmittance for unpolarized light, (t_max + t_min) / 2.
-    pub m00: f32,
-    /// Polarizer: diattenuation, (t_max - t_min) / (t_max + t_min).
-    pub a: f32,
-    /// Polarizer: 2 sqrt(t_max t_min) / (t_max + t_min). Retarder: cos(retardance).
-    pub c: f32,
-    /// Retarder: sin(retardance).
-    pub s: f32,
-    /// Cosine and sine of the angle by which the transmission axis (polarizer) or fast axis
-    /// (retarder) is turned from the surface's `axis_x`, counter-clockwise about the geometric
-    /// normal.
-    pub axis: [f32; 2],
 }
 
 impl<const N: usize> Material<N> {
-    /// A black, opaque material: the starting point for the others.
+    /// A black, opaque material.
     pub fn absorber() -> Self {
-        Self {
-            kind: MaterialKind::Absorber,
-            two_sided: true,
-            reflectance: [0.0; N],
-            eta: [1.0; N],
-            k: [0.0; N],
-            ior: 1.0,
-            m00: 1.0,
-            a: 0.0,
-            c: 1.0,
-            s: 0.0,
-            axis: [1.0, 0.0],
-        }
+        Self { model: SurfaceModel::Absorber, two_sided: true }
     }
 }
 

@@ -29,14 +29,6 @@ const FUNCTION_LINES_MAX: usize = 70;
 const FILE_LINES_MAX: usize = 600;
 /// Most parameters of a stage, where a tuple counts as its parts: with more, it is two stages.
 const STAGE_PARAMETERS_MAX: usize = 6;
-/// Stages that still have more: they take what all models of surfaces and media need.
-const STAGE_PARAMETERS: [(&str, usize); 5] = [
-    ("connect_to_emitters", 8),
-    ("connect_to_vertices", 9),
-    ("merge_photons", 9),
-    ("scatter_specular", 7),
-    ("store_light_vertices", 7),
-];
 /// Where the stages live.
 const STAGES: &str = "src/transport/stages/";
 /// What a stage may come from or go to besides stages: functions of lower floors, and places.

@@ -4,7 +4,7 @@
 //! A stage's documentation ends with two lines of clauses:
 //!
 //! ```text
-//! From: scatter_diffuse, scatter_specular. To: trace_closest.
+//! From: scatter_surfaces, scatter_light. To: trace_closest.
 //! Writes: paths (rays), hits. Reads: drawn, surfaces.
 //! ```
 //!
@@ -19,7 +19,7 @@ use super::functions::{Access, Function, Visibility, visibility_before};
 use super::rules::Broken;
 use super::sources::{Source, Tree, heads_of};
 use super::tokens::{Token, text_at};
-use super::{OUTSIDE, STAGE_PARAMETERS, STAGE_PARAMETERS_MAX, STAGES};
+use super::{OUTSIDE, STAGE_PARAMETERS_MAX, STAGES};
 
 /// What a stage's documentation says.
 #[derive(Default)]
@@ -138,9 +138,7 @@ fn check_peers(broken: &mut Broken, source: &Source, peers: &BTreeMap<&str, &str
 }
 
 fn check_parameters(broken: &mut Broken, function: &Function) {
-    let (name, count) = (&function.name, function.parameter_count());
-    let own = STAGE_PARAMETERS.iter().find(|(stage, _)| stage == name);
-    let most = own.map_or(STAGE_PARAMETERS_MAX, |(_, most)| *most);
+    let (name, count, most) = (&function.name, function.parameter_count(), STAGE_PARAMETERS_MAX);
     if count > most {
         let what = format!("`{name}` has {count} parameters, more than {most}");
         broken.push(function.first_line, what);

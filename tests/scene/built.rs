@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use sunstone::internals::scene::world::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Name, Order, Phase, Punctual, Sides, Skin, Transform,
+    Medium, Name, Order, Phase, Punctual, Sides, Skin, SurfaceModel, Transform,
 };
 use sunstone::internals::scene::{World, bake};
 use sunstone::internals::spectrum::{Color, Spectrum};
@@ -237,7 +237,7 @@ fn edits_of_a_file_are_refused_in_its_words() {
     has_all(&text, &["scene.gltf: material 0 \"glow\", reflectance: 2.5 must be within [0, 1]"]);
     insert(&mut world, "glow", Bsdf::diffuse(0.25));
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
-    assert_eq!(scene.optics.materials[0].reflectance, [0.25; 3]);
+    assert_eq!(scene.optics.materials[0].model, SurfaceModel::Diffuse { reflectance: [0.25; 3] });
     // A file can be added to.
     let glow = world.find("glow").unwrap();
     world.add_sphere("moon", 0.1, glow, DVec3::X * 3.0).unwrap();

@@ -8,8 +8,9 @@ use std::path::Path;
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
 use glam::Vec3;
 use serde_json::{Value, json};
-use sunstone::internals::scene::baked::{BakedScene, MaterialKind};
+use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::emitter::EmitterModel;
+use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, extension_keys, load};
 use sunstone::internals::spectrum::Color;
 
@@ -192,9 +193,10 @@ fn metallic_roughness() {
     let metal = with(json!({"pbrMetallicRoughness":
         {"baseColorFactor": [1.0, 0.5, 0.25, 1.0], "roughnessFactor": 0.0}}));
     let row = baked(&metal).optics.materials[0];
-    assert_eq!((row.kind, row.two_sided), (MaterialKind::Conductor, false));
+    let SurfaceModel::Conductor { eta, k } = row.model else { panic!("{row:?}") };
+    assert!(!row.two_sided);
     for (f0, channel) in [0.999f32, 0.5, 0.25].into_iter().zip(0..) {
-        let (eta, k) = (row.eta[channel], row.k[channel]);
+        let (eta, k) = (eta[channel], k[channel]);
         let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
         assert!((found - f0).abs() < 1e-5, "{found} {f0}");
     }
@@ -203,19 +205,19 @@ fn metallic_roughness() {
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
                        "KHR_materials_ior": {"ior": 1.33}}}));
     let row = baked(&glass).optics.materials[0];
-    assert_eq!((row.kind, row.ior), (MaterialKind::Dielectric, 1.33));
+    assert_eq!(row.model, SurfaceModel::Dielectric { ior: 1.33, exterior_ior: 1.0 });
     let matte = with(json!({"doubleSided": true, "pbrMetallicRoughness":
         {"metallicFactor": 0.0, "baseColorFactor": [0.1, 0.2, 0.3, 1.0]}}));
     let row = baked(&matte).optics.materials[0];
-    assert_eq!((row.kind, row.two_sided), (MaterialKind::Diffuse, true));
-    assert_eq!(row.reflectance, [0.1, 0.2, 0.3]);
+    let diffuse = |reflectance| SurfaceModel::Diffuse { reflectance };
+    assert_eq!((row.model, row.two_sided), (diffuse([0.1, 0.2, 0.3]), true));
     assert_eq!(warnings(&matte), "");
     let coated = with(json!({"pbrMetallicRoughness":
         {"metallicFactor": 0.0, "roughnessFactor": 0.5}}));
     assert!(warnings(&coated).contains("without glTF's coat"));
     let mut none = good();
     none["meshes"][0]["primitives"][0]["material"] = Value::Null;
-    assert_eq!(baked(&none).optics.materials[0].reflectance, [0.8; 3]);
+    assert_eq!(baked(&none).optics.materials[0].model, diffuse([0.8; 3]));
     assert!(warnings(&none).contains("has no material"));
 }
 

@@ -8,7 +8,8 @@ use crate::common::{data_uri, good, load_json};
 use serde_json::{Value, json};
 use sunstone::internals::polarization::mie::MieSphere;
 use sunstone::internals::scene::bake;
-use sunstone::internals::scene::baked::{BakedScene, KEEP, MaterialKind, NONE, Phase, PhaseTable};
+use sunstone::internals::scene::baked::{BakedScene, KEEP, NONE, Phase, PhaseTable};
+use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::spectrum::Color;
 
 /// The good document with two media; the sphere of glass is number 2 of its nodes.
@@ -117,7 +118,7 @@ fn null_surfaces_bound_media() {
     sphere_of(&mut document, json!({"bsdf": "null"}));
     side(&mut document, "interior", json!(0));
     assert_eq!(sides(&document), (0, NONE));
-    assert_eq!(baked(&document).optics.materials.last().unwrap().kind, MaterialKind::Null);
+    assert_eq!(baked(&document).optics.materials.last().unwrap().model, SurfaceModel::Null);
     document["extras"]["sunstone"]["medium"] = json!(1);
     assert_eq!(sides(&document), (0, 1));
     let node = &mut document["nodes"][2]["extensions"]["SUNSTONE_polarization"];
@@ -139,7 +140,7 @@ fn boundaries_between_dielectrics() {
     let mut document = good();
     sphere_of(&mut document, json!({"bsdf": "dielectric", "ior": 1.33, "exterior_ior": 1.5}));
     let row = *baked(&document).optics.materials.last().unwrap();
-    assert!((row.ior - 1.33 / 1.5).abs() < 1e-6);
+    assert_eq!(row.model, SurfaceModel::Dielectric { ior: 1.33, exterior_ior: 1.5 });
     assert!(load_json(&document).unwrap().describe().contains("1.5 before it"));
 }
 

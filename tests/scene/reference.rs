@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use sunstone::internals::scene::baked::{
-    BakedScene, KEEP, MaterialKind, NONE, Phase, Projection, Surface,
-};
+use sunstone::internals::scene::baked::{BakedScene, KEEP, NONE, Phase, Projection, Surface};
 use sunstone::internals::scene::emitter::{self, Emitter, EmitterModel};
+use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Color;
 
@@ -59,14 +58,13 @@ fn cornell() {
     assert_near(scene.shapes.spheres[0].center, Vec3::new(0.45, -0.6, 0.35));
     assert!((scene.shapes.spheres[0].radius - 0.38).abs() < 1e-6);
     assert_near(scene.shapes.spheres[1].center, Vec3::new(-0.42, -0.55, -0.25));
-    let kinds: Vec<MaterialKind> = scene.optics.materials.iter().map(|m| m.kind).collect();
-    use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse};
-    assert_eq!(kinds, [Diffuse, Diffuse, Diffuse, Absorber, Dielectric, Conductor]);
-    assert_eq!(scene.optics.materials[0].reflectance, [0.73]);
-    assert_eq!(scene.optics.materials[1].reflectance, [0.60]);
-    assert_eq!(scene.optics.materials[2].reflectance, [0.30]);
-    assert_eq!((scene.optics.materials[5].eta, scene.optics.materials[5].k), ([0.9586], [6.687]));
-    assert_eq!(scene.optics.materials[4].ior, 1.5);
+    let models: Vec<SurfaceModel<[f32; 1]>> =
+        scene.optics.materials.iter().map(|material| material.model).collect();
+    let diffuse = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
+    let glass = SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+    let metal = SurfaceModel::Conductor { eta: [0.9586], k: [6.687] };
+    let walls = [0.73, 0.60, 0.30].map(diffuse);
+    assert_eq!(models, [&walls[..], &[SurfaceModel::Absorber, glass, metal]].concat());
 
     assert_eq!(scene.optics.emitters.len(), 2);
     let total: f32 = scene.optics.emitters.iter().map(|row| row.probability).sum();
@@ -114,7 +112,7 @@ fn mirror() {
     let angle = (-140f32).to_radians();
     assert_near(plane, Vec3::new(angle.sin(), 0.0, angle.cos()));
     let material = &scene.optics.materials[scene.shapes.surfaces[of(28)].material as usize];
-    assert_eq!((material.kind, material.two_sided), (MaterialKind::Conductor, false));
+    assert!(matches!(material.model, SurfaceModel::Conductor { .. }) && !material.two_sided);
     // Cube 1: centered, outward normals.
     let center = Vec3::new(-2.5, -1.2, 7.5);
     for triangle in 4..16 {
@@ -161,21 +159,19 @@ fn polarizers() {
     let surface = |triangle: usize| {
         scene.shapes.surfaces[scene.shapes.surface_of_primitive[triangle] as usize]
     };
-    let material = |triangle: usize| scene.optics.materials[surface(triangle).material as usize];
-    let ideal = material(2);
-    assert_eq!(ideal.kind, MaterialKind::Polarizer);
-    assert_eq!((ideal.m00, ideal.a, ideal.c, ideal.axis), (0.5, 1.0, 0.0, [1.0, 0.0]));
+    let model = |triangle: usize| scene.optics.materials[surface(triangle).material as usize].model;
+    let polarizer = |axis_deg| {
+        let extinction_ratio = f64::INFINITY;
+        SurfaceModel::Polarizer { axis_deg, extinction_ratio }
+    };
+    assert_eq!(model(2), polarizer(0.0));
     // Mitsuba's 30 degrees are clockwise.
-    let turned = material(4).axis;
-    assert!((turned[0] - 0.866_025_4).abs() < 1e-6 && (turned[1] + 0.5).abs() < 1e-6);
+    assert_eq!(model(4), polarizer(-30.0));
     // The third is turned with its node.
-    assert_eq!(material(6).axis, [1.0, 0.0]);
+    assert_eq!(model(6), polarizer(0.0));
     assert_near(surface(6).axis_x, Vec3::new(0.866_025_4, 0.5, 0.0));
     assert_near(surface(6).axis_y, Vec3::new(-0.5, 0.866_025_4, 0.0));
-    let quarter = material(20);
-    assert_eq!(quarter.kind, MaterialKind::Retarder);
-    assert_eq!((quarter.c, quarter.s), (0.0, 1.0));
-    assert!((quarter.axis[0] - quarter.axis[1]).abs() < 1e-7);
+    assert_eq!(model(20), SurfaceModel::Retarder { axis_deg: 45.0, retardance_deg: 90.0 });
     // A stack is ordered towards the camera.
     assert!((scene.shapes.triangles[16].corners[0].z - 0.6).abs() < 1e-6);
 }
@@ -192,7 +188,7 @@ fn rayleigh() {
     for triangle in 0..12 {
         let surface = surface(&scene, triangle);
         assert_eq!((surface.interior, surface.exterior), (0, NONE));
-        assert_eq!(scene.optics.materials[surface.material as usize].kind, MaterialKind::Null);
+        assert_eq!(scene.optics.materials[surface.material as usize].model, SurfaceModel::Null);
         for corner in scene.shapes.triangles[triangle].corners {
             assert_near(corner.abs(), Vec3::splat(0.5));
             assert!(normal(&scene, triangle).dot(corner) > 0.49);
@@ -216,7 +212,8 @@ fn tank_of_the_reference() {
     assert!(scene.shapes.shading_normals.is_empty(), "the bunny has facets");
     let glass = surface(&scene, 0);
     assert_eq!((glass.interior, glass.exterior), (0, NONE));
-    assert_eq!(scene.optics.materials[glass.material as usize].ior, 1.5);
+    let model = scene.optics.materials[glass.material as usize].model;
+    assert_eq!(model, SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 });
     for corner in scene.shapes.triangles[..12].iter().flat_map(|triangle| triangle.corners) {
         assert_near(corner.abs(), Vec3::new(1.2, 0.9, 0.8));
     }
@@ -226,7 +223,8 @@ fn tank_of_the_reference() {
     for (triangle, reflectance, two_sided) in [(12, 0.7, true), (14, 0.7, true), (16, 0.5, false)] {
         let surface = surface(&scene, triangle);
         let row = scene.optics.materials[surface.material as usize];
-        assert_eq!((row.reflectance, row.two_sided), ([reflectance], two_sided));
+        let model = SurfaceModel::Diffuse { reflectance: [reflectance] };
+        assert_eq!((row.model, row.two_sided), (model, two_sided));
         assert_eq!((surface.interior, surface.exterior), (KEEP, KEEP));
     }
     let bunny = scene.shapes.triangles[16..16 + 3674].iter().flat_map(|triangle| triangle.corners);
@@ -264,14 +262,18 @@ fn tank_to_look_at() {
     let world = load(&scene("tank.gltf")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(world.warnings(), [] as [String; 0]);
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
-    let ior = |surface: &Surface| scene.optics.materials[surface.material as usize].ior;
-    let kind = |surface: &Surface| scene.optics.materials[surface.material as usize].kind;
+    let model = |surface: &Surface| scene.optics.materials[surface.material as usize].model;
+    // 1 where it is no dielectric.
+    let ior = |surface: &Surface| match model(surface) {
+        SurfaceModel::Dielectric { ior, exterior_ior } => ior / exterior_ior,
+        _ => 1.0,
+    };
     let milk = |surface: &Surface| surface.interior == 0;
     // Milk and glass are closed, the glass where the milk bounds it too.
     let (x, z, wall) = (0.320, 0.220, 0.016);
     let of_milk = (x - wall) * (z - wall) * (0.175 - 0.008);
     assert!((volume(&scene, milk) / of_milk - 1.0).abs() < 1e-5);
-    let glass = |surface: &Surface| kind(surface) == MaterialKind::Dielectric && !milk(surface);
+    let glass = |surface: &Surface| ior(surface) != 1.0 && !milk(surface);
     let of_glass = x * z * 0.210 - (x - wall) * (z - wall) * (0.210 - 0.008);
     let wet = |surface: &Surface| milk(surface) && ior(surface) < 1.0;
     let found = volume(&scene, glass) - volume(&scene, wet);
@@ -282,7 +284,7 @@ fn tank_to_look_at() {
     let depth = (scene.optics.media[0].sigma_a[1] + scene.optics.media[0].sigma_s[1]) * 0.204;
     assert!((2.0..3.0).contains(&depth), "{depth} mean free paths");
     let inside = scene.shapes.triangles.iter().enumerate().filter(|(row, _)| {
-        kind(&surface(&scene, *row)) == MaterialKind::Diffuse
+        matches!(model(&surface(&scene, *row)), SurfaceModel::Diffuse { .. })
             && *row < scene.shapes.triangles.len() - 4
     });
     for corner in inside.flat_map(|(_, triangle)| triangle.corners) {

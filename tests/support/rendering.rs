@@ -12,7 +12,7 @@ use sunstone::internals::math::{F32s, LANES, Vector};
 use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::is_delta;
-use sunstone::internals::scene::baked::{MaterialKind, NONE, Surface};
+use sunstone::internals::scene::baked::{NONE, Surface};
 use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
 use sunstone::internals::spectrum::Color;
@@ -139,8 +139,7 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
 
 /// Whether connections to a surface have nothing to find.
 fn is_specular<const N: usize>(scene: &Scene<N>, surface: &Surface) -> bool {
-    let kind = scene.optics.materials[surface.material as usize].kind;
-    !matches!(kind, MaterialKind::Absorber | MaterialKind::Diffuse | MaterialKind::Null)
+    scene.surfaces.materials()[surface.material as usize].kind.is_specular()
 }
 
 /// The pixels that connections of light paths to the sensor can fill: those, with their
@@ -195,8 +194,7 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
 fn first_in_the_way<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
     loop {
         let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-        let passes =
-            hit.primitive != NONE && scene.material_at(hit.primitive).kind == MaterialKind::Null;
+        let passes = hit.primitive != NONE && scene.material_at(hit.primitive).kind.is_crossed();
         if !passes {
             return hit.primitive;
         }

@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use crate::math::{F32s, LANES, lanes};
 use crate::polarization::kernel::SpheroidBlock;
+use crate::scattering::event::{Depolarizer, Elements, Form};
 
 use super::Scatters;
 
@@ -16,6 +17,10 @@ pub struct HenyeyGreenstein<const N: usize> {
 
 impl<const N: usize> Scatters<N> for HenyeyGreenstein<N> {
     const POLARIZES: bool = false;
+
+    fn kernel(&self) -> (Form, bool) {
+        (Form::Depolarizer, true)
+    }
 
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {
@@ -40,8 +45,7 @@ impl<const N: usize> Scatters<N> for HenyeyGreenstein<N> {
 
     #[inline(always)]
     fn kernels(&self, _: F32s) -> [SpheroidBlock<F32s>; N] {
-        let zero = F32s::splat(0.0);
-        [SpheroidBlock { a: zero, b: zero, c: zero, d: zero, s: zero }; N]
+        [Depolarizer.spheroid(); N]
     }
 
     #[inline(always)]

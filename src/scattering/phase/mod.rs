@@ -9,6 +9,7 @@ mod table;
 
 use crate::math::{F32s, LANES, Real, Vector, warp};
 use crate::polarization::kernel::SpheroidBlock;
+use crate::scattering::event::Form;
 use crate::scene::baked;
 
 pub use self::henyey_greenstein::HenyeyGreenstein;
@@ -18,6 +19,9 @@ pub use self::table::PhaseLookup;
 pub trait Scatters<const N: usize> {
     /// Whether what leaves can be polarized.
     const POLARIZES: bool;
+
+    /// Which elements its phase matrix has, and whether these are the same at all wavelengths.
+    fn kernel(&self) -> (Form, bool);
 
     /// The phase function at every wavelength, in 1/sr: also the density of [`Self::sample`].
     fn values(&self, half_sine2: F32s) -> [F32s; N];
@@ -32,69 +36,49 @@ pub trait Scatters<const N: usize> {
     fn values_and_kernels(&self, half_sine2: F32s) -> ([F32s; N], [SpheroidBlock<F32s>; N]);
 }
 
-/// Makes the enum of all phase functions from their list, and the functions of [`Scatters`] for
-/// whichever a medium has.
+/// The list: for every phase function its name, its type and its documentation.
 macro_rules! phase_functions {
-    ($($(#[$doc:meta])* $Name:ident($Model:ident),)*) => {
-        /// A phase function, ready for look-ups.
-        #[derive(Clone, Debug)]
-        pub enum PhaseFunction<const N: usize> {
-            $($(#[$doc])* $Name($Model<N>),)*
-        }
-
-        impl<const N: usize> PhaseFunction<N> {
-            /// [`Scatters::POLARIZES`].
-            #[inline(always)]
-            pub fn polarizes(&self) -> bool {
-                match self {
-                    $(Self::$Name(_) => <$Model<N> as Scatters<N>>::POLARIZES,)*
-                }
-            }
-
-            /// [`Scatters::values`].
-            #[inline(always)]
-            pub fn values(&self, half_sine2: F32s) -> [F32s; N] {
-                match self {
-                    $(Self::$Name(model) => model.values(half_sine2),)*
-                }
-            }
-
-            /// [`Scatters::sample`].
-            #[inline(always)]
-            pub fn sample(&self, wavelength: [u32; LANES], u: F32s) -> F32s {
-                match self {
-                    $(Self::$Name(model) => model.sample(wavelength, u),)*
-                }
-            }
-
-            /// [`Scatters::kernels`].
-            #[inline(always)]
-            pub fn kernels(&self, half_sine2: F32s) -> [SpheroidBlock<F32s>; N] {
-                match self {
-                    $(Self::$Name(model) => model.kernels(half_sine2),)*
-                }
-            }
-
-            /// [`Scatters::values_and_kernels`].
-            #[inline(always)]
-            pub fn values_and_kernels(
-                &self,
-                half_sine2: F32s,
-            ) -> ([F32s; N], [SpheroidBlock<F32s>; N]) {
-                match self {
-                    $(Self::$Name(model) => model.values_and_kernels(half_sine2),)*
-                }
-            }
+    ([$($then:tt)*] $arguments:tt) => {
+        $($then)*! {
+            $arguments
+            /// Henyey and Greenstein, a depolarizer.
+            HenyeyGreenstein: HenyeyGreenstein<N>,
+            /// Tabulated, polarizing.
+            Table: PhaseLookup<N>,
         }
     };
 }
 
-phase_functions! {
-    /// Henyey and Greenstein, a depolarizer.
-    HenyeyGreenstein(HenyeyGreenstein),
-    /// Tabulated, polarizing.
-    Table(PhaseLookup),
+macro_rules! declare {
+    (() $($(#[$doc:meta])* $name:ident: $model:ty,)*) => {
+        /// A phase function, ready for look-ups.
+        #[derive(Clone, Debug)]
+        pub enum PhaseFunction<const N: usize> {
+            $($(#[$doc])* $name($model),)*
+        }
+    };
 }
+
+phase_functions!([declare]());
+
+/// Compiles code for every phase function, and runs that of the one at hand.
+macro_rules! for_phase {
+    ($phase:expr, $model:ident => $body:expr) => {
+        $crate::scattering::phase::phase_functions!([$crate::scattering::phase::dispatch_phase](
+            $phase, $model, $body
+        ))
+    };
+}
+
+macro_rules! dispatch_phase {
+    (($phase:expr, $at:ident, $body:expr) $($(#[$doc:meta])* $name:ident: $model:ty,)*) => {
+        match $phase {
+            $($crate::scattering::phase::PhaseFunction::$name($at) => $body,)*
+        }
+    };
+}
+
+pub(crate) use {dispatch_phase, for_phase, phase_functions};
 
 impl<const N: usize> From<&baked::Phase<N>> for PhaseFunction<N> {
     fn from(phase: &baked::Phase<N>) -> Self {
@@ -133,12 +117,8 @@ mod tests {
     use crate::polarization::rayleigh::rayleigh_depolarized;
     use crate::scene::baked::PhaseTable;
 
-    fn henyey_greenstein(g: f32) -> PhaseFunction<1> {
-        PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [g] })
-    }
-
     /// The table of depolarized dipoles, made here so that nothing else is needed.
-    fn dipoles() -> PhaseFunction<1> {
+    fn dipoles() -> PhaseLookup<1> {
         const INTERVALS: usize = 1024;
         let angle = |i: usize| std::f64::consts::PI * i as f64 / INTERVALS as f64;
         let at = |i: usize| rayleigh_depolarized(angle(i).cos(), 0.03);
@@ -152,7 +132,7 @@ mod tests {
         }
         let total = cdf[INTERVALS];
         let single = |value: f64| [value as f32];
-        PhaseFunction::Table(PhaseLookup::new(&PhaseTable {
+        PhaseLookup::new(&PhaseTable {
             half_sine2: half_sine2.iter().map(|&x| x as f32).collect(),
             m00: (0..=INTERVALS).map(|i| single(at(i).0 / total)).collect(),
             cdf: cdf.iter().map(|&x| single(x / total)).collect(),
@@ -164,7 +144,7 @@ mod tests {
                 .collect(),
             spheres: false,
             achromatic: true,
-        }))
+        })
     }
 
     #[test]
@@ -189,30 +169,33 @@ mod tests {
         }
     }
 
-    /// The share of samples below an angle is the integral up to it: 2^16 equal steps of the
-    /// random number leave no noise.
     #[test]
     fn samples_follow_the_values() {
-        for phase in
-            [dipoles(), henyey_greenstein(0.8), henyey_greenstein(-0.3), henyey_greenstein(0.0)]
-        {
-            const COUNT: usize = 1 << 16;
-            let mut samples = Vec::new();
-            for first in (0..COUNT).step_by(LANES) {
-                let u = lanes::each(|lane| ((first + lane) as f32 + 0.5) / COUNT as f32);
-                samples.extend(phase.sample([0; LANES], F32s::from(u)).to_array());
-            }
-            let mut integral = 0.0;
-            for step in 0..2048 {
-                let middle = F32s::splat((step as f32 + 0.5) / 2048.0);
-                let value = f64::from(phase.values(middle)[0].to_array()[0]);
-                integral += value * 4.0 * std::f64::consts::PI / 2048.0;
-                let edge = (step as f32 + 1.0) / 2048.0;
-                let below = samples.iter().filter(|&&v| v < edge).count() as f64 / COUNT as f64;
-                assert!((below - integral).abs() < 2e-3, "{phase:?} {edge}: {below}, {integral}");
-            }
-            assert!((integral - 1.0).abs() < 2e-3, "{integral}");
+        check_samples(&dipoles());
+        for g in [0.8, -0.3, 0.0] {
+            check_samples(&HenyeyGreenstein { g: [g] });
         }
+    }
+
+    /// The share of samples below an angle is the integral up to it: 2^16 equal steps of the
+    /// random number leave no noise.
+    fn check_samples(phase: &impl Scatters<1>) {
+        const COUNT: usize = 1 << 16;
+        let mut samples = Vec::new();
+        for first in (0..COUNT).step_by(LANES) {
+            let u = lanes::each(|lane| ((first + lane) as f32 + 0.5) / COUNT as f32);
+            samples.extend(phase.sample([0; LANES], F32s::from(u)).to_array());
+        }
+        let mut integral = 0.0;
+        for step in 0..2048 {
+            let middle = F32s::splat((step as f32 + 0.5) / 2048.0);
+            let value = f64::from(phase.values(middle)[0].to_array()[0]);
+            integral += value * 4.0 * std::f64::consts::PI / 2048.0;
+            let edge = (step as f32 + 1.0) / 2048.0;
+            let below = samples.iter().filter(|&&v| v < edge).count() as f64 / COUNT as f64;
+            assert!((below - integral).abs() < 2e-3, "{edge}: {below}, {integral}");
+        }
+        assert!((integral - 1.0).abs() < 2e-3, "{integral}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::math::{F32s, LANES, lanes, warp};
 use crate::polarization::kernel::SpheroidBlock;
+use crate::scattering::event::Form;
 use crate::scene::baked::PhaseTable;
 
 use super::Scatters;
@@ -90,6 +91,10 @@ impl Fields {
 
 impl<const N: usize> Scatters<N> for PhaseLookup<N> {
     const POLARIZES: bool = true;
+
+    fn kernel(&self) -> (Form, bool) {
+        (if self.spheres { Form::Block } else { Form::Spheroid }, self.achromatic)
+    }
 
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {

@@ -4,7 +4,7 @@ use super::emitters::Emitters;
 use super::{Rows, optics};
 use crate::scene::baked::{KEEP, Medium, NONE};
 use crate::scene::error::SceneError;
-use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, World};
+use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, Passage, World};
 use crate::spectrum::Color;
 
 /// All media, in the file's order.
@@ -22,14 +22,11 @@ impl Rows {
         };
         let (interior, exterior) = (boundary.interior.map(row), boundary.exterior.map(row));
         let bounds_nothing = interior.is_none() && exterior.is_none();
-        match bsdf {
-            Bsdf::Absorber | Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => (KEEP, KEEP),
-            Bsdf::Polarizer { .. } | Bsdf::Retarder { .. } if bounds_nothing => (KEEP, KEEP),
-            // Glass displaces what is around it.
-            Bsdf::Dielectric { .. } => {
-                (interior.unwrap_or(NONE), exterior.unwrap_or(self.scene_medium))
-            }
-            Bsdf::Polarizer { .. } | Bsdf::Retarder { .. } | Bsdf::Null => {
+        match bsdf.passage() {
+            Passage::Closed => (KEEP, KEEP),
+            Passage::Sheet if bounds_nothing => (KEEP, KEEP),
+            Passage::Body => (interior.unwrap_or(NONE), exterior.unwrap_or(self.scene_medium)),
+            Passage::Sheet | Passage::Boundary => {
                 (interior.unwrap_or(self.scene_medium), exterior.unwrap_or(self.scene_medium))
             }
         }

@@ -17,15 +17,11 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{
-    BakedScene, Bounds, Camera, Material, MaterialKind, NONE, Optics, Projection, Shapes,
-};
+use super::baked::{BakedScene, Bounds, Camera, Material, NONE, Optics, Projection, Shapes};
 use super::error::SceneError;
 use super::world::{
     Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World,
 };
-use crate::polarization::Block;
-use crate::polarization::elements::{exact_sin_cos_deg, polarizer_block, retarder_block};
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
 /// Shapes and optics in one.
@@ -141,7 +137,9 @@ fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>
     let rows = world.in_order::<Components, _>(|(name, bsdf, sides, emission)| {
         let black = Spectrum::Constant(0.0);
         let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
-        let row = material(bsdf, *sides, color).and_then(|row| Ok((row, radiance?)));
+        let model = bsdf.sampled(|spectrum| spectrum.sample(color));
+        let row =
+            model.and_then(|model| Ok((Material { model, two_sided: sides.two_sided }, radiance?)));
         row.map_err(|error| outside_table(&name.0, error))
     });
     for row in rows {
@@ -155,53 +153,6 @@ fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {
     let remedy = "render within the table, or extend it";
     SceneError::new(place, format!("a spectrum does not cover the render: {error}"), remedy)
-}
-
-fn material<const N: usize>(
-    bsdf: &Bsdf,
-    sides: Sides,
-    color: Color,
-) -> Result<Material<N>, OutsideTable> {
-    let blank = Material { two_sided: sides.two_sided, ..Material::absorber() };
-    Ok(match bsdf {
-        Bsdf::Absorber => Material { kind: MaterialKind::Absorber, ..blank },
-        Bsdf::Diffuse { reflectance } => Material {
-            kind: MaterialKind::Diffuse,
-            reflectance: reflectance.sample(color)?,
-            ..blank
-        },
-        Bsdf::Conductor { eta, k } => Material {
-            kind: MaterialKind::Conductor,
-            eta: eta.sample(color)?,
-            k: k.sample(color)?,
-            ..blank
-        },
-        Bsdf::Dielectric { ior, exterior_ior } => {
-            Material { kind: MaterialKind::Dielectric, ior: ior / exterior_ior, ..blank }
-        }
-        Bsdf::Null => Material { kind: MaterialKind::Null, ..blank },
-        Bsdf::Polarizer { axis_deg, extinction_ratio } => {
-            // The greatest transmittance is 1, the least the reciprocal of the ratio.
-            let (m00, block) = polarizer_block(1.0, extinction_ratio.recip());
-            let kind = MaterialKind::Polarizer;
-            element(Material { kind, m00: m00 as f32, ..blank }, block, *axis_deg)
-        }
-        Bsdf::Retarder { axis_deg, retardance_deg } => {
-            let kind = MaterialKind::Retarder;
-            element(Material { kind, ..blank }, retarder_block(*retardance_deg), *axis_deg)
-        }
-    })
-}
-
-/// `material` with the kernel of an optical element whose axis is turned by `axis_deg`.
-fn element<const N: usize>(
-    material: Material<N>,
-    Block { a, c, s }: Block<f64>,
-    axis_deg: f64,
-) -> Material<N> {
-    let (sin, cos) = exact_sin_cos_deg(axis_deg);
-    let axis = [cos as f32, sin as f32];
-    Material { a: a as f32, c: c as f32, s: s as f32, axis, ..material }
 }
 
 /// Greatest coordinate that tables may hold: squares of areas must still fit into an `f32`.

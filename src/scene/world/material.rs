@@ -5,21 +5,25 @@ use crate::scene::error::SceneError;
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// How a material scatters light.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Bsdf {
+pub type Bsdf = SurfaceModel<Spectrum>;
+
+/// A model of how surfaces scatter, with its parameters. Those that depend on the wavelength are
+/// an `S`: a spectrum in the world, values at the wavelengths of the render in what is baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceModel<S> {
     /// Absorbs everything.
     Absorber,
     /// Lambertian.
     Diffuse {
         /// Directional-hemispherical reflectance, within [0, 1].
-        reflectance: Spectrum,
+        reflectance: S,
     },
     /// Smooth metal of index n - i k.
     Conductor {
         /// Real part n > 0 of the index of refraction.
-        eta: Spectrum,
+        eta: S,
         /// Extinction coefficient k >= 0.
-        k: Spectrum,
+        k: S,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -88,17 +92,6 @@ impl Bsdf {
         }
     }
 
-    /// Whether light passes through to the other side.
-    pub fn transmits(&self) -> bool {
-        match self {
-            Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => false,
-            Self::Dielectric { .. }
-            | Self::Polarizer { .. }
-            | Self::Retarder { .. }
-            | Self::Null => true,
-        }
-    }
-
     /// Refuses what no surface does.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         match self {
@@ -125,6 +118,62 @@ impl Bsdf {
                 Range::ANY.check("retardance_deg", *retardance_deg)
             }
         }
+    }
+}
+
+/// Where light that goes through a surface gets to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passage {
+    /// Nowhere: nothing passes.
+    Closed,
+    /// Behind a sheet, which bounds media only where the scene states some.
+    Sheet,
+    /// Into a body that displaces what is around it: clear space, unless the scene states more.
+    Body,
+    /// Behind a mere boundary: whatever fills the scene, unless the scene states more.
+    Boundary,
+}
+
+impl<S> SurfaceModel<S> {
+    /// The model with `sample` of its spectra.
+    ///
+    /// # Errors
+    /// Those of `sample`.
+    pub fn sampled<T, E>(&self, sample: impl Fn(&S) -> Result<T, E>) -> Result<SurfaceModel<T>, E> {
+        Ok(match self {
+            Self::Absorber => SurfaceModel::Absorber,
+            Self::Diffuse { reflectance } => {
+                SurfaceModel::Diffuse { reflectance: sample(reflectance)? }
+            }
+            Self::Conductor { eta, k } => {
+                SurfaceModel::Conductor { eta: sample(eta)?, k: sample(k)? }
+            }
+            &Self::Dielectric { ior, exterior_ior } => {
+                SurfaceModel::Dielectric { ior, exterior_ior }
+            }
+            &Self::Polarizer { axis_deg, extinction_ratio } => {
+                SurfaceModel::Polarizer { axis_deg, extinction_ratio }
+            }
+            &Self::Retarder { axis_deg, retardance_deg } => {
+                SurfaceModel::Retarder { axis_deg, retardance_deg }
+            }
+            Self::Null => SurfaceModel::Null,
+        })
+    }
+
+    /// Where light that goes through gets to.
+    pub fn passage(&self) -> Passage {
+        match self {
+            Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => Passage::Closed,
+            Self::Dielectric { .. } => Passage::Body,
+            Self::Polarizer { .. } | Self::Retarder { .. } => Passage::Sheet,
+            Self::Null => Passage::Boundary,
+        }
+    }
+
+    /// Whether light passes through to the other side.
+    pub fn transmits(&self) -> bool {
+        self.passage() != Passage::Closed
     }
 }
 
@@ -192,7 +241,7 @@ pub(super) fn check_material(bsdf: &Bsdf, emission: Option<&Emission>) -> Result
     bsdf.check()?;
     let Some(emission) = emission else { return Ok(()) };
     emission.check()?;
-    if *bsdf == Bsdf::Null {
+    if bsdf.passage() == Passage::Boundary {
         let problem = "a null surface is not there, so it cannot emit";
         return Err(Fault::new("", problem, "remove its emission, or use an absorber"));
     }

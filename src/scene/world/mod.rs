@@ -38,7 +38,7 @@ use hecs::Entity;
 
 pub use self::camera::{Lens, Resolution};
 pub use self::light::{Environment, Punctual, PunctualKind};
-pub use self::material::{Bsdf, Emission, Material, Sides};
+pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};

@@ -2,7 +2,7 @@
 
 use hecs::Entity;
 
-use super::material::Bsdf;
+use super::material::{Bsdf, Passage};
 use super::transform::Transform;
 use crate::math::{Fault, Range};
 
@@ -61,7 +61,7 @@ impl Boundary {
             let remedy = "remove it, or use a material that transmits: dielectric or null";
             return Err(Fault::new(field, problem, remedy));
         }
-        if stated.is_none() && *bsdf == Bsdf::Null {
+        if stated.is_none() && bsdf.passage() == Passage::Boundary {
             let problem = "a null surface without media is not there at all";
             return Err(Fault::new("", problem, "add `interior`, the medium that is inside"));
         }

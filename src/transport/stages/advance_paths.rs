@@ -7,16 +7,16 @@ use crate::transport::tables::paths::PathTable;
 
 /// Starts the next segment of every row off its surface. `reach` bounds the scene's coordinates.
 ///
-/// From: scatter_diffuse, collect_sensor, scatter_light. To: trace_closest.
-/// Writes: paths (rays). Reads: drawn, surfaces.
+/// From: scatter_surfaces, collect_sensor, scatter_light. To: trace_closest.
+/// Writes: paths (rays). Reads: directions, surfaces.
 pub fn advance_paths<const N: usize, C>(
     paths: &mut PathTable<N, C>,
-    drawn: &[Column; 3],
+    directions: &[Column; 3],
     surfaces: &SurfaceColumns,
     reach: f32,
 ) {
     for row in (0..paths.len).step_by(LANES) {
-        let direction = Vector::load(drawn, row);
+        let direction = Vector::load(directions, row);
         let position = Vector::load(&surfaces.position, row);
         let normal = Vector::load(&surfaces.geometric_normal, row);
         let origin = offset_origin(position, normal, direction, F32s::splat(reach));

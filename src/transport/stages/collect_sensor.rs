@@ -16,7 +16,7 @@ use crate::transport::tables::partition::{Part, Partition};
 /// Extends the rows that meet polarizing events. `direction` is that of the sensor's ray before
 /// the event, against the light; `film_up` fixes the film's frame.
 ///
-/// From: scatter_specular, scatter_medium. To: advance_paths.
+/// From: scatter_surfaces, scatter_medium. To: advance_paths.
 /// Writes: carriers. Reads: kernels, direction, film_up, partition.
 pub fn collect_sensor<const N: usize, C: SensorSide<N>>(
     carriers: &mut C,

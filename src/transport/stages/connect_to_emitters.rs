@@ -1,39 +1,44 @@
-//! Next-event estimation: connects diffuse and medium vertices of sensor paths to emitters.
-
-use std::ops::Range;
+//! Next-event estimation: connects vertices of sensor paths to emitters.
 
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::Scene;
 use crate::scattering::emitter::direct::DirectLanes;
-use crate::scattering::event::Event;
-use crate::scattering::vertex::Turn;
+use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scene::baked::NONE;
-use crate::transport::Strategy;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
-use crate::transport::vertex::vertex_lanes;
+use crate::transport::{Arrived, Strategy};
 
-/// Connects the rows `rows`, which have met `event`, to one emitter each.
+/// Connects rows that have arrived to one emitter each.
 ///
 /// From: depolarize_sensor. To: trace_connections.
-/// Writes: connections. Reads: paths, surfaces, scene.
+/// Writes: connections. Reads: arrived (paths, surfaces), scene.
 pub fn connect_to_emitters<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
-    paths: &PathTable<N, C>,
-    surfaces: &SurfaceColumns,
+    arrived: &Arrived<N, C>,
     scene: &Scene<N>,
-    (event, rows): (Event, Range<usize>),
-    path_length: u32,
     strategy: Strategy,
 ) {
     connections.clear();
+    for_scatterer!(scene, arrived.event.met, all => {
+        connect(connections, arrived, (scene, all), strategy);
+    });
+}
+
+fn connect<const N: usize, C, S: Scatterer<N>>(
+    connections: &mut ConnectionTable<N>,
+    arrived: &Arrived<N, C>,
+    (scene, all): (&Scene<N>, S),
+    strategy: Strategy,
+) {
+    let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let chosen = choose(paths, surfaces, scene, row, path_length);
-        let vertices = vertex_lanes(event.met, surfaces, scene, row, live);
+        let vertices = all.at(surfaces, Consecutive(row, live));
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
         let weight = match strategy {

@@ -13,7 +13,7 @@ use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::VertexTable;
-use crate::transport::vertex::{departing_states, light_turn};
+use crate::transport::vertex::{departing_states, turn_of_light};
 use crate::transport::{Chunk, LightModel, Strategy};
 
 /// Connects all vertices, each to the pixel that sees it. `light_paths` is the number of light
@@ -32,23 +32,21 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
     connections.clear();
     for row in (0..vertices.len).step_by(LANES) {
         let live = LANES.min(vertices.len - row);
-        let found: [Option<SensorConnection>; LANES] = std::array::from_fn(|lane| {
-            if lane >= live {
-                return None;
-            }
-            let lens = lens_of(vertices, chunk, scene, row + lane);
-            scene.sensor.connect(lanes::row_of(&vertices.position, row + lane).into(), lens)
-        });
+        let mut found: [Option<SensorConnection>; LANES] = [None; LANES];
+        for (row, found) in (row..row + live).zip(&mut found) {
+            let lens = lens_of(vertices, chunk, scene, row);
+            *found = scene.sensor.connect(lanes::row_of(&vertices.position, row).into(), lens);
+        }
         if found.iter().all(Option::is_none) {
             continue;
         }
         let field = |of: fn(&SensorConnection) -> f32| {
-            F32s::from(std::array::from_fn(|lane| found[lane].as_ref().map_or(0.0, of)))
+            F32s::from(lanes::each(|lane| found[lane].as_ref().map_or(0.0, of)))
         };
         let direction = Vector::gather(|lane| {
             found[lane].as_ref().map_or([0.0, 0.0, 1.0], |found| found.direction.to_array())
         });
-        let turn = light_turn(vertices, scene, direction, (row, live));
+        let turn = turn_of_light(vertices, scene, direction, (row, live));
         let importance = field(|found| found.pdf_area) * F32s::splat(1.0 / light_paths);
         let factor = importance * weight(vertices, &turn, importance, strategy, row);
         let position = Vector::load(&vertices.position, row);

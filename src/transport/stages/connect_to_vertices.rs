@@ -1,76 +1,72 @@
 //! Connects vertices of sensor paths to those of the light path they are paired with (paper,
 //! equation 12).
 
-use std::ops::Range;
-
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scattering::Met;
 use crate::scattering::Scene;
-use crate::scattering::event::{Event, Form};
-use crate::scattering::vertex::VertexLanes;
-use crate::transport::LightModel;
+use crate::scattering::event::Form;
+use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
 use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::tables::connections::{ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
-use crate::transport::vertex::{departing_states, light_turn, on_surface};
+use crate::transport::vertex::{departing_states, turn_of_light};
+use crate::transport::{Arrived, LightModel};
 
-/// Connects each of the rows `rows`, which have met `event`, to all vertices of its slot's light
-/// path that keep the whole within the greatest path length.
+/// Connects each row that has arrived to all vertices of its slot's light path that are at most
+/// `vertex_length_max` segments from the emitter.
 ///
 /// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
 /// only intensity crosses the connection.
 ///
 /// From: depolarize_sensor, store_light_vertices. To: trace_connections.
-/// Writes: connections. Reads: paths, surfaces, vertices, order, scene.
+/// Writes: connections. Reads: arrived (paths, surfaces), vertices, order, scene.
 pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
-    paths: &PathTable<N, M::Sensor>,
-    surfaces: &SurfaceColumns,
+    arrived: &Arrived<N, M::Sensor>,
     (vertices, order): (&VertexTable<N>, &SlotOrder),
     scene: &Scene<N>,
-    (event, rows): (Event, Range<usize>),
     vertex_length_max: u32,
 ) {
     connections.clear();
-    for row in rows {
+    let &Arrived { paths, surfaces, event, ref rows, .. } = arrived;
+    let depolarizes = event.form == Form::Depolarizer;
+    for_scatterer!(scene, event.met, all => for row in rows.clone() {
         let of_path = order.rows_of(paths.identity.slot[row] as usize);
         if of_path.is_empty() {
             continue;
         }
-        let sensor = SensorVertex::load(paths, surfaces, scene, event, row);
+        let sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
         for first in of_path.clone().step_by(LANES) {
             let some = (first, LANES.min(of_path.end - first));
             sensor.connect::<M>(connections, vertices, scene, some, vertex_length_max);
         }
-    }
+    });
 }
 
 /// One sensor vertex in all lanes.
-struct SensorVertex<'a, const N: usize> {
+struct SensorVertex<V, const N: usize> {
     row: u32,
     /// The medium around it.
     inside: u32,
     position: Vector<F32s>,
     normal: Vector<F32s>,
     given: Vector<F32s>,
-    scatters: VertexLanes<'a, N>,
+    scatters: V,
     depolarizes: bool,
     beta: [F32s; N],
     weights: PartialWeights<F32s>,
 }
 
-impl<'a, const N: usize> SensorVertex<'a, N> {
+impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
     #[inline(always)]
     fn load<C>(
         paths: &PathTable<N, C>,
         surfaces: &SurfaceColumns,
-        scene: &'a Scene<N>,
-        event: Event,
+        all: impl Scatterer<N, Vertices = V>,
+        depolarizes: bool,
         row: usize,
     ) -> Self {
-        let normal = lanes::row_of(&surfaces.geometric_normal, row);
         let mut beta = [F32s::splat(0.0); N];
         for (beta, column) in beta.iter_mut().zip(&paths.beta) {
             *beta = F32s::splat(column[row]);
@@ -79,13 +75,10 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             row: row as u32,
             inside: paths.media.inside(row),
             position: Vector::splat(lanes::row_of(&surfaces.position, row)),
-            normal: Vector::splat(normal),
+            normal: Vector::splat(lanes::row_of(&surfaces.geometric_normal, row)),
             given: -Vector::splat(lanes::row_of(&paths.rays.direction, row)),
-            scatters: match event.met {
-                Met::Medium(medium) => VertexLanes::Volume(scene.medium(medium)),
-                Met::Surface(_) => on_surface(surfaces, scene, normal, row),
-            },
-            depolarizes: event.form == Form::Depolarizer,
+            scatters: all.at(surfaces, Same(row)),
+            depolarizes,
             beta,
             weights: paths.mis.splat(row),
         }
@@ -106,7 +99,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
         let distance2 = offset.length_squared();
         let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
         let turn = self.scatters.turn(self.given, direction);
-        let light = light_turn(vertices, scene, -direction, (first, live));
+        let light = turn_of_light(vertices, scene, -direction, (first, live));
         let sensor_end = End { weights: self.weights, turn: (&turn).into() };
         let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
         let inverse2 = F32s::splat(1.0) / distance2;

@@ -11,7 +11,7 @@ use crate::transport::tables::partition::{Part, Partition};
 /// what scales it goes into the throughput.
 ///
 /// From: resolve_surfaces, weigh_arrival. To: connect_to_emitters, connect_to_vertices,
-/// merge_photons, scatter_diffuse, scatter_specular, scatter_medium.
+/// merge_photons, scatter_surfaces, scatter_medium.
 /// Writes: carriers, beta. Reads: partition.
 pub fn depolarize_sensor<const N: usize, C: SensorSide<N>>(
     carriers: &mut C,

@@ -4,9 +4,9 @@ use crate::geometry::{Hit, HitColumns, IN_MEDIUM, TraceScratch, offset_distance,
 use crate::math::columns::Rows;
 use crate::math::{F32s, LANES, Real, lanes};
 use crate::scattering::Scene;
-use crate::scene::baked::{MaterialKind, NONE};
-use crate::transport::flight::{step_over, wavelength_of};
-use crate::transport::sampler::{Purpose, draw};
+use crate::scene::baked::NONE;
+use crate::transport::flight::step_over;
+use crate::transport::sampler::Purpose;
 use crate::transport::tables::flights::{Flight, FlightTable};
 use crate::transport::tables::paths::PathTable;
 
@@ -49,11 +49,9 @@ fn first_pieces<const N: usize, C>(
         if clear && !scene.has_null_boundaries {
             continue;
         }
-        let seed = lanes::load_u32(&paths.identity.seed, first);
-        let iteration = lanes::load_u32(&paths.identity.iteration, first);
-        let [u, _] = draw(seed, iteration, path_length, Purpose::Distance);
+        let [u, _] = paths.identity.draw(first, path_length, Purpose::Distance);
         let left = (-(F32s::splat(1.0) - u).ln()).to_array();
-        let wavelength = wavelength_of::<N>(&paths.identity, first);
+        let wavelength = paths.identity.wavelength::<N>(first);
         for row in first..end {
             let lane = row - first;
             flights.left[row] = left[lane];
@@ -94,7 +92,7 @@ fn later_pieces<const N: usize, C>(
         let inside = flights.inside[index];
         let (t, primitive) = (flights.hits.t[index], flights.hits.primitive[index]);
         let start = row - row % LANES;
-        let wavelength = wavelength_of::<N>(&paths.identity, start)[row - start] as usize;
+        let wavelength = paths.identity.wavelength::<N>(start)[row - start] as usize;
         // The step off the last boundary: what lies within it is met at a negative distance.
         let sigma = scene.medium(inside).sigma_t[wavelength];
         flights.left[row] -= sigma * offset_distance(scene.reach);
@@ -138,9 +136,7 @@ fn fly<const N: usize>(
 }
 
 fn is_null_boundary<const N: usize>(scene: &Scene<N>, primitive: u32) -> bool {
-    scene.has_null_boundaries
-        && primitive != NONE
-        && scene.material_at(primitive).kind == MaterialKind::Null
+    scene.has_null_boundaries && primitive != NONE && scene.material_at(primitive).kind.is_crossed()
 }
 
 /// Throughput and shares of eight rows.

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
-use crate::polarization::s_axis;
-use crate::scattering::medium::{PhaseFunction, PhaseLookup, half_sine2};
-use crate::scattering::phase::Scatters;
+use crate::scattering::event::Form;
+use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;
@@ -22,21 +22,19 @@ use crate::transport::tables::states::{LightState, kernels_of_lanes};
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
 ///
 /// From: trace_connections. To: the film.
-/// Writes: measured. Reads: connections, paths, scene.
+/// Writes: measured. Reads: connections, paths, surfaces, scene.
 pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
-    paths: &PathTable<N, M::Sensor>,
+    (paths, surfaces): (&PathTable<N, M::Sensor>, &SurfaceColumns),
     scene: &Scene<N>,
     met: Met,
 ) {
-    if let (true, Met::Medium(medium)) = (M::POLARIZED, met)
-        && let PhaseFunction::Table(table) = &scene.medium(medium).phase
-    {
-        for first in (0..connections.len).step_by(LANES) {
-            let rows = first..connections.len.min(first + LANES);
-            gather_scattered(measured, connections, paths, table, rows, scene.sensor.up());
-        }
+    if M::POLARIZED && scene.events[met.event()].form != Form::Depolarizer {
+        let of = (paths, surfaces);
+        for_scatterer!(scene, met, all => {
+            gather_polarized(measured, connections, of, all, scene.sensor.up());
+        });
         return;
     }
     for index in 0..connections.len {
@@ -49,12 +47,29 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Eight connections to polarizing vertices.
-fn gather_scattered<const N: usize, C: SensorSide<N>>(
+/// Connections to polarizing vertices.
+fn gather_polarized<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
-    paths: &PathTable<N, C>,
-    table: &PhaseLookup<N>,
+    of: (&PathTable<N, C>, &SurfaceColumns),
+    all: S,
+    film_up: Vec3,
+) {
+    if !S::POLARIZES {
+        return;
+    }
+    for first in (0..connections.len).step_by(LANES) {
+        let rows = first..connections.len.min(first + LANES);
+        gather_scattered(measured, connections, of, all, rows, film_up);
+    }
+}
+
+/// Eight of them.
+fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
+    measured: &mut Measured<N>,
+    connections: &ConnectionTable<N>,
+    (paths, surfaces): (&PathTable<N, C>, &SurfaceColumns),
+    all: S,
     rows: Range<usize>,
     film_up: Vec3,
 ) {
@@ -64,9 +79,9 @@ fn gather_scattered<const N: usize, C: SensorSide<N>>(
     let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
     let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
-    let kernels = kernels_of_lanes(&table.kernels(half_sine2(k_in, k_out)));
-    let axis = s_axis(k_in, k_out).to_rows();
-    let (k_in, k_out) = (k_in.to_rows(), k_out.to_rows());
+    let (kernels, axis) = all.at(surfaces, lanes::each(target)).kernels(k_in, k_out);
+    let kernels = kernels_of_lanes(&kernels);
+    let (axis, k_in, k_out) = (axis.to_rows(), k_in.to_rows(), k_out.to_rows());
     for (lane, index) in rows.clone().enumerate() {
         if connections.blocked[index] != 0 {
             continue;

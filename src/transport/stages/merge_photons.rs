@@ -2,17 +2,11 @@
 //! equation 13). One scattering kernel acts at the merge, that of the sensor's vertex, on light
 //! that arrives along the photon's direction.
 
-use std::ops::Range;
-
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
-use crate::scattering::event::Event;
-use crate::scattering::medium::{Medium, PhaseFunction, PhaseLookup, half_sine2};
-use crate::scattering::phase::Scatters;
-use crate::scattering::vertex::VertexLanes;
-use crate::scattering::{Met, Scene};
-use crate::transport::LightModel;
+use crate::scattering::Scene;
+use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
@@ -22,62 +16,52 @@ use crate::transport::tables::photon_maps::PhotonMap;
 use crate::transport::tables::photon_queries::QueryOrder;
 use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTable};
 use crate::transport::tables::states::LightState;
-use crate::transport::vertex::on_surface;
+use crate::transport::{Arrived, LightModel};
 
-/// Merges the rows `rows`, which have met `event`, with the photons of their map whose paths have
-/// `length_max` segments at most.
+/// Merges rows that have arrived with the photons of their map whose paths have `length_max`
+/// segments at most.
 ///
 /// From: the photon maps, depolarize_sensor. To: the film.
-/// Writes: measured, order. Reads: paths, surfaces, map, scene.
+/// Writes: measured, order. Reads: arrived (paths, surfaces), map, scene.
 pub fn merge_photons<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
     order: &mut QueryOrder,
-    paths: &PathTable<N, M::Sensor>,
-    surfaces: &SurfaceColumns,
+    arrived: &Arrived<N, M::Sensor>,
     (map, length_max): (&PhotonMap<N>, u32),
     scene: &Scene<N>,
-    (event, rows): (Event, Range<usize>),
 ) {
+    let &Arrived { paths, surfaces, event, ref rows, .. } = arrived;
     if map.grid.photons().len == 0 {
         return;
     }
-    order.sort(&surfaces.position, rows, map.grid.cells());
+    order.sort(&surfaces.position, rows.clone(), map.grid.cells());
     let per_volume = map.per_volume();
     let gather = Gather { measured, paths, surfaces, scene, per_volume, length_max };
     let grid = &map.grid;
     let points = &surfaces.position;
-    match event.met {
-        Met::Surface(_) => grid.gather(&mut OnSurface(gather), order, points),
-        Met::Medium(row) => {
-            let medium = scene.medium(row);
-            match &medium.phase {
-                PhaseFunction::Table(table) if M::POLARIZED => {
-                    merge_polarized(gather, grid, medium, table, (order, points));
-                }
-                PhaseFunction::Table(_) | PhaseFunction::HenyeyGreenstein(_) => {
-                    let photons = grid.photons();
-                    grid.gather(&mut InVolume { gather, medium, photons }, order, points);
-                }
-            }
-        }
-    }
+    for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));
 }
 
-fn merge_polarized<const N: usize, C: SensorSide<N>>(
-    gather: Gather<N, C>,
+fn merge<const N: usize, M: LightModel<N>, S: Scatterer<N>>(
+    gather: Gather<N, M::Sensor>,
     grid: &PhotonGrid<N>,
-    medium: &Medium<N>,
-    table: &PhaseLookup<N>,
+    all: S,
     (order, points): (&QueryOrder, &[Vec<f32>; 3]),
 ) {
     let photons = grid.photons();
-    // Without states in common there is one per wavelength.
-    if grid.photons().class == PhotonClass::Stokes {
-        let mut visitor = Polarizing::<N, true, C> { gather, medium, table, photons };
-        grid.gather(&mut visitor, order, points);
+    if M::POLARIZED && S::POLARIZES {
+        // Without states in common there is one per wavelength.
+        if photons.class == PhotonClass::Stokes {
+            let mut visitor = Polarizing::<N, true, S, _> { gather, all, photons };
+            grid.gather(&mut visitor, order, points);
+        } else {
+            let mut visitor = Polarizing::<N, false, S, _> { gather, all, photons };
+            grid.gather(&mut visitor, order, points);
+        }
+    } else if S::Vertices::IS_EVEN {
+        grid.gather(&mut Even { gather, all }, order, points);
     } else {
-        let mut visitor = Polarizing::<N, false, C> { gather, medium, table, photons };
-        grid.gather(&mut visitor, order, points);
+        grid.gather(&mut Uneven { gather, all, photons }, order, points);
     }
 }
 
@@ -108,13 +92,23 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
         Vector::splat(lanes::row_of(&self.paths.rays.direction, row))
     }
 
+    /// What a row makes of a sum over photons; `factor` is the same in all lanes.
+    #[inline(always)]
+    fn per_sum(&self, row: usize, factor: &[F32s; N]) -> [f32; N] {
+        let mut values = [0.0; N];
+        for (n, value) in values.iter_mut().enumerate() {
+            let beta = self.paths.beta[n][row] * self.per_volume;
+            *value = beta * factor[n].to_array()[0];
+        }
+        values
+    }
+
     /// Adds intensity that scatters towards the sensor, per `factor` of every wavelength.
     #[inline(always)]
-    fn add(&mut self, row: usize, sums: &[F32s; N], factor: impl Fn(usize) -> f32) {
-        let mut value = [0.0; N];
-        for (n, value) in value.iter_mut().enumerate() {
-            let beta = self.paths.beta[n][row] * self.per_volume;
-            *value = beta * factor(n) * sums[n].reduce_add();
+    fn add(&mut self, row: usize, sums: &[F32s; N], factor: &[F32s; N]) {
+        let mut value = self.per_sum(row, factor);
+        for (value, sum) in value.iter_mut().zip(sums) {
+            *value *= sum.reduce_add();
         }
         let slot = self.paths.identity.slot[row] as usize;
         measure_unpolarized(self.measured, &self.paths.carriers, (row, slot), value);
@@ -134,36 +128,35 @@ fn add_powers<const N: usize>(
     }
 }
 
-/// Diffuse surfaces: whatever comes from the right side counts alike.
-struct OnSurface<'a, const N: usize, C>(Gather<'a, N, C>);
+/// Surfaces that scatter alike whatever comes from the right side.
+struct Even<'a, const N: usize, S, C> {
+    gather: Gather<'a, N, C>,
+    all: S,
+}
 
 /// The vertex at which photons are gathered.
 struct SurfaceState<const N: usize> {
-    query: usize,
     sums: [F32s; N],
     /// Normals, turned to the side from which the sensor looks.
     geometric: Vector<F32s>,
     shading: Vector<F32s>,
 }
 
-impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> {
+impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Even<'_, N, S, C> {
     type State = SurfaceState<N>;
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> SurfaceState<N> {
-        let given = -self.0.direction(query);
+        let Gather { surfaces, .. } = &self.gather;
+        let given = -self.gather.direction(query);
         let turned = |normal: Vector<F32s>| {
             let away = given.dot(normal).simd_lt(F32s::splat(0.0));
             Vector::select(away, -normal, normal)
         };
         SurfaceState {
-            query,
             sums: [F32s::splat(0.0); N],
-            geometric: turned(Vector::splat(lanes::row_of(
-                &self.0.surfaces.geometric_normal,
-                query,
-            ))),
-            shading: turned(Vector::splat(lanes::row_of(&self.0.surfaces.shading_normal, query))),
+            geometric: turned(Vector::splat(lanes::row_of(&surfaces.geometric_normal, query))),
+            shading: turned(Vector::splat(lanes::row_of(&surfaces.shading_normal, query))),
         }
     }
 
@@ -175,12 +168,12 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let within = self.0.counting(photons, row, within);
+        let within = self.gather.counting(photons, row, within);
         let direction = photons.directions_of_any_length(row);
         let zero = F32s::splat(0.0);
         let geometric = direction.dot(state.geometric);
         let arrives = within & geometric.simd_lt(zero);
-        if !self.0.scene.has_shading_normals {
+        if !self.gather.scene.has_shading_normals {
             return add_powers(&mut state.sums, photons, row, arrives);
         }
         // Photons count by the geometric normal, and the integral asks for the shading normal.
@@ -194,12 +187,9 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: SurfaceState<N>) {
-        let gather = &self.0;
-        let normal = lanes::row_of(&gather.surfaces.geometric_normal, state.query);
-        let vertex = on_surface(gather.surfaces, gather.scene, normal, row);
-        let VertexLanes::Surface { facing, brdf } = vertex else {
-            return;
-        };
+        let gather = &self.gather;
+        let vertex = self.all.at(gather.surfaces, Same(row));
+        let KeptLanes { facing, .. } = vertex.keep();
         let given = -gather.direction(row);
         // The normals themselves stand for a direction that passes wherever any does.
         let towards = Vector::select(
@@ -208,20 +198,21 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for OnSurface<'_, N, C> 
             facing.geometric + facing.shading,
         );
         let reflects = facing.reflects(given, towards);
-        let brdf = brdf.map(|brdf| (reflects & brdf).to_array()[0]);
-        self.0.add(row, &state.sums, |n| brdf[n]);
+        let factor = vertex.per_photon().map(|factor| reflects & factor);
+        self.gather.add(row, &state.sums, &factor);
     }
 }
 
-/// Media that depolarize, or scalar renders of others.
-struct InVolume<'a, const N: usize, C> {
+/// What scatters differently by directions: depolarizing, or in scalar renders.
+struct Uneven<'a, const N: usize, S, C> {
     gather: Gather<'a, N, C>,
-    medium: &'a Medium<N>,
+    all: S,
     photons: &'a PhotonTable<N>,
 }
 
-/// A vertex in a medium.
-struct VolumeState<S> {
+/// A vertex that waits for photons.
+struct UnevenState<V, S> {
+    vertex: V,
     sums: S,
     pending: Pending,
     /// Where light leaves towards the sensor.
@@ -265,37 +256,34 @@ impl Pending {
     }
 }
 
-/// What turns the power of photons, which counts scatterings, into fluence.
-#[inline(always)]
-fn per_scattering<const N: usize>(medium: &Medium<N>, n: usize) -> f32 {
-    let sigma_s = medium.sigma_s[n];
-    if sigma_s > 0.0 { 1.0 / sigma_s } else { 0.0 }
-}
-
 /// Adds what the photons `rows` in the mask scatter along `k_out`.
 #[inline(always)]
 fn add_scattered<const N: usize>(
     sums: &mut [F32s; N],
-    medium: &Medium<N>,
+    vertex: &impl Vertices<N>,
     photons: &PhotonTable<N>,
     k_out: Vector<F32s>,
     (rows, within): (&[u32; LANES], F32s),
 ) {
-    let angle = half_sine2(photons.directions_of(rows), k_out);
-    let phase = medium.phase.values(angle);
-    for (n, (sum, &phase)) in sums.iter_mut().zip(&phase).enumerate() {
-        *sum += within & (photons.power_of(rows, n) * phase);
+    let scattered = vertex.merge(photons.directions_of(rows), k_out);
+    for (n, (sum, &scattered)) in sums.iter_mut().zip(&scattered).enumerate() {
+        *sum += within & (photons.power_of(rows, n) * scattered);
     }
 }
 
-impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
-    type State = VolumeState<[F32s; N]>;
+impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Uneven<'_, N, S, C> {
+    type State = UnevenState<S::Vertices, [F32s; N]>;
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
-        let sums = [F32s::splat(0.0); N];
-        VolumeState { sums, pending: Pending::default(), k_out, axis: k_out }
+        UnevenState {
+            vertex: self.all.at(self.gather.surfaces, Same(query)),
+            sums: [F32s::splat(0.0); N],
+            pending: Pending::default(),
+            k_out,
+            axis: k_out,
+        }
     }
 
     #[inline(always)]
@@ -306,30 +294,28 @@ impl<const N: usize, C: SensorSide<N>> PhotonVisitor<N> for InVolume<'_, N, C> {
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let VolumeState { sums, pending, k_out, .. } = state;
+        let UnevenState { vertex, sums, pending, k_out, .. } = state;
         let within = self.gather.counting(photons, row, within);
         pending.add(row, within, |rows, within| {
-            add_scattered(sums, self.medium, photons, *k_out, (rows, within));
+            add_scattered(sums, vertex, photons, *k_out, (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let VolumeState { mut sums, pending, k_out, .. } = state;
-        let (medium, photons) = (self.medium, self.photons);
+        let UnevenState { vertex, mut sums, pending, k_out, .. } = state;
         pending.finish(|rows, within| {
-            add_scattered(&mut sums, medium, photons, k_out, (rows, within));
+            add_scattered(&mut sums, &vertex, self.photons, k_out, (rows, within));
         });
-        self.gather.add(row, &sums, |n| per_scattering(medium, n));
+        self.gather.add(row, &sums, &vertex.per_photon());
     }
 }
 
-/// Polarizing media in polarized renders; with `COMMON`, photons have one state for all
+/// What polarizes, in polarized renders; with `COMMON`, photons have one state for all
 /// wavelengths.
-struct Polarizing<'a, const N: usize, const COMMON: bool, C> {
+struct Polarizing<'a, const N: usize, const COMMON: bool, S, C> {
     gather: Gather<'a, N, C>,
-    medium: &'a Medium<N>,
-    table: &'a PhaseLookup<N>,
+    all: S,
     photons: &'a PhotonTable<N>,
 }
 
@@ -338,15 +324,13 @@ struct Polarizing<'a, const N: usize, const COMMON: bool, C> {
 #[inline(always)]
 fn add_polarized<const N: usize, const COMMON: bool>(
     sums: &mut [Stokes<F32s>; N],
-    table: &PhaseLookup<N>,
+    vertex: &impl Vertices<N>,
     photons: &PhotonTable<N>,
     (k_out, axis_out): (Vector<F32s>, Vector<F32s>),
     (rows, within): (&[u32; LANES], F32s),
 ) {
     let k_in = photons.directions_of(rows);
-    let (phase, kernels) = table.values_and_kernels(half_sine2(k_in, k_out));
-    // Its length does not matter, and where it vanishes, forwards, no turn is needed.
-    let axis = k_in.cross(k_out);
+    let (shares, (kernels, axis)) = vertex.merge_polarized(k_in, k_out);
     let x = k_in.any_perpendicular();
     let arrival = Arrival::between(x, axis, k_in);
     let to_sums = Arrival::between(axis, axis_out, k_out);
@@ -358,24 +342,28 @@ fn add_polarized<const N: usize, const COMMON: bool>(
     for (n, Stokes(sums)) in sums.iter_mut().enumerate() {
         let light = if COMMON || n == 0 { common } else { arrived(n) };
         let Stokes(scattered) = light.pass(kernels[n]).turned(&to_sums).stokes;
-        let power = within & (photons.power_of(rows, n) * phase[n]);
+        let power = within & (photons.power_of(rows, n) * shares[n]);
         for (sum, &component) in sums.iter_mut().zip(&scattered) {
             *sum = power.mul_add(component, *sum);
         }
     }
 }
 
-impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
-    for Polarizing<'_, N, COMMON, C>
+impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N>
+    for Polarizing<'_, N, COMMON, S, C>
 {
-    type State = VolumeState<[Stokes<F32s>; N]>;
+    type State = UnevenState<S::Vertices, [Stokes<F32s>; N]>;
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
-        let sums = [Stokes([F32s::splat(0.0); 4]); N];
-        let axis = k_out.any_perpendicular();
-        VolumeState { sums, pending: Pending::default(), k_out, axis }
+        UnevenState {
+            vertex: self.all.at(self.gather.surfaces, Same(query)),
+            sums: [Stokes([F32s::splat(0.0); 4]); N],
+            pending: Pending::default(),
+            k_out,
+            axis: k_out.any_perpendicular(),
+        }
     }
 
     #[inline(always)]
@@ -386,27 +374,23 @@ impl<const N: usize, const COMMON: bool, C: SensorSide<N>> PhotonVisitor<N>
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let VolumeState { sums, pending, k_out, axis } = state;
+        let UnevenState { vertex, sums, pending, k_out, axis } = state;
         let within = self.gather.counting(photons, row, within);
         pending.add(row, within, |rows, within| {
             let out = (*k_out, *axis);
-            add_polarized::<N, COMMON>(sums, self.table, photons, out, (rows, within));
+            add_polarized::<N, COMMON>(sums, vertex, photons, out, (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let VolumeState { mut sums, pending, k_out, axis } = state;
+        let UnevenState { vertex, mut sums, pending, k_out, axis } = state;
         pending.finish(|rows, within| {
             let out = (k_out, axis);
-            add_polarized::<N, COMMON>(&mut sums, self.table, self.photons, out, (rows, within));
+            add_polarized::<N, COMMON>(&mut sums, &vertex, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;
-        let mut value = [0.0; N];
-        for (n, value) in value.iter_mut().enumerate() {
-            let beta = gather.paths.beta[n][row] * gather.per_volume;
-            *value = beta * per_scattering(self.medium, n);
-        }
+        let value = gather.per_sum(row, &vertex.per_photon());
         let light = LightState { stokes: sums.map(total), x: axis.lane(0) };
         let place = (row, gather.paths.identity.slot[row] as usize);
         let along = (k_out.lane(0), gather.scene.sensor.up());

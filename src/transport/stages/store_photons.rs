@@ -1,27 +1,22 @@
 //! Keeps what light paths bring to surfaces and media as photons.
 
-use std::ops::Range;
-
-use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::transport::Arrived;
 use crate::transport::sides::LightSide;
 use crate::transport::tables::carriers::LightCarriers;
-use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directions};
 
-/// Appends the rows `rows`, after `path_length` segments. At depolarizers the power is all there
-/// is; in polarizing media the state of polarization is kept relative to it.
+/// Appends rows that have arrived. At depolarizers the power is all there is; elsewhere the state
+/// of polarization is kept relative to it.
 ///
 /// From: depolarize_light. To: the photon maps.
-/// Writes: photons. Reads: paths, surfaces.
+/// Writes: photons. Reads: arrived (paths, surfaces).
 pub fn store_photons<const N: usize, C: LightSide<N>>(
     photons: &mut PhotonTable<N>,
-    paths: &PathTable<N, C>,
-    surfaces: &SurfaceColumns,
-    rows: Range<usize>,
-    path_length: u32,
+    arrived: &Arrived<N, C>,
 ) {
+    let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
     let first = photons.len;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);

@@ -4,7 +4,7 @@ use crate::geometry::{Hit, TraceScratch, trace_closest, trace_visibility};
 use crate::math::columns::Rows;
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
-use crate::scene::baked::{MaterialKind, NONE};
+use crate::scene::baked::NONE;
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::flights::{Flight, FlightTable};
 
@@ -88,7 +88,7 @@ fn cross_boundaries<const N: usize>(
             if arrives || primitive == NONE {
                 continue;
             }
-            if scene.material_at(primitive).kind == MaterialKind::Null {
+            if scene.material_at(primitive).kind.is_crossed() {
                 step_over(flights, index, scene);
             } else {
                 connections.blocked[row] = u32::MAX;

@@ -1,39 +1,58 @@
-//! The Mueller kernels of this bounce's polarizing events.
+//! Where rows go next, and the Mueller kernels of this bounce's polarizing events.
 
-use crate::math::columns::{Channels, Column};
-use crate::math::{F32s, lanes};
+use crate::math::columns::{Channels, Column, columns};
+use crate::math::{F32s, Vector, lanes};
 use crate::polarization::kernel::{Block, Kernel, SpheroidBlock};
+use crate::scattering::event::Form;
 
-use super::{channels, vectors};
+columns! {
+    /// Where rows go next.
+    pub struct DepartureColumns<const N: usize> {
+        /// New directions, unit length.
+        pub direction: [Column; 3],
+        /// What that does to polarization.
+        pub kernels: KernelColumns<N>,
+    }
+}
 
-/// One sparse block per row, relative to the scalar value M00 that already is in `beta`;
-/// `Event::channel` says which wavelengths are stored.
-pub struct KernelColumns<const N: usize> {
-    /// M01: diattenuation.
-    pub a: Channels<N>,
-    /// M11; only for spheroids.
-    pub b: Channels<N>,
-    /// M22: cosine-like element of the lower block.
-    pub c: Channels<N>,
-    /// M33; only for spheroids.
-    pub d: Channels<N>,
-    /// M23: sine-like element of the lower block.
-    pub s: Channels<N>,
-    /// The x axis of the block's frames: perpendicular to the light before and after.
-    pub axis: [Column; 3],
+columns! {
+    /// One sparse block per row, relative to the scalar value M00 that already is in `beta`;
+    /// `Event::channel` says which wavelengths are stored.
+    pub struct KernelColumns<const N: usize> {
+        /// M01: diattenuation.
+        pub a: Channels<N>,
+        /// M11; only for spheroids.
+        pub b: Channels<N>,
+        /// M22: cosine-like element of the lower block.
+        pub c: Channels<N>,
+        /// M33; only for spheroids.
+        pub d: Channels<N>,
+        /// M23: sine-like element of the lower block.
+        pub s: Channels<N>,
+        /// The x axis of the block's frames: perpendicular to the light before and after.
+        pub axis: [Column; 3],
+    }
 }
 
 impl<const N: usize> KernelColumns<N> {
-    /// An empty table for `capacity` rows.
-    pub fn new(capacity: usize) -> Self {
-        Self {
-            a: channels(capacity),
-            b: channels(capacity),
-            c: channels(capacity),
-            d: channels(capacity),
-            s: channels(capacity),
-            axis: vectors(capacity),
+    /// Writes the kernels of the rows from `row` to `end`, eight at most, of an event of this
+    /// `form`: of an achromatic one, only the first.
+    #[inline(always)]
+    pub fn store_events(
+        &mut self,
+        (form, achromatic): (Form, bool),
+        (kernels, axis): &([SpheroidBlock<F32s>; N], Vector<F32s>),
+        (row, end): (usize, usize),
+    ) {
+        for (n, &kernel) in kernels.iter().enumerate().take(if achromatic { 1 } else { N }) {
+            let SpheroidBlock { a, c, s, .. } = kernel;
+            match form {
+                Form::Depolarizer => {}
+                Form::Block => Block { a, c, s }.store(self, n, row, end),
+                Form::Spheroid => kernel.store(self, n, row, end),
+            }
         }
+        axis.store(&mut self.axis, row, end);
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::scattering::Met;
 use crate::scattering::event::{END, Event, Form};
 
 /// The rows that one loop works on: one kind of event, one class of carrier.
@@ -67,13 +66,6 @@ impl Partition {
         self.order.truncate(rows - ended);
     }
 
-    /// All rows that have met the same; they are contiguous.
-    pub fn rows_of(&self, met: Met) -> Range<usize> {
-        let mut parts = self.parts.iter().filter(|part| part.event.met == met);
-        let Some(first) = parts.next() else { return 0..0 };
-        first.rows.start..parts.next_back().unwrap_or(first).rows.end
-    }
-
     /// Forgets all parts but the specular ones, which come first, and returns how many rows they
     /// have.
     pub fn keep_specular(&mut self) -> usize {
@@ -81,16 +73,15 @@ impl Partition {
         self.parts.last().map_or(0, |part| part.rows.end)
     }
 
-    /// The kinds of events that can be connected to, and their rows.
+    /// The events that rows have met, and their rows; they are contiguous.
+    pub fn events(&self) -> impl Iterator<Item = (Event, Range<usize>)> + '_ {
+        let of_event = self.parts.chunk_by(|part, next| part.event == next.event);
+        of_event.map(|parts| (parts[0].event, parts[0].rows.start..parts[parts.len() - 1].rows.end))
+    }
+
+    /// Those that can be connected to.
     pub fn connectable(&self) -> impl Iterator<Item = (Event, Range<usize>)> + '_ {
-        let mut next = 0;
-        std::iter::from_fn(move || {
-            let first = self.parts[next..].iter().position(|part| part.event.connects())? + next;
-            let event = self.parts[first].event;
-            let same = self.parts[first..].iter().take_while(|part| part.event == event);
-            next = first + same.count();
-            Some((event, self.parts[first].rows.start..self.parts[next - 1].rows.end))
-        })
+        self.events().filter(|(event, _)| event.connects())
     }
 
     /// Turns the counts into the first place of each key, those of key 0 behind all others, lists
@@ -115,11 +106,12 @@ impl Partition {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::baked::MaterialKind;
+    use crate::scattering::Met;
+    use crate::scattering::surface::SurfaceKind;
 
     #[test]
     fn groups_are_stable_and_drop_the_dead() {
-        use MaterialKind::{Absorber, Conductor, Dielectric, Diffuse, Retarder};
+        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, Retarder};
         let event = |met, form| Event { met, form, achromatic: true };
         let surface = |kind| event(Met::Surface(kind), Form::Block);
         let kinds = [Absorber, Conductor, Dielectric, Retarder, Diffuse].map(surface);
@@ -129,10 +121,10 @@ mod tests {
         let mut partition = Partition::default();
         partition.group(rows.len(), &events, 2, |row| rows[row]);
         assert_eq!(partition.order, [7, 0, 8, 4, 1, 6, 9, 3]);
-        assert_eq!(partition.rows_of(Met::Surface(Diffuse)), 4..6);
-        assert_eq!(partition.rows_of(Met::Surface(Dielectric)), 0..3);
-        assert_eq!(partition.rows_of(Met::Surface(Conductor)), 0..0);
         assert_eq!(partition.parts.len(), 6);
+        let specular: Vec<_> =
+            partition.events().map(|(event, rows)| (event.met, rows)).take(2).collect();
+        assert_eq!(specular, [(Met::Surface(Dielectric), 0..3), (Met::Surface(Retarder), 3..4)]);
         let found: Vec<_> =
             partition.connectable().map(|(event, rows)| (event.met, rows)).collect();
         let expected =

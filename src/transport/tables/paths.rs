@@ -2,8 +2,9 @@
 
 use crate::geometry::RayColumns;
 use crate::math::columns::{Channels, Column, Columns, columns};
-use crate::math::{F32s, lanes};
+use crate::math::{F32s, LANES, lanes};
 use crate::transport::mis::{PartialWeights, TurnDensities};
+use crate::transport::sampler::{Purpose, draw};
 
 use super::carriers::CarrierTable;
 use super::media::MediaColumns;
@@ -37,6 +38,28 @@ columns! {
         pub seed: Vec<u32>,
         /// Index in those sequences.
         pub iteration: Vec<u32>,
+    }
+}
+
+impl IdentityColumns {
+    /// Two numbers in [0, 1) for each of the eight rows from `row` on, at the vertex after
+    /// `path_length` segments.
+    #[inline(always)]
+    pub fn draw(&self, row: usize, path_length: u32, purpose: Purpose) -> [F32s; 2] {
+        let seed = lanes::load_u32(&self.seed, row);
+        let iteration = lanes::load_u32(&self.iteration, row);
+        draw(seed, iteration, path_length, purpose)
+    }
+
+    /// The wavelengths that the distances and angles of eight paths are drawn for.
+    #[inline(always)]
+    pub fn wavelength<const N: usize>(&self, row: usize) -> [u32; LANES] {
+        if N == 1 {
+            return [0; LANES];
+        }
+        let [u, _] = self.draw(row, 0, Purpose::Wavelength);
+        let place = (u * F32s::splat(N as f32)).to_array();
+        lanes::each(|lane| (place[lane] as u32).min(N as u32 - 1))
     }
 }
 

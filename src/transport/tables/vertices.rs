@@ -7,8 +7,9 @@ use crate::transport::mis::PartialWeights;
 use super::states::LightState;
 
 columns! {
-    /// Vertices of light paths on diffuse surfaces and in media. At depolarizers they carry power
-    /// and no Stokes vector: what leaves those does not depend on the polarization of what arrived.
+    /// Vertices of light paths on surfaces that connect and in media. At depolarizers they carry
+    /// power and no Stokes vector: what leaves those does not depend on the polarization of what
+    /// arrived.
     pub table VertexTable<const N: usize> {
         /// Where.
         pub position: [Column; 3],
@@ -18,7 +19,7 @@ columns! {
         pub shading_normal: [Column; 3],
         /// Where the light came from: away from the surface, unit length.
         pub given: [Column; 3],
-        /// Throughput times BRDF, per steradian; only the throughput in a medium.
+        /// Throughput times what of the scattering function no direction changes.
         pub power: Channels<N>,
         /// 1 if the back scatters too, else 0.
         pub two_sided: Column,
@@ -32,8 +33,10 @@ columns! {
         pub path_length: Vec<u32>,
         /// The medium around the vertex: a row of the scene's media, or `NONE`.
         pub inside: Vec<u32>,
-        /// The medium whose particle the vertex is, or `NONE` on a surface.
-        pub volume: Vec<u32>,
+        /// What was met: its place among the scene's events.
+        pub event: Vec<u32>,
+        /// On a surface, the row in the table of its model.
+        pub row: Vec<u32>,
         /// Polarization of the arriving light where the vertex does not undo it: a row of `states`,
         /// or `NONE`.
         pub state: Vec<u32>,

@@ -1,10 +1,8 @@
-//! The Lambertian reflector: an ideal depolarizer, so it needs no kernel and no frame.
+//! The sides of a surface that reflects, and what shading normals do to them.
 //!
 //! With shading normals a direction counts only if it lies on the same side of the geometric and
 //! of the shading normal. That rule is symmetric in the two directions, so that light and sensor
 //! paths agree (Veach 1997, section 5.3).
-
-use std::f32::consts::FRAC_1_PI;
 
 use crate::math::{F32s, Vector};
 
@@ -20,6 +18,14 @@ pub struct Facing {
 }
 
 impl Facing {
+    /// That of points that are on no surface.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = F32s::splat(0.0);
+        let nowhere = Vector::new(zero, zero, zero);
+        Self { geometric: nowhere, shading: nowhere, two_sided: zero }
+    }
+
     /// Where light can go between the directions `given` and `drawn`, both away from the surface.
     #[inline(always)]
     pub fn reflects(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
@@ -32,6 +38,13 @@ impl Facing {
         consistent & (self.two_sided | given_geometric.simd_gt(zero))
     }
 
+    /// The shading normal on the side of the direction `given`.
+    #[inline(always)]
+    pub fn shading_towards(&self, given: Vector<F32s>) -> Vector<F32s> {
+        let below = given.dot(self.shading).simd_lt(F32s::splat(0.0));
+        Vector::select(below, -self.shading, self.shading)
+    }
+
     /// What a light path's throughput is multiplied by besides the sensor side's
     /// `f |cos shading|`, where light arrives from `given` and leaves along `drawn`
     /// (Veach 1997, equation 5.19). One where the normals agree.
@@ -42,6 +55,3 @@ impl Facing {
         (shading / geometric).abs()
     }
 }
-
-/// The BRDF over its reflectance, per steradian.
-pub const BRDF: f32 = FRAC_1_PI;

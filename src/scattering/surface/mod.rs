@@ -1,0 +1,378 @@
+//! Surface models, one file each, and the one list of them.
+//!
+//! Everything that tells the kinds apart follows from the list: the kinds themselves, which table
+//! a material of the scene becomes a row of, the events that paths meet and their order, and which
+//! code runs for which rows. A model that is missing in the list, or in a file that must know it,
+//! does not compile. A new one is a variant of [`SurfaceModel`] with its answers there, a reader
+//! and a description of it, a file here and a line in the list.
+
+mod absorber;
+mod conductor;
+mod dielectric;
+mod diffuse;
+mod element;
+mod facing;
+pub mod model;
+mod null;
+mod polarizer;
+mod retarder;
+
+pub use facing::Facing;
+pub use model::{Connecting, ModelLanes, Specular, Surface};
+
+use absorber::Absorber;
+use conductor::Conductor;
+use dielectric::Dielectric;
+use diffuse::Diffuse;
+use null::Null;
+use polarizer::Polarizer;
+use retarder::Retarder;
+
+use super::event::{END, Elements, Event, Form, Met};
+use crate::scene::baked;
+use crate::scene::world::SurfaceModel;
+
+/// The list: for every model, the variant of [`SurfaceModel`] with the parameters that its `of`
+/// takes, the name of its table, and its type. By sort: `ends` are models at which paths end (one
+/// event for all of them), `specular` and `connecting` the two sorts of `model`, and `crossed`
+/// what is no vertex of a path. Rows are grouped in this order.
+macro_rules! surface_models {
+    ([$($then:tt)*] $arguments:tt) => {
+        $($then)*! {
+            $arguments
+            ends {
+                Absorber {} => absorber: Absorber,
+            }
+            specular {
+                Conductor { eta, k } => conductor: Conductor<N>,
+                Dielectric { ior, exterior_ior } => dielectric: Dielectric,
+                Polarizer { axis_deg, extinction_ratio } => polarizer: Polarizer,
+                Retarder { axis_deg, retardance_deg } => retarder: Retarder,
+            }
+            connecting {
+                Diffuse { reflectance } => diffuse: Diffuse<N>,
+            }
+            crossed {
+                Null {} => null: Null,
+            }
+        }
+    };
+}
+
+/// What paths do at surfaces of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sort {
+    /// They end.
+    Ends,
+    /// They go on one way only, or two: connections find nothing there.
+    Specular,
+    /// They go on in any direction, and are connected.
+    Connecting,
+    /// They go on as if nothing was there.
+    Crossed,
+}
+
+macro_rules! declare {
+    (
+        ()
+        ends { $($end:ident { $($end_of:ident),* } => $end_table:ident: $end_model:ty,)* }
+        specular { $($one:ident { $($one_of:ident),* } => $one_table:ident: $one_model:ty,)* }
+        connecting { $($any:ident { $($any_of:ident),* } => $any_table:ident: $any_model:ty,)* }
+        crossed { $($null:ident { $($null_of:ident),* } => $null_table:ident: $null_model:ty,)* }
+    ) => {
+        /// A kind of surface: which model scatters there.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum SurfaceKind {
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($end), "`].")] $end,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($one), "`].")] $one,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($any), "`].")] $any,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($null), "`].")] $null,)*
+        }
+
+        impl SurfaceKind {
+            /// All kinds, in the order of the list.
+            pub const ALL: &[Self] = &[
+                $(Self::$end,)* $(Self::$one,)* $(Self::$any,)* $(Self::$null,)*
+            ];
+
+            /// Those with an event of their own.
+            const MET: &[Self] = &[$(Self::$one,)* $(Self::$any,)*];
+
+            /// The kind of a model with parameters of any sort.
+            pub fn of<S>(model: &SurfaceModel<S>) -> Self {
+                match model {
+                    $(SurfaceModel::$end { .. } => Self::$end,)*
+                    $(SurfaceModel::$one { .. } => Self::$one,)*
+                    $(SurfaceModel::$any { .. } => Self::$any,)*
+                    $(SurfaceModel::$null { .. } => Self::$null,)*
+                }
+            }
+
+            /// What paths do there.
+            #[inline(always)]
+            pub const fn sort(self) -> Sort {
+                match self {
+                    $(Self::$end => Sort::Ends,)*
+                    $(Self::$one => Sort::Specular,)*
+                    $(Self::$any => Sort::Connecting,)*
+                    $(Self::$null => Sort::Crossed,)*
+                }
+            }
+
+            /// The form of its kernel, and whether that is achromatic.
+            const fn kernel(self) -> (Form, bool) {
+                const N: usize = 1;
+                match self {
+                    $(Self::$end => (Form::Depolarizer, true),)*
+                    $(Self::$one => (
+                        <<$one_model as Specular<N>>::Kernel as Elements>::FORM,
+                        <$one_model as Specular<N>>::ACHROMATIC,
+                    ),)*
+                    $(Self::$any => (
+                        <<$any_model as Connecting<N>>::Kernel as Elements>::FORM,
+                        <$any_model as Connecting<N>>::ACHROMATIC,
+                    ),)*
+                    $(Self::$null => (Form::Depolarizer, true),)*
+                }
+            }
+        }
+
+        /// The materials of a scene, and for every model the table of its parameters.
+        #[derive(Debug, Default)]
+        pub struct Surfaces<const N: usize> {
+            materials: Vec<Material>,
+            $($end_table: Vec<$end_model>,)*
+            $($one_table: Vec<$one_model>,)*
+            $($any_table: Vec<$any_model>,)*
+            $($null_table: Vec<$null_model>,)*
+        }
+
+        impl<const N: usize> Surfaces<N> {
+            /// Appends the material's parameters to the table of its model.
+            fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> (u32, f32) {
+                match *model {
+                    $(SurfaceModel::$end { $($end_of),* } => {
+                        append(&mut self.$end_table, <$end_model>::of($($end_of),*))
+                    })*
+                    $(SurfaceModel::$one { $($one_of),* } => {
+                        append(&mut self.$one_table, <$one_model>::of($($one_of),*))
+                    })*
+                    $(SurfaceModel::$any { $($any_of),* } => {
+                        append(&mut self.$any_table, <$any_model>::of($($any_of),*))
+                    })*
+                    $(SurfaceModel::$null { $($null_of),* } => {
+                        append(&mut self.$null_table, <$null_model>::of($($null_of),*))
+                    })*
+                }
+            }
+
+            $(
+                /// The table of this model.
+                #[inline(always)]
+                pub fn $one_table(&self) -> &[$one_model] {
+                    &self.$one_table
+                }
+            )*
+            $(
+                /// The table of this model.
+                #[inline(always)]
+                pub fn $any_table(&self) -> &[$any_model] {
+                    &self.$any_table
+                }
+            )*
+        }
+    };
+}
+
+surface_models!([declare]());
+
+/// Compiles code for every specular model, and runs that of a kind on the table of its model;
+/// `None` for other kinds.
+macro_rules! for_specular {
+    ($surfaces:expr, $kind:expr, $models:ident => $body:expr) => {
+        $crate::scattering::surface::surface_models!([
+            $crate::scattering::surface::dispatch_specular
+        ]($surfaces, $kind, $models, $body))
+    };
+}
+
+macro_rules! dispatch_specular {
+    (
+        ($surfaces:expr, $kind:expr, $models:ident, $body:expr)
+        ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
+        specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
+        connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
+        crossed { $($null:ident $null_of:tt => $null_table:ident: $null_model:ty,)* }
+    ) => {
+        match $kind {
+            $($crate::scattering::surface::SurfaceKind::$one => {
+                let $models = $surfaces.$one_table();
+                Some($body)
+            })*
+            $($crate::scattering::surface::SurfaceKind::$end)|*
+            $(| $crate::scattering::surface::SurfaceKind::$any)*
+            $(| $crate::scattering::surface::SurfaceKind::$null)* => None,
+        }
+    };
+}
+
+/// Compiles code for every connecting model, and runs that of a kind on the table of its model;
+/// `None` for other kinds.
+macro_rules! for_connecting {
+    ($surfaces:expr, $kind:expr, $models:ident => $body:expr) => {
+        $crate::scattering::surface::surface_models!([
+            $crate::scattering::surface::dispatch_connecting
+        ]($surfaces, $kind, $models, $body))
+    };
+}
+
+macro_rules! dispatch_connecting {
+    (
+        ($surfaces:expr, $kind:expr, $models:ident, $body:expr)
+        ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
+        specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
+        connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
+        crossed { $($null:ident $null_of:tt => $null_table:ident: $null_model:ty,)* }
+    ) => {
+        match $kind {
+            $($crate::scattering::surface::SurfaceKind::$any => {
+                let $models = $surfaces.$any_table();
+                Some($body)
+            })*
+            $($crate::scattering::surface::SurfaceKind::$end)|*
+            $(| $crate::scattering::surface::SurfaceKind::$one)*
+            $(| $crate::scattering::surface::SurfaceKind::$null)* => None,
+        }
+    };
+}
+
+pub(crate) use {
+    dispatch_connecting, dispatch_specular, for_connecting, for_specular, surface_models,
+};
+
+impl SurfaceKind {
+    /// How many kinds of events there are at surfaces: one for all that end paths, and none for
+    /// what is crossed.
+    pub const EVENTS: usize = 1 + Self::MET.len();
+
+    /// Whether paths cross it as if nothing was there: no vertex, and in no connection's way.
+    #[inline(always)]
+    pub const fn is_crossed(self) -> bool {
+        matches!(self.sort(), Sort::Crossed)
+    }
+
+    /// Whether its vertices are connected, and merged with photons.
+    #[inline(always)]
+    pub const fn connects(self) -> bool {
+        matches!(self.sort(), Sort::Connecting)
+    }
+
+    /// Whether it sends light on, but only one way or two, which connections do not find.
+    #[inline(always)]
+    pub const fn is_specular(self) -> bool {
+        matches!(self.sort(), Sort::Specular)
+    }
+
+    /// The place of its event among the scene's; boundaries that are crossed are never met.
+    pub fn event(self) -> usize {
+        Self::MET.iter().position(|kind| *kind == self).map_or(END, |place| 1 + place)
+    }
+
+    /// The events at surfaces, [`END`] first.
+    pub fn events() -> impl Iterator<Item = Event> {
+        std::iter::once(&Self::ALL[END]).chain(Self::MET).map(|&kind| {
+            let (form, achromatic) = kind.kernel();
+            Event { met: Met::Surface(kind), form, achromatic }
+        })
+    }
+}
+
+/// A material as paths meet it.
+#[derive(Clone, Copy, Debug)]
+pub struct Material {
+    /// Which model scatters.
+    pub kind: SurfaceKind,
+    /// The row in the table of the model.
+    pub row: u32,
+    /// Whether the back scatters like the front; without meaning where the model transmits.
+    pub two_sided: bool,
+    /// The probability with which roulette lets a path go on.
+    pub survival: f32,
+}
+
+impl<const N: usize> Surfaces<N> {
+    /// The tables of baked materials.
+    pub fn new(baked: &[baked::Material<N>]) -> Self {
+        let mut surfaces = Self::default();
+        for &baked::Material { model, two_sided } in baked {
+            let (row, scattered) = surfaces.add(&model);
+            let survival = scattered.clamp(SURVIVAL_MIN, 1.0);
+            surfaces.materials.push(Material {
+                kind: SurfaceKind::of(&model),
+                row,
+                two_sided,
+                survival,
+            });
+        }
+        surfaces
+    }
+
+    /// The materials, in the order of the baked ones.
+    #[inline(always)]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+}
+
+/// So that no path gains too much where it is let go on.
+const SURVIVAL_MIN: f32 = 0.05;
+
+/// The row that `model` becomes, and what it scatters.
+fn append<M: Surface>(table: &mut Vec<M>, model: M) -> (u32, f32) {
+    table.push(model);
+    (table.len() as u32 - 1, model.scattered())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
+        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, Polarizer, Retarder};
+        let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
+        let expected = [Absorber, Conductor, Dielectric, Polarizer, Retarder, Diffuse];
+        assert_eq!(met, expected.map(Met::Surface));
+        let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
+        assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));
+    }
+
+    #[test]
+    fn every_kind_has_its_event() {
+        let events: Vec<Event> = SurfaceKind::events().collect();
+        assert_eq!(events.len(), SurfaceKind::EVENTS);
+        for &kind in SurfaceKind::ALL {
+            let event = events[kind.event()];
+            let is_met = kind.is_specular() || kind.connects();
+            assert_eq!(event.met == Met::Surface(kind), is_met || kind == SurfaceKind::ALL[END]);
+            assert_eq!(event.connects(), kind.connects());
+            if kind.is_specular() {
+                assert_ne!(event.form, Form::Depolarizer, "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn materials_are_rows_of_the_tables_of_their_models() {
+        let glass = SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+        let gray = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
+        let models = [gray(0.5), glass, gray(0.0), SurfaceModel::Absorber, glass];
+        let baked = models.map(|model| baked::Material { model, two_sided: false });
+        let surfaces = Surfaces::new(&baked);
+        let rows: Vec<u32> = surfaces.materials().iter().map(|material| material.row).collect();
+        assert_eq!(rows, [0, 0, 1, 0, 1]);
+        assert_eq!((surfaces.diffuse().len(), surfaces.dielectric().len()), (2, 2));
+        let survival: Vec<f32> = surfaces.materials().iter().map(|it| it.survival).collect();
+        assert_eq!(survival, [0.5, 1.0, 0.05, 0.05, 1.0]);
+    }
+}

@@ -1,0 +1,288 @@
+//! What a surface model is: a row of parameters, and functions of eight rows at a time.
+//!
+//! There are two sorts that paths are scattered by. A [`Specular`] model leaves light one way only
+//! (or two), so that it can be drawn and nothing else. A [`Connecting`] model has a value and a
+//! density between any two directions, so that its vertices are also connected to emitters, to
+//! other vertices and to the sensor, and keep photons and gather them.
+
+use crate::geometry::SurfaceColumns;
+use crate::math::{F32s, LANES, U32s, Vector, lanes};
+use crate::scattering::Scene;
+use crate::scattering::event::Elements;
+use crate::scattering::side::Side;
+use crate::scene::baked::{self, Shapes};
+
+use super::Material;
+use super::facing::Facing;
+
+/// A surface model with its parameters at the wavelengths of the render.
+pub trait Surface: Copy {
+    /// The largest share of light that it scatters, over the wavelengths: within [0, 1], or near
+    /// enough to steer roulette by. It looks at neither the path's throughput nor its
+    /// polarization (polarizers: of unpolarized light; conductors: at normal incidence).
+    fn scattered(&self) -> f32;
+}
+
+/// The largest of the values.
+pub fn strongest<const N: usize>(values: [f32; N]) -> f32 {
+    values.into_iter().fold(0.0, f32::max)
+}
+
+/// A model that leaves light one way only, or two.
+pub trait Specular<const N: usize>: Surface {
+    /// What its kernels are made of.
+    type Kernel: Elements;
+    /// Whether its kernel is the same at all wavelengths.
+    const ACHROMATIC: bool;
+
+    /// Sends light on. `choice` draws a number in [0, 1) where there are two ways. With
+    /// `POLARIZED`, the kernel is wanted too, else it may be anything.
+    fn scatter<const POLARIZED: bool>(
+        at: &Incidence<Self>,
+        choice: impl FnOnce() -> F32s,
+        side: Side,
+    ) -> Scattered<N, Self::Kernel>;
+}
+
+/// A new direction, what it costs, and what happens to polarization.
+pub struct Scattered<const N: usize, K> {
+    /// The new direction, unit length.
+    pub direction: Vector<F32s>,
+    /// What the throughput is multiplied by, but for shading normals; zero where nothing goes on.
+    pub weight: [F32s; N],
+    /// Kernels; of an achromatic model, the first alone counts.
+    pub kernels: [K; N],
+    /// The x axis of the kernels' frames, perpendicular to both directions.
+    pub axis: Vector<F32s>,
+}
+
+/// A model that can be connected to: its scattering function is [`Connecting::factor`] times
+/// [`Connecting::shape`], per steradian, on the side that the light comes from.
+pub trait Connecting<const N: usize>: Surface {
+    /// What its kernels are made of.
+    type Kernel: Elements;
+    /// Whether its kernel is the same at all wavelengths.
+    const ACHROMATIC: bool;
+    /// Whether the shape is one for all directions.
+    const IS_EVEN: bool;
+    /// What the shape depends on besides directions, at eight vertices.
+    type Lanes: Copy;
+
+    /// The part of the scattering function that no direction changes: light vertices keep it in
+    /// their power.
+    fn factor(models: &ModelLanes<Self>) -> [F32s; N];
+
+    /// What [`Connecting::shape`] needs.
+    fn lanes(models: &ModelLanes<Self>) -> Self::Lanes;
+
+    /// The scattering function over its factor, between two directions away from the surface and
+    /// on one side of it. It is the same for both orders of the two.
+    fn shape(
+        of: &Self::Lanes,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+    ) -> [F32s; N];
+
+    /// Density per steradian of [`Connecting::draw`] for the direction `drawn`.
+    fn pdf(of: &Self::Lanes, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s;
+
+    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`.
+    fn draw(
+        models: &ModelLanes<Self>,
+        facing: &Facing,
+        given: Vector<F32s>,
+        u: [F32s; 2],
+    ) -> Drawn<N>;
+
+    /// The kernels for light that travels along `k_in` and then along `k_out`, and the x axis of
+    /// their frames, a unit vector perpendicular to both.
+    fn kernels(
+        of: &Self::Lanes,
+        facing: &Facing,
+        k_in: Vector<F32s>,
+        k_out: Vector<F32s>,
+    ) -> ([Self::Kernel; N], Vector<F32s>);
+}
+
+/// A direction that was drawn.
+pub struct Drawn<const N: usize> {
+    /// Away from the surface, unit length.
+    pub direction: Vector<F32s>,
+    /// Its density per steradian.
+    pub pdf: F32s,
+    /// Scattering function times the shading normal's cosine, over the density; finite.
+    pub weight: [F32s; N],
+}
+
+/// Rows of a table that eight lanes look at.
+#[derive(Clone, Copy)]
+pub enum LaneRows {
+    /// One of them.
+    Same(usize),
+    /// One each.
+    Each([usize; LANES]),
+}
+
+impl LaneRows {
+    /// A number for every lane.
+    #[inline(always)]
+    pub fn gather(&self, of: impl Fn(usize) -> f32) -> F32s {
+        match self {
+            Self::Same(row) => F32s::splat(of(*row)),
+            Self::Each(rows) => F32s::from(lanes::each(|lane| of(rows[lane]))),
+        }
+    }
+
+    /// The rows of another table that these lead to.
+    #[inline(always)]
+    pub fn map(&self, of: impl Fn(usize) -> usize) -> Self {
+        match self {
+            Self::Same(row) => Self::Same(of(*row)),
+            Self::Each(rows) => Self::Each(lanes::each(|lane| of(rows[lane]))),
+        }
+    }
+
+    /// The rows as numbers.
+    #[inline(always)]
+    pub fn numbers(&self) -> U32s {
+        match self {
+            Self::Same(row) => U32s::splat(*row as u32),
+            Self::Each(rows) => U32s::from(rows.map(|row| row as u32)),
+        }
+    }
+}
+
+/// The parameters of one model at eight vertices.
+pub struct ModelLanes<'a, M> {
+    models: &'a [M],
+    /// Their rows in the model's table.
+    pub rows: LaneRows,
+}
+
+impl<'a, M> ModelLanes<'a, M> {
+    /// Those in the rows `rows` of the model's table.
+    #[inline(always)]
+    pub fn new(models: &'a [M], rows: LaneRows) -> Self {
+        Self { models, rows }
+    }
+
+    /// One parameter.
+    #[inline(always)]
+    pub fn field(&self, of: impl Fn(&M) -> f32) -> F32s {
+        self.rows.gather(|row| of(&self.models[row]))
+    }
+
+    /// One parameter at every wavelength.
+    #[inline(always)]
+    pub fn spectrum<const N: usize>(&self, of: impl Fn(&M) -> &[f32; N]) -> [F32s; N] {
+        let mut values = [F32s::splat(0.0); N];
+        for (n, value) in values.iter_mut().enumerate() {
+            *value = self.field(|model| of(model)[n]);
+        }
+        values
+    }
+}
+
+/// Eight rays that have met surfaces of one model.
+pub struct Incidence<'a, M> {
+    /// Where the rays go.
+    pub direction: Vector<F32s>,
+    /// Geometric normal, to the front.
+    pub geometric: Vector<F32s>,
+    /// Shading normal, against the ray.
+    pub normal: Vector<F32s>,
+    /// Cosine between the ray and the shading normal, 0 to 1.
+    pub cos_i: F32s,
+    /// Mask of the rows that come from the front.
+    pub front: F32s,
+    /// The model's parameters.
+    pub models: ModelLanes<'a, M>,
+    materials: &'a [Material],
+    material: LaneRows,
+    shapes: &'a Shapes,
+    surface: [u32; LANES],
+}
+
+impl<'a, M> Incidence<'a, M> {
+    /// The rows from `row` on, of which `live` are in use, with their `direction`. `models` is the
+    /// table of the model.
+    #[inline(always)]
+    pub fn load<const N: usize>(
+        scene: &'a Scene<N>,
+        models: &'a [M],
+        surfaces: &SurfaceColumns,
+        direction: Vector<F32s>,
+        (row, live): (usize, usize),
+    ) -> Self {
+        let geometric = Vector::load(&surfaces.geometric_normal, row);
+        let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
+        let used = |lane: usize| row + lane.min(live - 1);
+        let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
+        let material = LaneRows::Each(lanes::each(material));
+        let materials = scene.surfaces.materials();
+        Self {
+            direction,
+            geometric,
+            normal,
+            cos_i: (-direction.dot(normal)).min(F32s::splat(1.0)),
+            front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
+            models: ModelLanes::new(models, material.map(|row| materials[row].row as usize)),
+            materials,
+            material,
+            shapes: &scene.shapes,
+            surface: lanes::each(|lane| surfaces.surface[used(lane)]),
+        }
+    }
+
+    /// Mask of the rows whose back scatters too.
+    #[inline(always)]
+    pub fn two_sided(&self) -> F32s {
+        two_sided(self.materials, &self.material)
+    }
+
+    /// What the surfaces have in common where the rays have met them.
+    #[inline(always)]
+    pub fn surface(&self, lane: usize) -> &baked::Surface {
+        &self.shapes.surfaces[self.surface[lane] as usize]
+    }
+
+    /// Mask of the rows that `drawn` keeps on the geometric side that they come from.
+    #[inline(always)]
+    pub fn stays(&self, drawn: Vector<F32s>) -> F32s {
+        (drawn.dot(self.geometric) * self.direction.dot(self.geometric)).simd_lt(F32s::splat(0.0))
+    }
+}
+
+/// Mask of the materials whose back scatters too.
+#[inline(always)]
+pub fn two_sided(materials: &[Material], rows: &LaneRows) -> F32s {
+    let sides = rows.gather(|row| if materials[row].two_sided { 1.0 } else { 0.0 });
+    sides.simd_gt(F32s::splat(0.5))
+}
+
+/// The mirrored direction of `direction` at `normal`.
+#[inline(always)]
+pub fn reflect(direction: Vector<F32s>, normal: Vector<F32s>) -> Vector<F32s> {
+    normal.mul_add(direction.dot(normal) * F32s::splat(-2.0), direction)
+}
+
+/// The refracted direction of `direction` at `normal`, which points against it, for the cosines
+/// of incidence and refraction and `eta`, the index behind over the index before.
+#[inline(always)]
+pub fn refract(
+    direction: Vector<F32s>,
+    normal: Vector<F32s>,
+    cos_i: F32s,
+    cos_t: F32s,
+    eta: F32s,
+) -> Vector<F32s> {
+    let inverse = F32s::splat(1.0) / eta;
+    (direction * inverse + normal * (cos_i * inverse - cos_t)).normalize()
+}
+
+/// `normal` turned against `direction`.
+#[inline(always)]
+fn against(normal: Vector<F32s>, direction: Vector<F32s>) -> Vector<F32s> {
+    Vector::select(direction.dot(normal).simd_gt(F32s::splat(0.0)), -normal, normal)
+}

@@ -1,0 +1,54 @@
+//! The linear retarder: straight transmission that delays one polarization against the other.
+
+use super::element::Element;
+use super::model::{Incidence, Scattered, Specular, Surface};
+use crate::math::F32s;
+use crate::polarization::Block;
+use crate::polarization::elements::retarder_block;
+use crate::scattering::side::Side;
+
+/// A sheet; it loses no light.
+#[derive(Clone, Copy, Debug)]
+pub struct Retarder {
+    /// The kernel in the frame of the fast axis.
+    element: Element,
+}
+
+impl Retarder {
+    /// With the fast axis `axis_deg` from the surface's `axis_x`.
+    pub fn of(axis_deg: f64, retardance_deg: f64) -> Self {
+        Self { element: Element::new(retarder_block(retardance_deg), axis_deg) }
+    }
+}
+
+impl Surface for Retarder {
+    fn scattered(&self) -> f32 {
+        1.0
+    }
+}
+
+impl<const N: usize> Specular<N> for Retarder {
+    type Kernel = Block<F32s>;
+    const ACHROMATIC: bool = true;
+
+    #[inline(always)]
+    fn scatter<const POLARIZED: bool>(
+        at: &Incidence<Self>,
+        _choice: impl FnOnce() -> F32s,
+        _side: Side,
+    ) -> Scattered<N, Self::Kernel> {
+        Element::pass::<_, N, POLARIZED>(at, |model| &model.element, F32s::splat(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_wave_is_exact() {
+        let Retarder { element } = Retarder::of(45.0, 90.0);
+        assert_eq!(element.block, Block { a: 0.0, c: 0.0, s: 1.0 });
+        assert!((element.axis[0] - element.axis[1]).abs() < 1e-7);
+    }
+}

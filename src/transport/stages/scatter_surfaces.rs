@@ -1,0 +1,185 @@
+//! Sends the rows at surfaces on, and writes the Mueller kernels of those events where they are
+//! wanted: one loop for every model.
+
+use std::ops::Range;
+
+use crate::geometry::SurfaceColumns;
+use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::scattering::event::{Elements, Form, spheroids};
+use crate::scattering::surface::model::{Incidence, Scattered};
+use crate::scattering::surface::{Connecting, Specular, for_connecting, for_specular};
+use crate::scattering::vertex::{Consecutive, OnSurfaces};
+use crate::scattering::{Met, Scene, Side};
+use crate::transport::Bounce;
+use crate::transport::mis::TurnDensities;
+use crate::transport::sampler::Purpose;
+use crate::transport::tables::kernels::DepartureColumns;
+use crate::transport::tables::partition::Partition;
+use crate::transport::tables::paths::PathTable;
+
+/// Draws a new direction for every row that has met a surface.
+///
+/// With `POLARIZED`, also writes one kernel a row of polarizing models: achromatic ones to
+/// channel 0 only.
+///
+/// From: depolarize_sensor, depolarize_light. To: collect_sensor, scatter_light, advance_paths.
+/// Writes: departures, paths (beta, mis, media). Reads: paths, surfaces, scene, partition.
+pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
+    departures: &mut DepartureColumns<N>,
+    paths: &mut PathTable<N, C>,
+    surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
+    partition: &Partition,
+    bounce: Bounce,
+) {
+    for (event, rows) in partition.events() {
+        let Met::Surface(kind) = event.met else { continue };
+        let mut to = Departing { departures, paths, end: rows.end };
+        let rows = rows.start..rows.end;
+        for_specular!(scene.surfaces, kind, models => {
+            send_on::<N, POLARIZED, C, _>(&mut to, (scene, models), surfaces, rows.clone(), bounce);
+        });
+        for_connecting!(scene.surfaces, kind, models => {
+            let all = OnSurfaces::new(scene, models);
+            scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows.clone(), bounce);
+        });
+    }
+}
+
+/// What is written of the rows up to `end`.
+struct Departing<'a, const N: usize, C> {
+    departures: &'a mut DepartureColumns<N>,
+    paths: &'a mut PathTable<N, C>,
+    end: usize,
+}
+
+/// One way, or two.
+fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
+    to: &mut Departing<N, C>,
+    (scene, models): (&Scene<N>, &[M]),
+    surfaces: &SurfaceColumns,
+    rows: Range<usize>,
+    bounce: Bounce,
+) {
+    for row in rows.clone().step_by(LANES) {
+        let some = (row, LANES.min(rows.end - row));
+        let direction = Vector::load(&to.paths.rays.direction, row);
+        let at = Incidence::load(scene, models, surfaces, direction, some);
+        let choice = || {
+            let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
+            u
+        };
+        let scattered = M::scatter::<POLARIZED>(&at, choice, bounce.side);
+        if POLARIZED {
+            let kernels = (spheroids(&scattered.kernels), scattered.axis);
+            to.departures.kernels.store_events(
+                (M::Kernel::FORM, M::ACHROMATIC),
+                &kernels,
+                (row, to.end),
+            );
+        }
+        if to.paths.media.present() {
+            to.cross(surfaces, scene, &scattered.direction, row);
+        }
+        to.depart_specular(&at, &scattered, bounce.side, row);
+    }
+}
+
+/// Any way.
+fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
+    to: &mut Departing<N, C>,
+    all: OnSurfaces<M, N>,
+    surfaces: &SurfaceColumns,
+    rows: Range<usize>,
+    bounce: Bounce,
+) {
+    let side = bounce.side;
+    for row in rows.clone().step_by(LANES) {
+        let u = to.paths.identity.draw(row, bounce.path_length, Purpose::Direction);
+        let (models, facing) = all.load(surfaces, Consecutive(row, LANES.min(rows.end - row)));
+        let before = Vector::load(&to.paths.rays.direction, row);
+        let given = -before;
+        let drawn = M::draw(&models, &facing, given, u);
+        let direction = drawn.direction;
+        let scale = match side {
+            Side::Sensor => F32s::splat(1.0),
+            Side::Light => facing.adjoint(given, direction),
+        };
+        let passes = facing.reflects(given, direction);
+        for (beta, &weight) in to.paths.beta.iter_mut().zip(&drawn.weight) {
+            let value = lanes::load(beta, row) * weight * (passes & scale);
+            lanes::store(beta, row, to.end, value);
+        }
+        direction.store(&mut to.departures.direction, row, to.end);
+        let of = M::lanes(&models);
+        if POLARIZED && !matches!(M::Kernel::FORM, Form::Depolarizer) {
+            let (k_in, k_out) = side.along_light(before, direction);
+            let (kernels, axis) = M::kernels(&of, &facing, k_in, k_out);
+            let kernels = (spheroids(&kernels), axis);
+            to.departures.kernels.store_events(
+                (M::Kernel::FORM, M::ACHROMATIC),
+                &kernels,
+                (row, to.end),
+            );
+        }
+        let pdf_reverse = M::pdf(&of, &facing, direction, given);
+        let measure = direction.dot(facing.geometric).abs();
+        let turn = TurnDensities { pdf: drawn.pdf, pdf_reverse, measure };
+        to.paths.mis.depart(row, to.end, turn);
+    }
+}
+
+impl<const N: usize, C> Departing<'_, N, C> {
+    /// Where a row has gone through its surface, it is in the medium on the other side from now
+    /// on: the one that the surface names.
+    #[inline(always)]
+    fn cross(
+        &mut self,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
+        drawn: &Vector<F32s>,
+        row: usize,
+    ) {
+        let paths = &mut *self.paths;
+        let normal = Vector::load(&surfaces.geometric_normal, row);
+        let before = Vector::load(&paths.rays.direction, row).dot(normal).to_array();
+        let after = drawn.dot(normal).to_array();
+        for lane in 0..LANES.min(self.end - row) {
+            if before[lane] * after[lane] > 0.0 {
+                let inside = &mut paths.media.inside[row + lane];
+                let primitive = surfaces.primitive[row + lane];
+                *inside = scene.medium_beyond(primitive, after[lane] > 0.0, *inside);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn depart_specular<M, K>(
+        &mut self,
+        at: &Incidence<M>,
+        scattered: &Scattered<N, K>,
+        side: Side,
+        row: usize,
+    ) {
+        let &Scattered { direction, ref weight, .. } = scattered;
+        let cos_out = direction.dot(at.geometric).abs();
+        // Veach 1997, equation 5.19, for a direction that has the cosine of arrival (or Snell's
+        // partner of it) to the shading normal on both sides; one without shading normals.
+        let adjoint = match side {
+            Side::Sensor => F32s::splat(1.0),
+            Side::Light => {
+                let cos_in = at.direction.dot(at.geometric).abs();
+                let shading_out = direction.dot(at.normal).abs();
+                let flat = (cos_in - at.cos_i).abs().simd_lt(F32s::splat(1e-6));
+                let ratio = at.cos_i * cos_out / (cos_in * shading_out);
+                Real::select(flat, F32s::splat(1.0), ratio)
+            }
+        };
+        for (beta, &weight) in self.paths.beta.iter_mut().zip(weight) {
+            let value = lanes::load(beta, row) * weight * adjoint;
+            lanes::store(beta, row, self.end, value);
+        }
+        direction.store(&mut self.departures.direction, row, self.end);
+        self.paths.mis.depart_specular(row, self.end, cos_out);
+    }
+}
