@@ -1,6 +1,6 @@
 //! Vertices that can be connected to, eight at a time: on surfaces and in media alike.
 //!
-//! Stages ask with [`for_scatterer`] for code that is compiled for what their rows have met, and
+//! Stages ask with `for_scatterer!` for code that is compiled for what their rows have met, and
 //! work on [`Scatterer`] and [`Vertices`] there.
 
 use crate::geometry::SurfaceColumns;

@@ -28,15 +28,24 @@ const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// Greatest F0 of a metal that has no eta and k: they would be infinite at 1.
 const F0_MAX: f32 = 0.999;
 
-/// Values of `bsdf`, with the keys that they take.
-const MODELS: [(&str, &[&str]); 7] = [
-    ("absorber", &[]),
-    ("conductor", &["eta", "k", "metal"]),
-    ("dielectric", &["exterior_ior", "ior"]),
-    ("diffuse", &["reflectance"]),
-    ("null", &[]),
-    ("polarizer", &["axis_deg", "extinction_ratio"]),
-    ("retarder", &["axis_deg", "retardance_deg"]),
+/// A value of `bsdf`.
+struct Model {
+    name: &'static str,
+    /// The keys that it takes.
+    keys: &'static [&'static str],
+    /// Reads them.
+    read: fn(&Body, &json::Material) -> Result<Bsdf, SceneError>,
+}
+
+/// All of them.
+const MODELS: [Model; 7] = [
+    Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
+    Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
+    Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
+    Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
+    Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
+    Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
+    Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
 ];
 /// Values of `bsdf` that later versions will know.
 const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectric"];
@@ -145,13 +154,13 @@ fn extension_model(
     body: &Body,
     material: &json::Material,
 ) -> Result<Bsdf, SceneError> {
-    let names: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
+    let names = MODELS.map(|model| model.name);
     let remedy = format!("use one of {}", names.join(", "));
     if PLANNED_MODELS.contains(&model) {
         let problem = format!("`{model}` is not supported yet");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
     }
-    let Some((_, keys)) = MODELS.iter().find(|(name, _)| *name == model) else {
+    let Some(Model { keys, read, .. }) = MODELS.iter().find(|known| known.name == model) else {
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
     };
@@ -160,7 +169,7 @@ fn extension_model(
         let problem = format!("means nothing for a {model}");
         return Err(SceneError::new(body.field(key), problem, remedy));
     }
-    let bsdf = described(model, body, material)?;
+    let bsdf = read(body, material)?;
     bsdf.check().map_err(|fault| match fault.field.as_str() {
         "ior" if !body.has("ior") => SceneError::at(body.label(), fault.of(KHR_IOR)),
         "ior over exterior_ior" => SceneError::at(body.label(), fault),
@@ -169,38 +178,37 @@ fn extension_model(
     Ok(bsdf)
 }
 
-/// The model with the numbers of its keys.
-fn described(model: &str, body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+    let base_color = Spectrum::Rgb([red, green, blue]);
+    Ok(Bsdf::diffuse(body.spectrum("reflectance")?.unwrap_or(base_color)))
+}
+
+fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
+    let exterior_ior = body.number("exterior_ior")?.unwrap_or(1.0) as f32;
+    Ok(Bsdf::Dielectric { ior, exterior_ior })
+}
+
+fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
     let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
-    match model {
-        "diffuse" => {
-            let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
-            let base_color = Spectrum::Rgb([red, green, blue]);
-            Ok(Bsdf::diffuse(body.spectrum("reflectance")?.unwrap_or(base_color)))
+    let extinction_ratio = body.number("extinction_ratio")?.unwrap_or(f64::INFINITY);
+    Ok(Bsdf::Polarizer { axis_deg, extinction_ratio })
+}
+
+fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+    match body.number("retardance_deg")? {
+        Some(retardance_deg) => {
+            Ok(Bsdf::retarder(body.number("axis_deg")?.unwrap_or(0.0), retardance_deg))
         }
-        "conductor" => conductor(body),
-        "dielectric" => {
-            let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
-            let exterior_ior = body.number("exterior_ior")?.unwrap_or(1.0) as f32;
-            Ok(Bsdf::Dielectric { ior, exterior_ior })
+        None => {
+            let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
+            Err(SceneError::new(body.field("retardance_deg"), "is missing", remedy))
         }
-        "null" => Ok(Bsdf::Null),
-        "polarizer" => {
-            let ratio = body.number("extinction_ratio")?;
-            Ok(Bsdf::Polarizer { axis_deg, extinction_ratio: ratio.unwrap_or(f64::INFINITY) })
-        }
-        "retarder" => match body.number("retardance_deg")? {
-            Some(retardance_deg) => Ok(Bsdf::retarder(axis_deg, retardance_deg)),
-            None => {
-                let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
-                Err(SceneError::new(body.field("retardance_deg"), "is missing", remedy))
-            }
-        },
-        _ => Ok(Bsdf::Absorber),
     }
 }
 
-fn conductor(body: &Body) -> Result<Bsdf, SceneError> {
+fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
     match (body.word("metal")?, body.spectrum("eta")?, body.spectrum("k")?) {
         (Some(name), None, None) => Bsdf::tabulated(name).map_err(|fault| body.place(fault)),
         (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
