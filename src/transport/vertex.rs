@@ -20,9 +20,8 @@ pub fn turn_of_light<const N: usize>(
     direction: Vector<F32s>,
     (row, live): (usize, usize),
 ) -> Turn<N> {
-    let first = vertices.event[row];
-    let others = lanes::first(live) & !have_met(vertices, row, first);
-    let turn = turn_of_event(vertices, scene, direction, row, (first, !others));
+    let (first, others) = split(vertices, row, lanes::first(live));
+    let turn = turn_of_event(vertices, scene, direction, row, first);
     if others.to_bitmask() == 0 {
         return turn;
     }
@@ -120,14 +119,18 @@ fn keep<const N: usize>(vertices: &VertexTable<N>, row: usize, mask: F32s) -> Ke
     KeptLanes { facing, rows: lanes::load_u32(&vertices.row, row) & mask }
 }
 
-/// Mask of the eight vertices from `row` on that have met the event.
+/// What the first of the vertices in the mask has met, with the mask of those that have met the
+/// same, and the mask of the others. In lanes of neither mask there may be anything.
 #[inline(always)]
-fn have_met<const N: usize>(vertices: &VertexTable<N>, row: usize, event: u32) -> F32s {
-    bytemuck::cast(lanes::load_u32(&vertices.event, row).simd_eq(U32s::splat(event)))
+fn split<const N: usize>(vertices: &VertexTable<N>, row: usize, mask: F32s) -> ((u32, F32s), F32s) {
+    let event = vertices.event[row + mask.to_bitmask().trailing_zeros() as usize];
+    let events = lanes::load_u32(&vertices.event, row);
+    let same: F32s = bytemuck::cast(events.simd_eq(U32s::splat(event)));
+    ((event, mask & same), mask & !same)
 }
 
-/// The events of those of the eight vertices from `row` on that are in the mask, each with the
-/// mask of those that have met it.
+/// What those of the eight vertices from `row` on that are in the mask have met, each with the
+/// mask of those that have.
 #[inline(always)]
 fn events<const N: usize>(
     vertices: &VertexTable<N>,
@@ -139,9 +142,29 @@ fn events<const N: usize>(
         if left.to_bitmask() == 0 {
             return None;
         }
-        let event = vertices.event[row + left.to_bitmask().trailing_zeros() as usize];
-        let mask = left & have_met(vertices, row, event);
-        left &= !mask;
-        Some((event, mask))
+        let (event, others) = split(vertices, row, left);
+        left = others;
+        Some(event)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_that_are_not_in_use_stay_out_of_every_mask() {
+        let mut vertices = VertexTable::<1>::new(LANES);
+        vertices.event[..LANES].copy_from_slice(&[3, 1, 3, 2, 1, 3, 9, 9]);
+        vertices.row[..LANES].copy_from_slice(&[4, 5, 6, 7, 8, 90, 91, 92]);
+        let found: Vec<(u32, u32, [u32; LANES])> = events(&vertices, 0, lanes::first(5))
+            .map(|(event, mask)| (event, mask.to_bitmask(), keep(&vertices, 0, mask).rows.into()))
+            .collect();
+        let expected = [
+            (3, 0b00101, [4, 0, 6, 0, 0, 0, 0, 0]),
+            (1, 0b10010, [0, 5, 0, 0, 8, 0, 0, 0]),
+            (2, 0b01000, [0, 0, 0, 7, 0, 0, 0, 0]),
+        ];
+        assert_eq!(found, expected);
+    }
 }
