@@ -112,7 +112,10 @@ impl Point {
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     match extension(path).as_str() {
         "svg" => atomic::probe_writable(path),
-        _ => Err(OutputError::Extension { path: path.to_owned(), known: ".svg (plots are SVG)" }),
+        _ => Err(OutputError::Extension {
+            path: path.to_owned(),
+            known: ".svg (plots are SVG)".to_owned(),
+        }),
     }
 }
 

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArguments;
+use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::Mode;
@@ -128,6 +129,13 @@ pub enum StatsFormat {
     Json,
 }
 
+/// What `render --help` says about formats.
+static OUTPUT_HELP: LazyLock<String> = LazyLock::new(|| {
+    let savable = FORMATS.iter().filter(|format| format.write.is_some());
+    let formats = savable.map(|format| format!("\n.{}: {}", format.extension, format.summary));
+    format!("Where to write; the extension names the format:{}", formats.collect::<String>())
+});
+
 /// `render` as typed.
 #[derive(Debug, Args)]
 #[command(after_long_help = RENDER_NOTES, args_override_self = true)]
@@ -135,13 +143,8 @@ pub struct RenderArguments {
     /// The scene: .gltf or .glb
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Where to write: .exr keeps everything, .hdr is a set of pictures, .png a preview
-    ///
-    /// .exr: OpenEXR, 32-bit float, with all Stokes components, variances and metadata.
-    /// .hdr: Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and
-    /// Gutierrez 2016 store them, with 8 bits of precision.
-    /// .png: S0 alone, as sRGB.
-    #[arg(short, long, value_name = "FILE", verbatim_doc_comment)]
+    /// Where to write; the extension names the format, and .exr keeps everything
+    #[arg(short, long, value_name = "FILE", long_help = OUTPUT_HELP.as_str())]
     pub output: PathBuf,
 
     /// How light is found
@@ -179,7 +182,7 @@ pub struct RenderArguments {
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,
-    /// Also store the variance of every value, from independent replicates (.exr only)
+    /// Also store the variance of every value, from independent replicates (not in every format)
     #[arg(long, help_heading = SAMPLES)]
     pub variance: bool,
     /// Independent replicates that the iterations are split into [default: 16 with --variance]
@@ -241,7 +244,7 @@ pub const PANELS: &str = "panels";
 /// `visualize` as typed.
 #[derive(Debug, Args)]
 pub struct VisualizeArguments {
-    /// The image: .exr, .hdr or .npy
+    /// The image, in a format that keeps what was rendered (.exr, .hdr, ...)
     pub image: PathBuf,
     /// Where to write the PNG
     #[arg(short, long, value_name = "PNG")]
@@ -280,6 +283,6 @@ pub struct CompareArguments {
 /// `inspect` as typed.
 #[derive(Debug, Args)]
 pub struct InspectArguments {
-    /// A scene (.gltf, .glb) or an image (.exr, .hdr, .npy)
+    /// A scene (.gltf, .glb) or an image (.exr, .hdr, ...)
     pub file: PathBuf,
 }

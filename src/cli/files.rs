@@ -5,11 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::CliError;
-
-/// The extension in lower case, without the dot; empty if there is none.
-pub(super) fn extension(path: &Path) -> String {
-    path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
-}
+use crate::image::extension;
 
 /// Refuses to draw a picture into anything but PNG.
 pub(super) fn require_png(path: &Path) -> Result<(), CliError> {

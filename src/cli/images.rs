@@ -1,12 +1,13 @@
 //! The verbs that need no renderer: `visualize`, `compare`, `inspect`.
 
+use crate::image::extension;
 use crate::image::visualize::{Map, View, panels, visualize as draw};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::scene;
 
 use super::CliError;
 use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments};
-use super::files::{extension, print, refuse_overwriting, require_png};
+use super::files::{print, refuse_overwriting, require_png};
 
 /// Draws a map of an image's polarization.
 pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::time::Duration;
 
+use crate::image::format::{Format, extensions, named_by};
 use crate::render::settings::{SAMPLES_MAX, check_color, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
@@ -10,7 +11,6 @@ use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{ColorName, PhotonArguments, RenderArguments};
-use super::files::extension;
 
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
@@ -24,9 +24,11 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     let photons = photons(arguments)?;
     let samples = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
     check_threads(arguments.threads)?;
-    if arguments.variance && extension(&arguments.output) != "exr" {
+    if arguments.variance && named_by(&arguments.output, Format::writes_variance).is_err() {
         return Err(CliError::Usage(format!(
-            "--variance needs an .exr output, and {} is none: other formats store no variances",
+            "--variance needs an output that ends in {}, and {} does not: other formats store no \
+             variances",
+            extensions(Format::writes_variance),
             arguments.output.display()
         )));
     }

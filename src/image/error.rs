@@ -56,7 +56,7 @@ pub enum OutputError {
         /// The name that was given.
         path: PathBuf,
         /// The extensions that would do.
-        known: &'static str,
+        known: String,
     },
     /// An image that cannot be shown or judged as was asked.
     #[error("the image cannot be used: {reason}")]

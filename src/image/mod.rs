@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`atomic`] | a file is written as a whole or not at all |
+//! | [`mod@format`] | the list of formats |
 //! | [`exr`] | OpenEXR, which keeps everything |
 //! | [`hdr`] | the paper's storage: a set of Radiance pictures |
 //! | [`npy`] | NumPy arrays in |
@@ -16,6 +17,7 @@ pub mod compare;
 pub mod error;
 pub mod exr;
 mod font;
+pub mod format;
 pub mod hdr;
 pub mod inspect;
 mod legend;
@@ -30,51 +32,25 @@ pub mod visualize;
 use std::path::Path;
 
 pub use error::OutputError;
+pub use format::extension;
 pub use stokes_image::StokesImage;
 
-const SAVABLE: &str = ".exr, .hdr, .png";
+use format::named_by;
 
-/// Writes an image in the format that the extension names: `.exr` (everything), `.hdr` (the
-/// paper's set of files) or `.png` (a preview of S0 at exposure 0).
+/// Writes an image in the format that the extension names ([`format::FORMATS`]).
 pub fn save(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
-    match extension(path).as_str() {
-        "exr" => exr::write(image, path),
-        "hdr" => hdr::write(image, path),
-        "png" => png::write_preview(image, path, 0.0),
-        _ => Err(OutputError::Extension { path: path.to_owned(), known: SAVABLE }),
-    }
+    named_by(path, |format| format.write)?(image, path)
 }
 
-/// Reads an image in the format that the extension names: `.exr`, `.hdr` or `.npy`. A file named
-/// `stokes.npy` with a `stderr.npy` beside it gets its variance from there.
+/// Reads an image in the format that the extension names ([`format::FORMATS`]).
 pub fn load(path: &Path) -> Result<StokesImage, OutputError> {
-    let known = ".exr, .hdr, .npy (a PNG preview does not hold what was rendered)";
-    match extension(path).as_str() {
-        "exr" => exr::read(path),
-        "hdr" => hdr::read(path),
-        "npy" => {
-            let stderr = path.with_file_name("stderr.npy");
-            match path.file_name().is_some_and(|name| name == "stokes.npy") && stderr.exists() {
-                true => npy::read_npy_with_stderr(path, &stderr),
-                false => npy::read_npy(path),
-            }
-        }
-        _ => Err(OutputError::Extension { path: path.to_owned(), known }),
-    }
+    named_by(path, |format| format.read)?(path)
 }
 
 /// Checks before a long render that [`save`] knows the extension and can write there.
 pub fn check_savable(path: &Path) -> Result<(), OutputError> {
-    match extension(path).as_str() {
-        "exr" | "png" => atomic::probe_writable(path),
-        "hdr" => (0..4).try_for_each(|i| atomic::probe_writable(&hdr::component_path(path, i))),
-        _ => Err(OutputError::Extension { path: path.to_owned(), known: SAVABLE }),
-    }
-}
-
-/// The extension in lower case, without the dot; empty if there is none.
-pub fn extension(path: &Path) -> String {
-    path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
+    let files = named_by(path, |format| format.write.map(|_| format.files))?(path);
+    files.iter().try_for_each(|file| atomic::probe_writable(file))
 }
 
 /// Refuses to write an image whose planes are not what its size and color promise.

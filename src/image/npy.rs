@@ -9,6 +9,16 @@ use crate::spectrum::Color;
 
 const FORMAT: &str = "NumPy";
 
+/// Reads an array by [`read_npy`]. A file named `stokes.npy` with a `stderr.npy` beside it gets its
+/// variance from there.
+pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
+    let stderr = path.with_file_name("stderr.npy");
+    if path.file_name().is_some_and(|name| name == "stokes.npy") && stderr.exists() {
+        return read_npy_with_stderr(path, &stderr);
+    }
+    read_npy(path)
+}
+
 /// Reads a little-endian float32 array in C order of shape (height, width, 4), or (height, width)
 /// and (height, width, 1) for intensity alone. The wavelength, which the file does not know, is
 /// taken as 550 nm.

@@ -1,0 +1,96 @@
+//! The formats of images, each a line of one list.
+
+use std::path::{Path, PathBuf};
+
+use super::error::OutputError;
+use super::{StokesImage, exr, hdr, npy, png};
+
+/// Writes an image under a name.
+pub type Write = fn(&StokesImage, &Path) -> Result<(), OutputError>;
+/// Reads the image of a name.
+pub type Read = fn(&Path) -> Result<StokesImage, OutputError>;
+
+/// A format that images are written in, read from, or both.
+pub struct Format {
+    /// The extension of its files' names, in lower case, without the dot.
+    pub extension: &'static str,
+    /// What it is and keeps, as help.
+    pub summary: &'static str,
+    /// Whether variances are kept.
+    pub keeps_variance: bool,
+    /// Writes an image.
+    pub write: Option<Write>,
+    /// Reads one.
+    pub read: Option<Read>,
+    /// The files that an image of a name becomes.
+    pub files: fn(&Path) -> Vec<PathBuf>,
+}
+
+/// All formats.
+pub static FORMATS: [Format; 4] = [
+    Format {
+        extension: "exr",
+        summary: "OpenEXR, 32-bit float, with all Stokes components, variances and metadata.",
+        keeps_variance: true,
+        write: Some(exr::write),
+        read: Some(exr::read),
+        files: one_file,
+    },
+    Format {
+        extension: "hdr",
+        summary: "Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and \
+                  Gutierrez 2016 store them, with 8 bits of precision.",
+        keeps_variance: false,
+        write: Some(hdr::write),
+        read: Some(hdr::read),
+        files: |path| (0..4).map(|component| hdr::component_path(path, component)).collect(),
+    },
+    Format {
+        extension: "png",
+        summary: "A preview: S0 alone, at exposure 0, as sRGB.",
+        keeps_variance: false,
+        write: Some(|image, path| png::write_preview(image, path, 0.0)),
+        read: None,
+        files: one_file,
+    },
+    Format {
+        extension: "npy",
+        summary: "A NumPy array of one wavelength; beside stokes.npy, stderr.npy if it is there.",
+        keeps_variance: true,
+        write: None,
+        read: Some(npy::read),
+        files: one_file,
+    },
+];
+
+fn one_file(path: &Path) -> Vec<PathBuf> {
+    vec![path.to_owned()]
+}
+
+/// The extension in lower case, without the dot; empty if there is none.
+pub fn extension(path: &Path) -> String {
+    path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// What the format that a file's extension names has, among those that have it.
+pub fn named_by<T>(
+    path: &Path,
+    of: impl Fn(&'static Format) -> Option<T>,
+) -> Result<T, OutputError> {
+    let extension = extension(path);
+    let named = FORMATS.iter().filter(|format| format.extension == extension).find_map(&of);
+    named.ok_or_else(|| OutputError::Extension { path: path.to_owned(), known: extensions(of) })
+}
+
+/// The extensions of the formats that have something, for messages.
+pub fn extensions<T>(of: impl Fn(&'static Format) -> Option<T>) -> String {
+    let names = FORMATS.iter().filter(|format| of(format).is_some());
+    names.map(|format| format!(".{}", format.extension)).collect::<Vec<_>>().join(", ")
+}
+
+impl Format {
+    /// What writes images and their variances, if that is kept.
+    pub fn writes_variance(&self) -> Option<Write> {
+        self.write.filter(|_| self.keeps_variance)
+    }
+}
