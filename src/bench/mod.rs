@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`measure`] | what is done to measure: renders on the clock |
 //! | [`costs`] | scalar against polarized in rounds that alternate, stage by stage |
 //! | [`table1`] | that, as the paper's Table 1 reports it |
 //! | [`overhead`] | that, for any scenes and integrators |
@@ -15,6 +16,7 @@ pub mod convergence;
 pub mod costs;
 pub mod figures;
 pub mod history;
+pub mod measure;
 pub mod overhead;
 pub mod plot;
 pub mod record;

@@ -13,6 +13,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::bench::measure::MeasureError;
 use crate::render::{RenderError, SettingsError};
 
 use args::{Arguments, Command};
@@ -43,6 +44,16 @@ enum CliError {
 impl From<SettingsError> for CliError {
     fn from(SettingsError { setting, rule }: SettingsError) -> Self {
         Self::Usage(format!("{} {rule}", job::option_of(setting)))
+    }
+}
+
+impl From<MeasureError> for CliError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Render(error) => error.into(),
+            MeasureError::Threads(error) => error.into(),
+            MeasureError::Output(error) => error.into(),
+        }
     }
 }
 

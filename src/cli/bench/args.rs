@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::builder::PossibleValue;
 use clap::{Args, Subcommand, ValueEnum};
 
+use crate::bench::measure::scaling::SeriesKind;
 use crate::cli::args::{
     ColorName, IntegratorName, ModeName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat,
 };
@@ -203,19 +205,29 @@ pub struct OverheadArguments {
     pub output: RecordedReportArguments,
 }
 
-/// What can grow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SeriesName {
-    /// Threads, from 1 to all processors
-    Threads,
-    /// Samples per pixel
-    Samples,
-    /// Light paths an iteration, with ppm
-    Photons,
-    /// Pixels of the film
-    Pixels,
-    /// Wavelengths or channels
-    Wavelengths,
+/// A series by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SeriesName(pub SeriesKind);
+
+impl ValueEnum for SeriesName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: [SeriesName; SeriesKind::ALL.len()] = {
+            let [a, b, c, d, e] = SeriesKind::ALL;
+            [SeriesName(a), SeriesName(b), SeriesName(c), SeriesName(d), SeriesName(e)]
+        };
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            SeriesKind::Threads => "Threads, from 1 to all processors",
+            SeriesKind::Samples => "Samples per pixel",
+            SeriesKind::Photons => "Light paths an iteration, with ppm",
+            SeriesKind::Pixels => "Pixels of the film",
+            SeriesKind::Wavelengths => "Wavelengths or channels",
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
+    }
 }
 
 /// `bench scaling` as typed.

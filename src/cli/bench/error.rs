@@ -1,31 +1,23 @@
 //! `bench error`.
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use super::args::ErrorArguments;
-use super::measure::{Taken, machine, progress_bar, timed};
+use super::progress::Progress;
 use super::report::{check_outputs, deliver};
-use super::subject::load;
 use super::work;
-use crate::bench::Machine;
-use crate::bench::convergence::{
-    ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
-};
-use crate::cli::args::IntegratorName;
+use crate::bench::measure::error::{self as measure, REPLICATES, Task, Truth, rounds_in_all};
 use crate::cli::files::say;
 use crate::cli::{CliError, job};
 use crate::image::StokesImage;
-use crate::image::compare::{ComponentComparison, compare, in_words, relative_variance};
+use crate::image::compare::in_words;
 use crate::image::load as load_image;
+use crate::integrators::Integrator;
+use crate::render::Options;
 use crate::render::memory::check_memory;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::threads::Threads;
-use crate::render::{Options, PlacedWorld, Renderer, Settings};
 use crate::spectrum::Color;
-
-/// Replicates of a reference that is rendered, for its variances.
-const REPLICATES: u32 = 16;
 
 /// Errors over time.
 pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
@@ -41,35 +33,28 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
         check_fit(arguments, image, &options, size)?;
     }
     check_memory(&options, size)?;
-    let subject = load(&arguments.scene)?;
+    let subject = work::load(&arguments.scene)?;
     let threads = Threads::start(arguments.work.threads)?;
-    let renders = arguments.integrator.len() as u64 * u64::from(arguments.seeds);
-    let progress = progress_bar(renders + 1);
-    progress.set_message("reference");
-    let (image, name) = match given {
-        Some(image) => (image, name_of_file(arguments)),
-        None => reference(arguments, &subject.world, &options, &threads)?,
+    let truth = match given {
+        Some(image) => Truth::Image(Box::new(image), name_of_file(arguments)),
+        None => Truth::Render {
+            integrator: arguments.reference_integrator.0,
+            samples: arguments.reference_spp,
+        },
     };
-    let reference = Reference { name, relative_variance: relative_variance(&image) };
-    progress.inc(1);
-    let mut integrators = Vec::with_capacity(arguments.integrator.len());
-    for &IntegratorName(integrator) in &arguments.integrator {
-        progress.set_message(integrator.name());
-        let run = |index: u32| {
-            let seed = options.seed.wrapping_add(index);
-            let options = Options { integrator, seed, ..options };
-            let steps = converge(arguments, &subject.world, options, &threads, &image);
-            progress.inc(1);
-            steps
-        };
-        let runs: Vec<Vec<Step>> = (0..arguments.seeds).map(run).collect::<Result<_, _>>()?;
-        integrators.push(Convergence::mean(integrator.name(), &runs));
-    }
-    progress.finish_and_clear();
-    let conditions = conditions(arguments, &options, subject.short_name(), size, machine(&threads));
-    let report = ErrorReport::new(conditions, reference, integrators);
-    let machine = &report.conditions.machine;
-    deliver(&report, output, ("error", machine))
+    let integrators: Vec<Integrator> = arguments.integrator.iter().map(|name| name.0).collect();
+    let task = Task {
+        subject: &subject,
+        options,
+        integrators: &integrators,
+        seeds: arguments.seeds,
+        iterations: arguments.iterations,
+        seconds: arguments.seconds,
+    };
+    let progress = Progress::of(rounds_in_all(integrators.len(), arguments.seeds));
+    let report = measure::error(&task, truth, &threads, &progress)?;
+    progress.finish();
+    deliver(&report, output, ("error", &report.conditions.machine))
 }
 
 /// Checks what was typed.
@@ -145,90 +130,5 @@ fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, setti
             ));
         }
         (Color::Mono { .. } | Color::Rgb, Color::Mono { .. } | Color::Rgb) => {}
-    }
-}
-
-/// Renders a reference with a seed of its own; and says how.
-fn reference(
-    arguments: &ErrorArguments,
-    world: &PlacedWorld,
-    options: &Options,
-    threads: &Threads,
-) -> Result<(StokesImage, String), CliError> {
-    let integrator = arguments.reference_integrator.0;
-    let settings = Settings::new(Options {
-        integrator,
-        samples: arguments.reference_spp,
-        replicates: REPLICATES,
-        seed: options.seed.wrapping_sub(1),
-        ..*options
-    })?;
-    let mut renderer = Renderer::new(world, &settings)?;
-    threads.run(|| renderer.run(|_| ControlFlow::Continue(())));
-    let samples = arguments.reference_spp;
-    let name = format!("{} with {samples} samples a pixel, rendered here", integrator.name());
-    Ok((renderer.finish(), name))
-}
-
-/// Renders until time or iterations run out, and compares at every power of two.
-fn converge(
-    arguments: &ErrorArguments,
-    world: &PlacedWorld,
-    options: Options,
-    threads: &Threads,
-    reference: &StokesImage,
-) -> Result<Vec<Step>, CliError> {
-    let mut renderer = Renderer::new(world, &Settings::new(options)?)?;
-    let mut steps: Vec<Step> = Vec::new();
-    let (mut done, mut seconds, mut wall_seconds) = (0, 0.0, 0.0);
-    let mut next = 1;
-    // The next step takes as long as all before it.
-    while next <= arguments.iterations && (done == 0 || 2.0 * seconds <= arguments.seconds) {
-        let ((), taken) = timed(|| threads.run(|| renderer.advance(next - done)));
-        seconds += cpu_or_wall(taken);
-        wall_seconds += taken.seconds;
-        // A render develops its film once, at its end.
-        let (image, developed) = timed(|| renderer.preview());
-        let compared = compare(&image, reference)?;
-        let error = |found: ComponentComparison| ComponentError {
-            name: found.name,
-            rmse: found.rmse,
-            relative_mse: found.relative_mse,
-        };
-        steps.push(Step {
-            iterations: next,
-            seconds: seconds + cpu_or_wall(developed),
-            wall_seconds: wall_seconds + developed.seconds,
-            errors: compared.components.into_iter().map(error).collect(),
-        });
-        done = next;
-        next *= 2;
-    }
-    Ok(steps)
-}
-
-fn cpu_or_wall(taken: Taken) -> f64 {
-    taken.cpu_seconds.unwrap_or(taken.seconds)
-}
-
-fn conditions(
-    arguments: &ErrorArguments,
-    settings: &Options,
-    scene: String,
-    [width, height]: [u32; 2],
-    machine: Machine,
-) -> Conditions {
-    Conditions {
-        machine,
-        scene,
-        mode: settings.mode.name().into(),
-        color: settings.color.to_string(),
-        width,
-        height,
-        photons_shot: settings.photons.per_iteration,
-        path_length_max: settings.path_length_max,
-        roulette_after: settings.roulette_after,
-        seeds: arguments.seeds,
-        seed: settings.seed,
     }
 }

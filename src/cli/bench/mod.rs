@@ -3,11 +3,10 @@
 pub mod args;
 mod error;
 mod history;
-mod measure;
 mod overhead;
+mod progress;
 mod report;
 mod scaling;
-mod subject;
 mod table1;
 mod work;
 

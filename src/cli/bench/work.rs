@@ -1,8 +1,11 @@
 //! What is rendered, as validated.
 
+use std::path::{Path, PathBuf};
+
 use super::args::WorkArguments;
-use super::subject::Subject;
+use crate::bench::measure::{Subject, subject};
 use crate::cli::args::IntegratorName;
+use crate::cli::files::say;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
@@ -11,6 +14,27 @@ use crate::spectrum::Color;
 
 /// Edge of the film where none is typed, in pixels.
 const EDGE: u32 = 256;
+
+/// Loads scenes, all before the first is measured; those that the program carries, if none are
+/// named.
+pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, CliError> {
+    let subjects = subject::load_all(paths)?;
+    subjects.iter().for_each(say_warnings);
+    Ok(subjects)
+}
+
+/// Loads a scene.
+pub fn load(path: &Path) -> Result<Subject, CliError> {
+    let subject = subject::load(path)?;
+    say_warnings(&subject);
+    Ok(subject)
+}
+
+fn say_warnings(subject: &Subject) {
+    for warning in &subject.warnings {
+        say(format_args!("warning: {}: {warning}", subject.name));
+    }
+}
 
 /// The size of the film: as typed, else `default`.
 pub fn size(work: &WorkArguments, default: Option<[u32; 2]>) -> Result<[u32; 2], CliError> {

@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::bench::table1::{PAPER, PaperRow};
-use crate::cli::CliError;
-use crate::cli::files::say;
 use crate::render::PlacedWorld;
-use crate::scene::{self, World};
+use crate::scene::{self, SceneError, World};
 
 /// A scene of the paper's table that the program carries with it.
 struct Shipped {
@@ -34,6 +32,8 @@ pub struct Subject {
     pub name: String,
     /// Its row in the paper's table.
     pub paper: Option<&'static PaperRow>,
+    /// What the scene asks for and the renderer ignores, one sentence each.
+    pub warnings: Vec<String>,
     /// The scene itself.
     pub world: PlacedWorld,
 }
@@ -48,7 +48,7 @@ impl Subject {
 
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
-pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, CliError> {
+pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, SceneError> {
     match paths {
         [] => SHIPPED.iter().map(carried).collect(),
         paths => paths.iter().map(|path| load(path)).collect(),
@@ -56,7 +56,7 @@ pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, CliError> {
 }
 
 /// Loads a scene.
-pub fn load(path: &Path) -> Result<Subject, CliError> {
+pub fn load(path: &Path) -> Result<Subject, SceneError> {
     let world = scene::load(path)?;
     // A copy of a shipped scene is that scene.
     let bytes = std::fs::read(path).unwrap_or_default();
@@ -64,7 +64,7 @@ pub fn load(path: &Path) -> Result<Subject, CliError> {
     subject(path.display().to_string(), shipped.map(|shipped| shipped.paper), world)
 }
 
-fn carried(shipped: &Shipped) -> Result<Subject, CliError> {
+fn carried(shipped: &Shipped) -> Result<Subject, SceneError> {
     let world = scene::load_from_memory(Path::new(shipped.file), shipped.bytes)?;
     subject(world.name().to_owned(), Some(shipped.paper), world)
 }
@@ -73,9 +73,7 @@ fn subject(
     name: String,
     paper: Option<&'static PaperRow>,
     world: World,
-) -> Result<Subject, CliError> {
-    for warning in world.warnings() {
-        say(format_args!("warning: {name}: {warning}"));
-    }
-    Ok(Subject { name, paper, world: PlacedWorld::new(world)? })
+) -> Result<Subject, SceneError> {
+    let warnings = world.warnings().to_vec();
+    Ok(Subject { name, paper, warnings, world: PlacedWorld::new(world)? })
 }

@@ -1,13 +1,10 @@
 //! Rounds on the clock.
 
-use std::io::IsTerminal;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
+use super::{MeasureError, Watch};
 use crate::bench::Machine;
 use crate::bench::costs::{Cost, Measured, Round};
-use crate::cli::CliError;
 use crate::render::threads::Threads;
 use crate::render::{PlacedWorld, Renderer, Settings, system};
 
@@ -38,8 +35,8 @@ pub fn compare_modes(
     settings: [&Settings; 2],
     (rounds, samples): (u32, u32),
     threads: &Threads,
-    progress: &ProgressBar,
-) -> Result<(Vec<Round>, Cost), CliError> {
+    watch: &impl Watch,
+) -> Result<(Vec<Round>, Cost), MeasureError> {
     let [scalar, polarized] = settings.map(|settings| Renderer::new(world, settings));
     let mut renderers = [scalar?, polarized?];
     let mut measured_rounds = Vec::with_capacity(rounds as usize);
@@ -53,7 +50,7 @@ pub fn compare_modes(
             let [scalar, polarized] = measured;
             measured_rounds.push(Round { polarized_first: first == 1, scalar, polarized });
         }
-        progress.inc(1);
+        watch.round();
     }
     let [scalar, polarized] = renderers.map(|renderer| {
         let (_, taken) = timed(|| renderer.finish());
@@ -83,15 +80,4 @@ pub fn machine(threads: &Threads) -> Machine {
 /// Processors that the program may use, where the system tells.
 pub fn processors() -> Option<usize> {
     std::thread::available_parallelism().ok().map(usize::from)
-}
-
-/// A bar that counts rounds, where somebody sees it.
-pub fn progress_bar(rounds: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(rounds);
-    let template = "{msg} {wide_bar} {pos}/{len} rounds, {eta} left";
-    bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
-    bar
 }

@@ -1,0 +1,43 @@
+//! The paper's Table 1.
+
+use super::clock::{compare_modes, machine};
+use super::{MeasureError, Subject, Watch};
+use crate::bench::table1::{Conditions, SceneReport, Table1};
+use crate::render::threads::Threads;
+use crate::render::{Mode, Options, Settings};
+
+/// Measures each scene in `iterations` of these settings, polarized, and as many scalar.
+pub fn table1(
+    subjects: &[Subject],
+    options: &Options,
+    iterations: u32,
+    threads: &Threads,
+    watch: &impl Watch,
+) -> Result<Table1, MeasureError> {
+    let polarized = Settings::new(*options)?;
+    let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
+    let rounds = (iterations, options.photons.samples);
+    let measured = subjects.iter().map(|subject| {
+        watch.at(&subject.name);
+        let modes = [&scalar, &polarized];
+        let (rounds, _) = compare_modes(&subject.world, modes, rounds, threads, watch)?;
+        Ok(SceneReport::new(subject.name.clone(), subject.paper, rounds))
+    });
+    let scenes: Vec<SceneReport> = measured.collect::<Result<_, MeasureError>>()?;
+    let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
+    let conditions = Conditions {
+        machine: machine(threads),
+        integrator: options.integrator.name().into(),
+        color: options.color.to_string(),
+        width,
+        height,
+        iterations,
+        photons_shot: options.photons.per_iteration,
+        samples_per_iteration: options.photons.samples,
+        alpha: options.photons.alpha,
+        path_length_max: options.path_length_max,
+        roulette_after: options.roulette_after,
+        seed: options.seed,
+    };
+    Ok(Table1::new(conditions, scenes))
+}
