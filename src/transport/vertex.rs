@@ -73,12 +73,24 @@ pub fn departing_states<const N: usize, M: LightModel<N>>(
     if !(M::POLARIZED && scene.has_polarizing_vertices) {
         return states;
     }
+    scatter_all(&mut states, vertices, scene, direction, (row, live));
+    states
+}
+
+/// The states of eight vertices.
+#[inline(never)]
+fn scatter_all<const N: usize>(
+    states: &mut [Option<LightState<N>>; LANES],
+    vertices: &VertexTable<N>,
+    scene: &Scene<N>,
+    direction: Vector<F32s>,
+    (row, live): (usize, usize),
+) {
     for (event, mask) in events(vertices, row, lanes::first(live)) {
         for_scatterer!(scene, scene.events[event as usize].met, all => {
-            scatter_states(&mut states, vertices, all, direction, (row, mask));
+            scatter_states(states, vertices, all, direction, (row, mask));
         });
     }
-    states
 }
 
 /// The states of the lanes in the mask.
