@@ -399,13 +399,18 @@ macro_rules! for_scatterer {
     ($scene:expr, $met:expr, $scatterer:ident => $body:expr) => {
         match $met {
             $crate::scattering::Met::Surface(kind) => {
-                $crate::scattering::surface::for_connecting!(
-                    $scene.surfaces, kind, models => {
+                $crate::scattering::surface::for_scattering!($scene.surfaces, kind, models => {
+                    specular: {
+                        let _ = models;
+                        None
+                    },
+                    connecting: {
                         let $scatterer =
                             $crate::scattering::vertex::OnSurfaces::new($scene, models);
-                        $body
-                    }
-                )
+                        Some($body)
+                    },
+                    else: None,
+                })
             }
             $crate::scattering::Met::Medium(medium) => {
                 let medium = $scene.medium(medium);

@@ -77,7 +77,8 @@ pub fn departing_states<const N: usize, M: LightModel<N>>(
     states
 }
 
-/// The states of eight vertices.
+/// The states of eight vertices; out of the loops of all models that connect to them, which would
+/// take long to build.
 #[inline(never)]
 fn scatter_all<const N: usize>(
     states: &mut [Option<LightState<N>>; LANES],

@@ -186,19 +186,23 @@ macro_rules! declare {
 
 surface_models!([declare]());
 
-/// Compiles code for every specular model, and runs that of a kind on the table of its model;
-/// `None` for other kinds.
-macro_rules! for_specular {
-    ($surfaces:expr, $kind:expr, $models:ident => $body:expr) => {
+/// Compiles code for every model that scatters, by sort, and runs that of a kind on the table of
+/// its model; `else` is for kinds that do not.
+macro_rules! for_scattering {
+    ($surfaces:expr, $kind:expr, $models:ident => {
+        specular: $one:expr, connecting: $any:expr, else: $else:expr $(,)?
+    }) => {
         $crate::scattering::surface::surface_models!([
-            $crate::scattering::surface::dispatch_specular
-        ]($surfaces, $kind, $models, $body))
+            $crate::scattering::surface::dispatch_surface
+        ](
+            $surfaces, $kind, $models, $one, $any, $else
+        ))
     };
 }
 
-macro_rules! dispatch_specular {
+macro_rules! dispatch_surface {
     (
-        ($surfaces:expr, $kind:expr, $models:ident, $body:expr)
+        ($surfaces:expr, $kind:expr, $models:ident, $of_one:expr, $of_any:expr, $else:expr)
         ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
@@ -207,48 +211,19 @@ macro_rules! dispatch_specular {
         match $kind {
             $($crate::scattering::surface::SurfaceKind::$one => {
                 let $models = $surfaces.$one_table();
-                Some($body)
+                $of_one
             })*
-            $($crate::scattering::surface::SurfaceKind::$end)|*
-            $(| $crate::scattering::surface::SurfaceKind::$any)*
-            $(| $crate::scattering::surface::SurfaceKind::$null)* => None,
-        }
-    };
-}
-
-/// Compiles code for every connecting model, and runs that of a kind on the table of its model;
-/// `None` for other kinds.
-macro_rules! for_connecting {
-    ($surfaces:expr, $kind:expr, $models:ident => $body:expr) => {
-        $crate::scattering::surface::surface_models!([
-            $crate::scattering::surface::dispatch_connecting
-        ]($surfaces, $kind, $models, $body))
-    };
-}
-
-macro_rules! dispatch_connecting {
-    (
-        ($surfaces:expr, $kind:expr, $models:ident, $body:expr)
-        ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
-        specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
-        connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
-        crossed { $($null:ident $null_of:tt => $null_table:ident: $null_model:ty,)* }
-    ) => {
-        match $kind {
             $($crate::scattering::surface::SurfaceKind::$any => {
                 let $models = $surfaces.$any_table();
-                Some($body)
+                $of_any
             })*
             $($crate::scattering::surface::SurfaceKind::$end)|*
-            $(| $crate::scattering::surface::SurfaceKind::$one)*
-            $(| $crate::scattering::surface::SurfaceKind::$null)* => None,
+            $(| $crate::scattering::surface::SurfaceKind::$null)* => $else,
         }
     };
 }
 
-pub(crate) use {
-    dispatch_connecting, dispatch_specular, for_connecting, for_specular, surface_models,
-};
+pub(crate) use {dispatch_surface, for_scattering, surface_models};
 
 impl SurfaceKind {
     /// How many kinds of events there are at surfaces: one for all that end paths, and none for

@@ -55,6 +55,7 @@ fn gather_polarized<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     all: S,
     film_up: Vec3,
 ) {
+    // No such event gets here, and nothing is compiled for it.
     if !S::POLARIZES {
         return;
     }

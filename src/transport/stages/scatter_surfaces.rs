@@ -7,7 +7,7 @@ use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form, spheroids};
 use crate::scattering::surface::model::{Incidence, Scattered};
-use crate::scattering::surface::{Connecting, Specular, for_connecting, for_specular};
+use crate::scattering::surface::{Connecting, Specular, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::Bounce;
@@ -35,13 +35,16 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
     for (event, rows) in partition.events() {
         let Met::Surface(kind) = event.met else { continue };
         let mut to = Departing { departures, paths, end: rows.end };
-        let rows = rows.start..rows.end;
-        for_specular!(scene.surfaces, kind, models => {
-            send_on::<N, POLARIZED, C, _>(&mut to, (scene, models), surfaces, rows.clone(), bounce);
-        });
-        for_connecting!(scene.surfaces, kind, models => {
-            let all = OnSurfaces::new(scene, models);
-            scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows.clone(), bounce);
+        for_scattering!(scene.surfaces, kind, models => {
+            specular: {
+                let all = (scene, models);
+                send_on::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows, bounce);
+            },
+            connecting: {
+                let all = OnSurfaces::new(scene, models);
+                scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows, bounce);
+            },
+            else: {},
         });
     }
 }
