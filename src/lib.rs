@@ -49,7 +49,7 @@
 //!
 //! | floor | module | holds |
 //! |---|---|---|
-//! | 0 | `math` | numbers, lanes, vectors, hashing, statistics |
+//! | 0 | `math` | numbers, lanes, vectors, hashing, statistics, words |
 //! | 1 | `spectrum` | wavelengths and color |
 //! | 1 | `polarization` | Stokes vectors, Mueller kernels, Fresnel, carriers |
 //! | 2 | `image` | Stokes images, their formats, maps and comparison |

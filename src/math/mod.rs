@@ -1,4 +1,4 @@
-//! Floor 0: numbers, lanes and vectors. Knows nothing of light.
+//! Floor 0: numbers, lanes, vectors and words. Knows nothing of light.
 
 pub mod columns;
 pub mod hash;
@@ -6,6 +6,7 @@ pub mod lanes;
 pub mod range;
 pub mod real;
 pub mod statistics;
+pub mod text;
 pub mod vector;
 pub mod warp;
 

@@ -1,15 +1,32 @@
 //! What is wrong with a scene, where, and how to mend it.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::math::Fault;
+use crate::math::text::excerpt;
+
+/// Most troubles that one error tells; the others are counted.
+const TOLD_MAX: usize = 10;
+/// Most characters of each part of what is told: names and values are a file's.
+const CHARACTERS_MAX: usize = 1000;
 
 /// A scene that cannot be loaded or baked. It displays as
-/// `file: node, mesh, material or camera, field: what is wrong` and a second line with the remedy.
+/// `file: node, mesh, material or camera, field: what is wrong` and a second line with the remedy;
+/// if several things are wrong, as a list of such lines.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.text())]
 pub struct SceneError {
     file: String,
+    /// At least one.
+    troubles: Vec<Trouble>,
+    /// How many more there are.
+    more: usize,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Trouble {
     place: String,
     problem: String,
     remedy: String,
@@ -22,12 +39,9 @@ impl SceneError {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self {
-            file: String::new(),
-            place: place.into(),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
+        let [place, problem, remedy] = [place.into(), problem.into(), remedy.into()]
+            .map(|part| excerpt(&part, CHARACTERS_MAX));
+        Self { file: String::new(), troubles: vec![Trouble { place, problem, remedy }], more: 0 }
     }
 
     /// The error that a fault is in the object of this name.
@@ -44,28 +58,120 @@ impl SceneError {
     /// The same error with the file's name; none if that is empty.
     #[must_use]
     pub(super) fn in_file(mut self, file: &Path) -> Self {
-        self.file = file.display().to_string();
+        self.file = excerpt(&file.display().to_string(), CHARACTERS_MAX);
         self
     }
 
-    /// Which object and field of the scene the error is about; empty if the whole file.
+    /// Which object and field of the scene the (first) error is about; empty if the whole file.
     pub fn place(&self) -> &str {
-        &self.place
+        &self.troubles[0].place
     }
 
     /// How to mend it.
     pub fn remedy(&self) -> &str {
-        &self.remedy
+        &self.troubles[0].remedy
     }
 
     fn text(&self) -> String {
-        let heads = [&self.file, &self.place].into_iter().filter(|part| !part.is_empty());
-        let mut text: String = heads.map(|part| format!("{part}: ")).collect();
-        text += &self.problem;
-        if !self.remedy.is_empty() {
-            text += "\n  help: ";
-            text += &self.remedy;
+        let file = if self.file.is_empty() { String::new() } else { format!("{}: ", self.file) };
+        if let [only] = &self.troubles[..] {
+            let help = only.help().map_or_else(String::new, |help| format!("\n{help}"));
+            return format!("{file}{}{help}", only.line());
         }
-        text
+        let mut lines = vec![format!("{file}{} things are wrong", self.troubles.len() + self.more)];
+        for (index, trouble) in self.troubles.iter().enumerate() {
+            lines.push(format!("  {}", trouble.line()));
+            // Troubles of one kind have one remedy, which is told behind the last of them.
+            let is_said_again =
+                self.troubles.get(index + 1).is_some_and(|next| next.remedy == trouble.remedy);
+            lines.extend(trouble.help().filter(|_| !is_said_again));
+        }
+        if self.more > 0 {
+            lines.push(format!("  and {} more", self.more));
+        }
+        lines.join("\n")
+    }
+}
+
+impl Trouble {
+    fn line(&self) -> String {
+        let separator = if self.place.is_empty() { "" } else { ": " };
+        format!("{}{separator}{}", self.place, self.problem)
+    }
+
+    fn help(&self) -> Option<String> {
+        (!self.remedy.is_empty()).then(|| format!("  help: {}", self.remedy))
+    }
+}
+
+/// Everything that is wrong, so that a user hears of it at once and not of one after the other.
+#[derive(Default)]
+pub(super) struct Findings {
+    troubles: Vec<Trouble>,
+    seen: HashSet<Trouble>,
+    more: usize,
+}
+
+impl Findings {
+    /// What went well; what did not is kept in mind, once.
+    pub fn note<T>(&mut self, result: Result<T, SceneError>) -> Option<T> {
+        let error = match result {
+            Ok(value) => return Some(value),
+            Err(error) => error,
+        };
+        self.more += error.more;
+        for trouble in error.troubles {
+            if !self.seen.insert(trouble.clone()) {
+                continue;
+            }
+            if self.troubles.len() < TOLD_MAX {
+                self.troubles.push(trouble);
+            } else {
+                self.more += 1;
+            }
+        }
+        None
+    }
+
+    /// All that has been noted as one error.
+    pub fn result(self) -> Result<(), SceneError> {
+        let Self { troubles, more, .. } = self;
+        if troubles.is_empty() {
+            return Ok(());
+        }
+        Err(SceneError { file: String::new(), troubles, more })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_found_is_told_once_and_not_without_end() {
+        let mut findings = Findings::default();
+        for number in [1, 1, 2] {
+            findings.note::<()>(Err(SceneError::new(format!("node {number}"), "bad", "mend it")));
+        }
+        let error = findings.result().unwrap_err().in_file(Path::new("a.gltf"));
+        let expected = "a.gltf: 2 things are wrong\n  node 1: bad\n  node 2: bad\n  help: mend it";
+        assert_eq!(error.to_string(), expected);
+        assert_eq!((error.place(), error.remedy()), ("node 1", "mend it"));
+
+        let mut many = Findings::default();
+        for number in 0..50 {
+            many.note::<()>(Err(SceneError::new(format!("node {number}"), "bad", "")));
+        }
+        let text = many.result().unwrap_err().to_string();
+        assert!(text.starts_with("50 things are wrong\n") && text.ends_with("\n  and 40 more"));
+        assert_eq!(Findings::default().note(Ok(7)), Some(7));
+        assert!(Findings::default().result().is_ok());
+    }
+
+    #[test]
+    fn names_of_files_and_objects_do_not_act_on_terminals() {
+        let error = SceneError::new("node 0 \"\x1b[2J\nerror: \"", "bad", "");
+        let text = error.in_file(Path::new("a\n.gltf")).to_string();
+        assert_eq!(text, "a\\n.gltf: node 0 \"\\u{1b}[2J\\nerror: \": bad");
     }
 }

@@ -8,10 +8,10 @@ use sunstone::internals::scene::{bake, load, load_with};
 use sunstone::internals::spectrum::Color;
 
 /// What is done to the good document, and what the error must say.
-type Case = (fn(&mut Value), &'static [&'static str]);
+pub type Case = (fn(&mut Value), &'static [&'static str]);
 
 #[track_caller]
-fn refused(cases: &[Case]) {
+pub fn refused(cases: &[Case]) {
     for (number, (spoil, expected)) in cases.iter().enumerate() {
         let mut document = good();
         spoil(&mut document);
@@ -62,6 +62,10 @@ fn structure() {
             |d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
             &["extensionsRequired", "`KHR_draco_mesh_compression`", "export without"],
         ),
+        (
+            |d| d["extensionsRequired"] = json!(["A", "B"]),
+            &["extensionsRequired: `A`, `B` are not supported"],
+        ),
         (|d| d["scenes"] = json!([]), &["scene: 0 is not an index", "0 scenes"]),
         (
             |d| {
@@ -81,9 +85,7 @@ fn structure() {
             &["node 3 \"lamp\", KHR_lights_punctual.light", "1 lights"],
         ),
         (|d| d["scenes"][0]["nodes"] = json!([0, 9]), &["scene 0 \"good\", nodes", "9"]),
-        (|d| d["scenes"][0]["nodes"] = json!([0, 0]), &["scene 0", "node 0 \"eye\"", "twice"]),
         (|d| d["nodes"][1]["children"] = json!([9]), &["node 1 \"panel\", children", "9"]),
-        (|d| d["nodes"][1]["children"] = json!([2]), &["scene 0", "node 2 \"ball\""]),
         (|d| d["nodes"][1]["children"] = json!([1]), &["node 1 \"panel\"", "cycle"]),
         (
             |d| {
@@ -138,9 +140,7 @@ fn meshes() {
         ),
         (|d| d["meshes"][0]["primitives"][0]["indices"] = json!(3), &["indices", "3 accessors"]),
         (|d| d["meshes"][0]["primitives"][0]["material"] = json!(2), &["material", "2 materials"]),
-        (|d| d["meshes"][0]["primitives"][0]["mode"] = json!(0), &["mesh 0", "points or lines"]),
-        (|d| d["meshes"][0]["primitives"][0]["mode"] = json!(3), &["mesh 0", "points or lines"]),
-        (|d| d["meshes"][0]["primitives"][0]["mode"] = json!(9), &["mesh 0", "points or lines"]),
+        (|d| d["meshes"][0]["primitives"][0]["mode"] = json!(9), &["mesh 0", "mode", "not known"]),
         (
             |d| d["meshes"][0]["extras"] = json!({"sunstone_bsdf": "diffuse"}),
             &["mesh 0 \"square\", extras.sunstone_bsdf", "use its material or node"],
@@ -154,11 +154,6 @@ fn meshes() {
             |d| positions(d, [[0.0; 3], [1.0; 3], [f32::INFINITY; 3], [0.0; 3]]),
             &["mesh 0", "vertex 2 is not finite"],
         ),
-        (
-            |d| positions(d, [[0.0; 3], [1.0; 3], [2.0; 3], [0.0, 1.0, 0.0]]),
-            &["mesh 0 \"square\", primitive 0", "triangle 0 has no area"],
-        ),
-        (|d| positions(d, [[1.0; 3]; 4]), &["mesh 0", "no triangle with an area"]),
         (
             |d| {
                 let mut bytes = square_bytes();
@@ -186,14 +181,6 @@ fn accessors_and_buffers() {
         ),
         (|d| d["accessors"][0]["bufferView"] = json!(3), &["accessor 0, bufferView", "3"]),
         (|d| d["accessors"][0]["bufferView"] = Value::Null, &["accessor 0", "no bufferView"]),
-        (
-            |d| {
-                d["accessors"][0]["sparse"] = json!({
-                "count": 1, "indices": {"bufferView": 2, "componentType": 5123},
-                "values": {"bufferView": 0}})
-            },
-            &["accessor 0", "sparse"],
-        ),
         (|d| d["bufferViews"][0]["buffer"] = json!(1), &["bufferView 0, buffer", "1 buffers"]),
         (|d| d["bufferViews"][0]["byteLength"] = json!(u64::MAX), &["bufferView 0", "buffer 0"]),
         (|d| d["bufferViews"][0]["byteOffset"] = json!(80), &["bufferView 0", "108 bytes"]),
@@ -439,7 +426,9 @@ fn a_camera_that_is_not_there_lists_those_that_are() {
 
 #[test]
 fn files_that_are_no_scenes() {
-    let cases: [(&str, Vec<u8>, &str); 7] = [
+    let utf16: Vec<u8> = "{}".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let cases: [(&str, Vec<u8>, &str); 8] = [
+        ("h.gltf", [&[0xff, 0xfe][..], &utf16].concat(), "save it as UTF-8"),
         ("a.gltf", b"hello".to_vec(), "is not glTF"),
         ("b.gltf", Vec::new(), "is not glTF"),
         ("c.gltf", format!("{}{}", "[".repeat(10_000), "]".repeat(10_000)).into(), "recursion"),

@@ -6,6 +6,7 @@ mod errors;
 mod fuzz;
 mod meaning;
 mod media;
+mod mended;
 mod reference;
 mod refused;
 mod room;

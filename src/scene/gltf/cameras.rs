@@ -53,10 +53,11 @@ impl Import<'_> {
         if let (Some(Resolution([width, height])), Some(aspect)) = (resolution, aspect(&lens))
             && (width as f32 / height as f32 / aspect - 1.0).abs() > 0.01
         {
-            self.warn(format!(
-                "{label}: the film of {width} x {height} pixels does not have the camera's \
-                 aspect ratio {aspect}, so the picture is stretched"
-            ));
+            let text = format!(
+                "the film of {width} x {height} pixels does not have the camera's aspect ratio \
+                 {aspect}, so the picture is stretched"
+            );
+            self.warnings.add_like("film", &label, &text);
         }
         let put = self.world.put_camera(Name(label), lens, place, resolution);
         put.map(|_| ()).map_err(|fault| body.place(fault))

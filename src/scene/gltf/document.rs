@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use gltf::json;
+use gltf::json::extensions::scene::khr_lights_punctual::Light;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::validate;
-use crate::scene::error::SceneError;
+use crate::scene::error::{Findings, SceneError};
 
 /// A glTF file in memory.
 pub struct Document {
@@ -36,12 +38,15 @@ impl Document {
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
         let (text, binary) =
             if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-        let value: Value = serde_json::from_slice(text).map_err(|error| {
-            let remedy = "a scene is a glTF 2.0 file, .gltf or .glb";
+        let value: Value = serde_json::from_slice(without_mark(text)).map_err(|error| {
+            let remedy = match text {
+                [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "it is text in UTF-16: save it as UTF-8",
+                _ => "a scene is a glTF 2.0 file, .gltf or .glb",
+            };
             SceneError::new("", format!("is not glTF: {error}"), remedy)
         })?;
         validate::check(&value)?;
-        let root = json::Root::from_slice(text).map_err(|error| type_error(&value, &error))?;
+        let root = typed(&value)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
@@ -62,7 +67,7 @@ impl Document {
             let problem = format!("`{uri}` is larger than {BYTES_MAX} bytes");
             return Err(SceneError::new(field, problem, "make it smaller"));
         }
-        String::from_utf8(bytes)
+        String::from_utf8(without_mark(&bytes).to_vec())
             .map_err(|_| SceneError::new(field, format!("`{uri}` is not text"), "is it a CSV?"))
     }
 
@@ -70,6 +75,37 @@ impl Document {
     pub fn label(&self, array: &str, index: usize) -> String {
         validate::label(&self.value, array, index)
     }
+}
+
+/// Text without the mark that some editors put before UTF-8.
+fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
+/// The typed document, without what nobody reads: errors in that are no reason to refuse the rest.
+fn typed(value: &Value) -> Result<json::Root, SceneError> {
+    const UNREAD: [&str; 5] = ["animations", "images", "samplers", "skins", "textures"];
+    let mut read = value.clone();
+    if let Some(root) = read.as_object_mut() {
+        UNREAD.iter().for_each(|name| drop(root.remove(*name)));
+    }
+    // glTF lets a scene be empty, the `gltf` crate does not.
+    for scene in objects(&mut read, "scenes") {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+    for material in objects(&mut read, "materials") {
+        material.remove("occlusionTexture");
+    }
+    json::Root::deserialize(&read).map_err(|error| type_error(&read, &error))
+}
+
+/// The objects of one of the document's arrays.
+fn objects<'a>(
+    document: &'a mut Value,
+    array: &str,
+) -> impl Iterator<Item = &'a mut Map<String, Value>> {
+    let array = document.get_mut(array).and_then(Value::as_array_mut);
+    array.into_iter().flatten().filter_map(Value::as_object_mut)
 }
 
 /// The file's bytes, not more than `limit`; what went wrong otherwise.
@@ -202,26 +238,34 @@ fn percent_decoded(uri: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The error of the typed parser, with the name of the object that it is about if that is found.
+/// The error of the typed parser, with the names of the objects that it is about if these are
+/// found.
 fn type_error(value: &Value, error: &serde_json::Error) -> SceneError {
-    let found = first_bad::<json::Node>(value, "nodes")
-        .or_else(|| first_bad::<json::Material>(value, "materials"))
-        .or_else(|| first_bad::<json::Mesh>(value, "meshes"))
-        .or_else(|| first_bad::<json::Camera>(value, "cameras"))
-        .or_else(|| first_bad::<json::Accessor>(value, "accessors"))
-        .or_else(|| first_bad::<json::buffer::View>(value, "bufferViews"))
-        .or_else(|| first_bad::<json::Buffer>(value, "buffers"))
-        .or_else(|| first_bad::<json::Scene>(value, "scenes"));
-    let (place, problem) = found.unwrap_or_else(|| (String::new(), error.to_string()));
-    SceneError::new(place, format!("is not glTF 2.0: {problem}"), "export the scene again")
+    let mut findings = Findings::default();
+    note_bad::<json::Node>(value, "nodes", &mut findings);
+    note_bad::<json::Material>(value, "materials", &mut findings);
+    note_bad::<json::Mesh>(value, "meshes", &mut findings);
+    note_bad::<json::Camera>(value, "cameras", &mut findings);
+    note_bad::<json::Accessor>(value, "accessors", &mut findings);
+    note_bad::<json::buffer::View>(value, "bufferViews", &mut findings);
+    note_bad::<json::Buffer>(value, "buffers", &mut findings);
+    note_bad::<json::Scene>(value, "scenes", &mut findings);
+    note_bad::<Light>(&value["extensions"]["KHR_lights_punctual"], "lights", &mut findings);
+    match findings.result() {
+        Err(found) => found,
+        Ok(()) => not_typed("", error),
+    }
 }
 
-/// Name and error of the first element of an array that does not parse.
-fn first_bad<T: DeserializeOwned>(value: &Value, array: &str) -> Option<(String, String)> {
-    value[array].as_array()?.iter().enumerate().find_map(|(index, element)| {
-        let error = serde_json::from_str::<T>(&element.to_string()).err()?.to_string();
-        // The position is one within the element alone, which is nowhere to be seen.
-        let problem = error.split(" at line").next().unwrap_or_default().to_owned();
-        Some((validate::label(value, array, index), problem))
-    })
+/// Notes the elements of an array that do not parse.
+fn note_bad<T: DeserializeOwned>(value: &Value, array: &str, findings: &mut Findings) {
+    for (index, element) in value[array].as_array().into_iter().flatten().enumerate() {
+        let parsed = T::deserialize(element).map(drop);
+        findings
+            .note(parsed.map_err(|error| not_typed(&validate::label(value, array, index), &error)));
+    }
+}
+
+fn not_typed(place: &str, error: &serde_json::Error) -> SceneError {
+    SceneError::new(place, format!("is not glTF 2.0: {error}"), "export the scene again")
 }

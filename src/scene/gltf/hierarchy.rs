@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json;
 
 use super::document::Document;
+use super::warnings::Warnings;
 use crate::scene::error::SceneError;
 use crate::scene::world::Transform;
 
@@ -17,11 +18,15 @@ pub struct PlacedNode {
 
 /// All nodes below a scene, parents before children, in the file's order. The hierarchy has been
 /// validated, so this ends, however deep it is.
-pub fn placed_nodes(document: &Document, scene: usize) -> Result<Vec<PlacedNode>, SceneError> {
+pub fn placed_nodes(
+    document: &Document,
+    scene: usize,
+    warnings: &mut Warnings,
+) -> Result<Vec<PlacedNode>, SceneError> {
     let root = &document.root;
     let mut placed = Vec::new();
-    let mut open: Vec<(usize, DAffine3)> =
-        root.scenes[scene].nodes.iter().rev().map(|n| (n.value(), DAffine3::IDENTITY)).collect();
+    let mut open = starts(document, scene, warnings)?;
+    open.reverse();
     while let Some((node, parent)) = open.pop() {
         let label = || document.label("nodes", node);
         let to_world = parent * local_transform(&root.nodes[node], &label())?;
@@ -32,6 +37,62 @@ pub fn placed_nodes(document: &Document, scene: usize) -> Result<Vec<PlacedNode>
         open.extend(children.map(|child| (child.value(), to_world)));
     }
     Ok(placed)
+}
+
+/// The nodes that a scene lists, each once, with what moves them. A scene should list nodes without
+/// parents alone; a node that has one stands where its parent puts it, and comes with that if the
+/// scene lists it too.
+fn starts(
+    document: &Document,
+    scene: usize,
+    warnings: &mut Warnings,
+) -> Result<Vec<(usize, DAffine3)>, SceneError> {
+    let nodes = &document.root.nodes;
+    let listed: Vec<usize> =
+        document.root.scenes[scene].nodes.iter().map(|node| node.value()).collect();
+    let mut parents = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            parents[child.value()] = Some(parent);
+        }
+    }
+    let mut waits = vec![false; nodes.len()];
+    listed.iter().for_each(|&node| waits[node] = true);
+    let comes_with_another = below(document, &parents, &waits);
+    let mut starts = Vec::with_capacity(listed.len());
+    for node in listed {
+        let label = || document.label("nodes", node);
+        if comes_with_another[node] || !std::mem::take(&mut waits[node]) {
+            let text = "is listed by the scene although it comes with another: shown once";
+            warnings.add(&label(), text);
+            continue;
+        }
+        if parents[node].is_some() {
+            warnings.add(&label(), "is listed by the scene without its parent, which moves it");
+        }
+        let mut to_world = DAffine3::IDENTITY;
+        let mut above = parents[node];
+        while let Some(parent) = above {
+            let label = document.label("nodes", parent);
+            to_world = local_transform(&nodes[parent], &label)? * to_world;
+            above = parents[parent];
+        }
+        starts.push((node, to_world));
+    }
+    Ok(starts)
+}
+
+/// Which nodes are somewhere below one that the scene lists.
+fn below(document: &Document, parents: &[Option<usize>], listed: &[bool]) -> Vec<bool> {
+    let mut below = vec![false; listed.len()];
+    let mut open: Vec<usize> = (0..listed.len()).filter(|&node| parents[node].is_none()).collect();
+    while let Some(node) = open.pop() {
+        for child in document.root.nodes[node].children.iter().flatten() {
+            below[child.value()] = below[node] || listed[node];
+            open.push(child.value());
+        }
+    }
+    below
 }
 
 fn local_transform(node: &json::Node, label: &str) -> Result<DAffine3, SceneError> {

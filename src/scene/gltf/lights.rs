@@ -33,7 +33,7 @@ impl Import<'_> {
             None => format!("{node}, light {index}"),
         };
         if light.range.is_some() {
-            self.warn(format!("{label}: range is ignored, light fades with distance alone"));
+            self.warnings.add(&label, "range is ignored, light fades with distance alone");
         }
         let kind = kind(light, &label)?;
         let intensity = intensity(light, &Body::of(value, &label, &LIGHT)?)?;

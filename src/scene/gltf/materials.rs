@@ -15,7 +15,7 @@ use serde_json::Value;
 use super::Import;
 use super::extension::{Body, MATERIAL};
 use crate::math::Range;
-use crate::scene::error::SceneError;
+use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Bsdf, Emission, Material, Name, Sides};
 use crate::spectrum::{Spectrum, metal_names};
 
@@ -53,9 +53,15 @@ const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectr
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
     pub fn material(&mut self, index: Option<usize>, user: &str) -> Result<Entity, SceneError> {
-        if let Some(&entity) = self.materials.get(&index) {
-            return Ok(entity);
+        if let Some(known) = self.materials.get(&index) {
+            return known.clone();
         }
+        let material = self.read_material(index, user);
+        self.materials.insert(index, material.clone());
+        material
+    }
+
+    fn read_material(&mut self, index: Option<usize>, user: &str) -> Result<Entity, SceneError> {
         let (label, material) = match index {
             Some(index) => {
                 let label = self.document.label("materials", index);
@@ -66,16 +72,17 @@ impl Import<'_> {
                 (label, Material { bsdf, sides, emission })
             }
             None => {
-                let remark = "has no material and is taken as a diffuse surface of reflectance";
-                self.warn(format!("{user} {remark} {DEFAULT_REFLECTANCE}"));
+                let text = format!(
+                    "has no material and is taken as a diffuse surface of reflectance \
+                     {DEFAULT_REFLECTANCE}"
+                );
+                self.warnings.add_like("no material", user, &text);
                 let material = Material::from(Bsdf::diffuse(DEFAULT_REFLECTANCE)).two_sided();
                 ("default material".to_owned(), material)
             }
         };
         let put = self.world.put_material(Name(label.clone()), material);
-        let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
-        self.materials.insert(index, entity);
-        Ok(entity)
+        put.map_err(|fault| SceneError::at(&label, fault))
     }
 
     fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
@@ -83,6 +90,10 @@ impl Import<'_> {
         let value = &document.value["materials"][index];
         let material = &document.root.materials[index];
         refuse_textures(value, label)?;
+        if value.get("occlusionTexture").is_some() {
+            self.warnings
+                .add(label, "the occlusion map is ignored: light finds the shadows itself");
+        }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
             return extension_model(model, &body, material);
@@ -112,7 +123,7 @@ impl Import<'_> {
                 .map_err(|fault| SceneError::at(label, fault))?;
         }
         if alpha < 1.0 {
-            self.warn(format!("{label}: alpha is ignored, surfaces are opaque"));
+            self.warnings.add(label, "alpha is ignored, surfaces are opaque");
         }
         let refuse = |problem: &str| Err(SceneError::new(label, problem, ADVICE));
         match (metallic, transmission) {
@@ -127,7 +138,7 @@ impl Import<'_> {
             (1.0, _) => refuse("is a rough metal, which is not supported yet"),
             (0.0, 1.0) if roughness == 0.0 => {
                 if [red, green, blue] != [1.0; 3] {
-                    self.warn(format!("{label}: the color of the glass is ignored"));
+                    self.warnings.add(label, "the color of the glass is ignored");
                 }
                 let bsdf = Bsdf::dielectric(khr_ior(material));
                 bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_IOR)))?;
@@ -136,9 +147,8 @@ impl Import<'_> {
             (0.0, 1.0) => refuse("is rough glass, which is not supported yet"),
             (0.0, 0.0) => {
                 if roughness < 1.0 {
-                    self.warn(format!(
-                        "{label}: rendered as Lambertian of its base color, without glTF's coat"
-                    ));
+                    let text = "rendered as Lambertian of its base color, without glTF's coat";
+                    self.warnings.add(label, text);
                 }
                 Ok(Bsdf::diffuse([red, green, blue]))
             }
@@ -238,20 +248,24 @@ fn emission(material: &json::Material, label: &str) -> Result<Option<Emission>, 
     Ok(emits.then_some(emission))
 }
 
-/// Refuses a material that has a texture anywhere.
+/// Refuses a material that has a texture anywhere, and names all of them. An occlusion map is
+/// none of these: it darkens what a path tracer finds dark by itself.
 fn refuse_textures(material: &Value, label: &str) -> Result<(), SceneError> {
+    let mut findings = Findings::default();
     let mut open = vec![material];
     while let Some(next) = open.pop() {
         for (key, inner) in next.as_object().into_iter().flatten() {
-            if key.ends_with("Texture") {
-                let problem = "textures are not supported yet";
-                let remedy = "replace it by a factor, for instance its mean color";
-                return Err(SceneError::new(format!("{label}, {key}"), problem, remedy));
-            }
-            if key != "extras" {
-                open.push(inner);
+            match key.as_str() {
+                "extras" | "occlusionTexture" => {}
+                texture if texture.ends_with("Texture") => {
+                    let problem = "textures are not supported yet";
+                    let remedy = "replace it by a factor, for instance its mean color";
+                    let place = format!("{label}, {texture}");
+                    findings.note::<()>(Err(SceneError::new(place, problem, remedy)));
+                }
+                _ => open.push(inner),
             }
         }
     }
-    Ok(())
+    findings.result()
 }

@@ -1,8 +1,10 @@
 //! Participating media, and which of them lie on the two sides of a surface.
 
+use hecs::Entity;
+
 use super::extension::{Body, MEDIUM, SCENE};
 use super::{Import, particles};
-use crate::scene::error::SceneError;
+use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Boundary, Filling, MEDIA_MAX, Medium, Name, Phase};
 
 /// Values of `phase`, with the keys that they take beside `COMMON_KEYS`.
@@ -29,6 +31,7 @@ impl Import<'_> {
                 return Err(SceneError::new(owners[0].field(key), problem, "keep one of them"));
             }
         }
+        let mut findings = Findings::default();
         for owner in &owners {
             let bodies = owner.objects("media", &MEDIUM)?.unwrap_or_default();
             if bodies.len() > MEDIA_MAX {
@@ -36,18 +39,24 @@ impl Import<'_> {
                 return Err(SceneError::new(owner.field("media"), problem, "use fewer"));
             }
             for body in &bodies {
-                let medium = self.medium(body)?;
-                let name = Name(body.label().to_owned());
-                let put = self.world.put_medium(name, medium);
-                self.media.push(put.map_err(|fault| body.place(fault))?);
+                let medium = self.add_medium(body);
+                self.media.extend(findings.note(medium));
             }
         }
+        // What refers to media by their number can be read only if all are there.
+        findings.result()?;
         for owner in &owners {
             if let Some(Some(index)) = owner.index_or_none("medium", "media", self.media.len())? {
                 self.world.set_scene_medium(self.media[index])?;
             }
         }
         Ok(())
+    }
+
+    fn add_medium(&mut self, body: &Body) -> Result<Entity, SceneError> {
+        let medium = self.medium(body)?;
+        let put = self.world.put_medium(Name(body.label().to_owned()), medium);
+        put.map_err(|fault| body.place(fault))
     }
 
     fn medium(&mut self, body: &Body) -> Result<Medium, SceneError> {

@@ -1,14 +1,12 @@
 //! Meshes: from primitives of any triangle mode to checked, indexed triangles.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::extension::{Body, MESH};
-use super::{Import, accessors};
-use crate::scene::error::SceneError;
+use super::{Import, Part, accessors};
+use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Boundary, Geometry, Mesh, Name, Skin, Transform};
 
 /// Most vertices and corners that the meshes of a scene may have together: what a file of a few
@@ -31,67 +29,75 @@ impl Import<'_> {
         let label = self.document.label("meshes", mesh);
         Body::of(&self.document.value["meshes"][mesh], &label, &MESH)?;
         if object.weights.is_some() {
-            self.warn(format!("{label}: morph targets are ignored"));
+            self.warnings.add(&label, "morph targets are ignored");
         }
+        let mut findings = Findings::default();
         for (index, primitive) in object.primitives.iter().enumerate() {
             let part = format!("{label}, primitive {index}");
-            let geometry = self.geometry((mesh, index), primitive, &part)?;
-            let material = primitive.material.map(|material| material.value());
-            let skin = Skin { material: self.material(material, &part)?, boundary };
-            let name = Name(format!("{}, {part}", node.label()));
-            let put = self.world.put_mesh(name, Mesh(geometry), skin, place);
-            put.map_err(|fault| node.place(fault))?;
+            self.count_elements(ELEMENTS_OF_PART, &part)?;
+            let geometry = self.geometry((mesh, index), primitive, &part);
+            if let Ok(None) = geometry {
+                continue;
+            }
+            let material = self.material(primitive.material.map(|m| m.value()), &part);
+            let (geometry, material) = (findings.note(geometry), findings.note(material));
+            if let (Some(Some(geometry)), Some(material)) = (geometry, material) {
+                let name = Name(format!("{}, {part}", node.label()));
+                let skin = Skin { material, boundary };
+                let put = self.world.put_mesh(name, Mesh(geometry), skin, place);
+                findings.note(put.map_err(|fault| node.place(fault)));
+            }
         }
-        Ok(())
+        findings.result()
     }
 
-    /// The triangles of a primitive, read once.
+    /// The triangles of a primitive, read once; nothing if there are none to be rendered.
     fn geometry(
         &mut self,
         key: (usize, usize),
         primitive: &Primitive,
         place: &str,
-    ) -> Result<Arc<Geometry>, SceneError> {
-        self.count_elements(ELEMENTS_OF_PART, place)?;
-        if let Some(geometry) = self.geometries.get(&key) {
-            return Ok(Arc::clone(geometry));
+    ) -> Result<Part, SceneError> {
+        if let Some(known) = self.geometries.get(&key) {
+            return known.clone();
         }
-        let Some(&positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions))
-        else {
-            let remedy = "export the mesh with vertex positions";
-            return Err(SceneError::new(place, "has no POSITION", remedy));
+        let geometry = match is_of_triangles(primitive.mode, place) {
+            Ok(true) => self.read_geometry(primitive, place),
+            Ok(false) => {
+                self.warnings.add(place, "points and lines have no surface and are skipped");
+                Ok(None)
+            }
+            Err(error) => Err(error),
         };
-        // Counted before anything is read.
-        let corners = primitive.indices.unwrap_or(positions).value();
-        let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
-        self.count_elements(claims[0].saturating_add(claims[1]), place)?;
-        let geometry = self.read_geometry(primitive, positions.value(), place)?;
-        self.geometries.insert(key, Arc::clone(&geometry));
-        Ok(geometry)
+        self.geometries.insert(key, geometry.clone());
+        geometry
     }
 
     /// Adds to the vertices and corners so far; refuses what is too much.
     fn count_elements(&mut self, more: u64, place: &str) -> Result<(), SceneError> {
         self.elements = self.elements.saturating_add(more);
-        if self.elements > ELEMENTS_MAX {
+        if self.is_full() {
             let problem = format!("brings the scene above {ELEMENTS_MAX} vertices and corners");
             return Err(SceneError::new(place, problem, "use smaller or fewer meshes"));
         }
         Ok(())
     }
 
-    fn read_geometry(
-        &mut self,
-        primitive: &Primitive,
-        positions: usize,
-        place: &str,
-    ) -> Result<Arc<Geometry>, SceneError> {
-        let at = format!("{place}, POSITION");
-        let vectors = |accessor: usize, at: &str| -> Result<Vec<Vec3>, SceneError> {
-            let vectors = accessors::vectors(self.document, accessor, at)?;
-            Ok(vectors.into_iter().map(Vec3::from_array).collect())
+    /// Whether the file has asked for more vertices and corners than any may.
+    pub fn is_full(&self) -> bool {
+        self.elements > ELEMENTS_MAX
+    }
+
+    fn read_geometry(&mut self, primitive: &Primitive, place: &str) -> Result<Part, SceneError> {
+        let Some(positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            let remedy = "export the mesh with vertex positions";
+            return Err(SceneError::new(place, "has no POSITION", remedy));
         };
-        let positions = vectors(positions, &at)?;
+        // Counted before anything is read.
+        let corners = primitive.indices.unwrap_or(*positions).value();
+        let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
+        self.count_elements(claims[0].saturating_add(claims[1]), place)?;
+        let positions = self.vectors(positions.value(), &format!("{place}, POSITION"))?;
         let corners = match primitive.indices {
             Some(accessor) => {
                 accessors::indices(self.document, accessor.value(), &format!("{place}, indices"))?
@@ -100,7 +106,10 @@ impl Import<'_> {
         };
         let mut geometry = Geometry::new(positions, triangles(primitive.mode, &corners, place)?);
         if let Some(accessor) = primitive.attributes.get(&Checked::Valid(Semantic::Normals)) {
-            let normals = vectors(accessor.value(), &format!("{place}, NORMAL"))?;
+            let at = format!("{place}, NORMAL");
+            let claimed = accessors::count(self.document, accessor.value());
+            check_normals(claimed, geometry.positions.len(), &at)?;
+            let normals = self.vectors(accessor.value(), &at)?;
             geometry.normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
         }
         let (geometry, dropped) =
@@ -111,25 +120,50 @@ impl Import<'_> {
                 _ => SceneError::at(place, fault),
             })?;
         self.warn_about(primitive, &geometry, dropped, place);
-        Ok(geometry)
+        Ok((!geometry.triangles.is_empty()).then_some(geometry))
+    }
+
+    fn vectors(&self, accessor: usize, place: &str) -> Result<Vec<Vec3>, SceneError> {
+        let vectors = accessors::vectors(self.document, accessor, place)?;
+        Ok(vectors.into_iter().map(Vec3::from_array).collect())
     }
 
     /// Says what is not rendered as it stands in the file.
     fn warn_about(&mut self, primitive: &Primitive, geometry: &Geometry, dropped: usize, at: &str) {
-        if dropped > 0 && primitive.mode == Checked::Valid(Mode::Triangles) {
-            self.warn(format!("{at}: {dropped} triangles with two equal corners are dropped"));
+        const TRIANGLES: [&str; 2] = ["triangle without area", "triangles without area"];
+        const CORNERS: [&str; 2] = ["corner", "corners"];
+        if geometry.triangles.is_empty() {
+            self.warnings.add(at, "has no triangle with an area and is skipped");
+        } else if primitive.mode == Checked::Valid(Mode::Triangles) {
+            self.warnings.add_counted(at, dropped, TRIANGLES, "dropped");
         }
         let behind = geometry.corners_behind();
-        if behind > 0 {
-            self.warn(format!(
-                "{at}: {behind} corners have a normal on the back of their triangle (or none); it \
-                 is mirrored to the front"
-            ));
+        let text = "with a normal on the back of the triangle (or none): mirrored to the front";
+        self.warnings.add_counted(at, behind, CORNERS, text);
+        let mut semantics = primitive.attributes.keys();
+        if semantics.any(|semantic| matches!(semantic, Checked::Valid(Semantic::Colors(_)))) {
+            self.warnings.add(at, "vertex colors are ignored");
         }
-        for semantic in primitive.attributes.keys() {
-            if let Checked::Valid(Semantic::Colors(_)) = semantic {
-                self.warn(format!("{at}: vertex colors are ignored"));
-            }
+    }
+}
+
+/// Refuses, before they are read, normals that are not as many as the vertices.
+fn check_normals(normals: u64, vertices: usize, place: &str) -> Result<(), SceneError> {
+    if normals == vertices as u64 {
+        return Ok(());
+    }
+    let problem = format!("{normals} normals for {vertices} vertices");
+    Err(SceneError::new(place, problem, "export the mesh again"))
+}
+
+/// Whether a primitive is made of triangles, and not of points or lines.
+fn is_of_triangles(mode: Checked<Mode>, place: &str) -> Result<bool, SceneError> {
+    match mode {
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => Ok(true),
+        Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => Ok(false),
+        Checked::Invalid => {
+            let place = format!("{place}, mode");
+            Err(SceneError::new(place, "is not known", "export the mesh as triangles"))
         }
     }
 }
@@ -159,7 +193,7 @@ fn triangles(
             let hub = corners.first().copied().unwrap_or_default();
             corners.windows(2).skip(1).map(|c| [c[0], c[1], hub]).collect()
         }
-        _ => return refuse("is made of points or lines, not triangles".to_owned()),
+        _ => return refuse("is not made of triangles".to_owned()),
     };
     Ok(rows)
 }

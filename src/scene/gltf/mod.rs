@@ -15,6 +15,7 @@ mod meshes;
 mod particles;
 mod phase_matrix;
 mod validate;
+mod warnings;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,8 +26,10 @@ use hecs::Entity;
 use self::document::Document;
 use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::hierarchy::PlacedNode;
-use super::error::SceneError;
+use self::warnings::Warnings;
+use super::error::{Findings, SceneError};
 use super::world::{Ball, Boundary, Environment, Geometry, Name, Skin, World};
+use crate::math::text::listed;
 
 /// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
 ///
@@ -69,7 +72,7 @@ fn import(
         let Import { mut world, warnings, .. } = import;
         world.name = name.unwrap_or_else(file_name);
         world.file = path.to_owned();
-        world.warnings = warnings;
+        world.warnings = warnings.sentences();
         Ok(world)
     };
     import().map_err(|error: SceneError| error.in_file(path))
@@ -80,28 +83,35 @@ pub fn extension_keys() -> impl Iterator<Item = (&'static str, &'static [&'stati
     extension::ALL.iter().map(|keys| (keys.definition, keys.known))
 }
 
+/// The triangles of a primitive, if it has any that can be rendered.
+type Part = Option<Arc<Geometry>>;
+
 /// A scene on its way from the document to the world.
 struct Import<'a> {
     document: &'a Document,
     world: World,
-    warnings: Vec<String>,
+    warnings: Warnings,
     /// Medium entities, by index in the file.
     media: Vec<Entity>,
-    /// Material entities, by index in the file; `None` is the material of what has none.
-    materials: BTreeMap<Option<usize>, Entity>,
-    /// Triangles, by mesh and primitive.
-    geometries: BTreeMap<(usize, usize), Arc<Geometry>>,
+    /// Material entities or what is wrong with them, by index in the file; `None` is the material
+    /// of what has none.
+    materials: BTreeMap<Option<usize>, Result<Entity, SceneError>>,
+    /// Triangles or what is wrong with them, by mesh and primitive.
+    geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
 }
 
 impl<'a> Import<'a> {
     fn new(document: &'a Document) -> Self {
-        let ignored = |name| format!("extension {name} is not known and ignored");
-        let mut warnings: Vec<String> =
-            validate::unknown_extensions(&document.value).into_iter().map(ignored).collect();
-        if !document.root.animations.is_empty() {
-            warnings.push("animations are ignored".to_owned());
+        let mut warnings = Warnings::default();
+        let unknown = validate::unknown_extensions(&document.value);
+        if !unknown.is_empty() {
+            let text = format!("extensions that are not known are ignored: {}", listed(unknown));
+            warnings.add_like("extensions", "", &text);
+        }
+        if document.value["animations"].as_array().is_some_and(|all| !all.is_empty()) {
+            warnings.add("", "animations are ignored");
         }
         Self {
             document,
@@ -111,12 +121,6 @@ impl<'a> Import<'a> {
             materials: BTreeMap::new(),
             geometries: BTreeMap::new(),
             elements: 0,
-        }
-    }
-
-    fn warn(&mut self, warning: String) {
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
         }
     }
 
@@ -131,13 +135,18 @@ impl<'a> Import<'a> {
     }
 
     fn add_scene(&mut self, scene: usize, camera: Option<&str>) -> Result<(), SceneError> {
-        let nodes = hierarchy::placed_nodes(self.document, scene)?;
+        let nodes = hierarchy::placed_nodes(self.document, scene, &mut self.warnings)?;
         self.add_media(scene)?;
+        let mut findings = Findings::default();
         for node in &nodes {
-            self.add_node(node)?;
+            findings.note(self.add_node(node));
+            if self.is_full() {
+                break;
+            }
         }
-        self.add_camera(&nodes, camera)?;
-        self.add_environment(scene)
+        findings.note(self.add_camera(&nodes, camera));
+        findings.note(self.add_environment(scene));
+        findings.result()
     }
 
     fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
@@ -145,7 +154,7 @@ impl<'a> Import<'a> {
         let label = self.document.label("nodes", placed.node);
         let body = Body::of(&self.document.value["nodes"][placed.node], &label, &NODE)?;
         if node.skin.is_some() {
-            self.warn(format!("{label}: the skin is ignored, the mesh stays in its bind pose"));
+            self.warnings.add(&label, "the skin is ignored, the mesh stays in its bind pose");
         }
         let boundary = self.boundary(&body)?;
         if body.has("shape") || body.has("sphere_radius") {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Import;
 use super::extension::{Body, MATRIX};
+use crate::math::text::{excerpt, listed};
 use crate::scene::error::SceneError;
 use crate::scene::world::{COLUMNS, TabulatedMatrix, check_wavelengths};
 
@@ -11,6 +12,9 @@ use crate::scene::world::{COLUMNS, TabulatedMatrix, check_wavelengths};
 const ELEMENTS: [&str; 6] = ["m00", "m01", "m11", "m22", "m23", "m33"];
 /// Other names of the column `lambda_nm`.
 const WAVELENGTH_NAMES: [&str; 3] = ["lambda", "nm", "wavelength_nm"];
+/// Most characters of a cell that an error shows: enough for a number, and too few to tell what is
+/// in a file that is no table.
+const CELL: usize = 20;
 type Columns = BTreeMap<String, Vec<f64>>;
 
 impl Import<'_> {
@@ -27,8 +31,8 @@ impl Import<'_> {
         } else {
             let uri = body.word("table")?.unwrap_or_default();
             let (columns, ignored) = parse_csv(&self.document.read_text(uri, &field)?, &field)?;
-            for name in ignored {
-                self.warn(format!("{field}: the column {name} is ignored"));
+            if let Some(text) = unread(&ignored) {
+                self.warnings.add_like("columns", &field, &text);
             }
             columns
         };
@@ -41,10 +45,29 @@ impl Import<'_> {
             };
             let integral = matrix.normalize().map_err(|fault| SceneError::at(&place, fault))?;
             if !TabulatedMatrix::is_unit(integral) {
-                self.warn(format!("{place}: M00 integrates to {integral:.4} and is normalized"));
+                let text = format!("M00 integrates to {integral:.4} and is normalized");
+                self.warnings.add_like("M00", &place, &text);
             }
         }
         Ok(matrices)
+    }
+}
+
+/// A cell as an error shows it: itself, or if that might say what it should not, its column.
+fn shown(cell: &str, column: &str) -> String {
+    match excerpt(cell, CELL) == cell {
+        true => format!("`{cell}`"),
+        false => format!("the cell of {column}"),
+    }
+}
+
+/// What is said about columns that mean nothing.
+fn unread(columns: &[String]) -> Option<String> {
+    let names = listed(columns.iter().map(|name| excerpt(name, CELL)));
+    match columns.len() {
+        0 => None,
+        1 => Some(format!("the column {names} is ignored")),
+        _ => Some(format!("the columns {names} are ignored")),
     }
 }
 
@@ -84,7 +107,7 @@ fn parse_csv(text: &str, field: &str) -> Result<(Columns, Vec<String>), SceneErr
             match cell.parse() {
                 Ok(value) => column.push(value),
                 Err(_) if !MATRIX.known.contains(&&**name) => {}
-                Err(_) => return refuse(format!("`{cell}` is not a number")),
+                Err(_) => return refuse(format!("{} is not a number", shown(cell, name))),
             }
         }
     }
@@ -94,6 +117,7 @@ fn parse_csv(text: &str, field: &str) -> Result<(Columns, Vec<String>), SceneErr
         if !MATRIX.known.contains(&&*name) {
             ignored.push(name);
         } else if known.insert(name.clone(), column).is_some() {
+            let name = excerpt(&name, CELL);
             return Err(SceneError::new(field, format!("has two columns {name}"), COLUMNS));
         }
     }

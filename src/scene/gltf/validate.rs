@@ -8,7 +8,11 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::extension::EXTENSION;
-use crate::scene::error::SceneError;
+use crate::math::text::{excerpt, listed};
+use crate::scene::error::{Findings, SceneError};
+
+/// Most characters of a value that an error quotes.
+const VALUE: usize = 60;
 
 /// Extensions that are read.
 const EXTENSIONS: [&str; 6] = [
@@ -24,18 +28,24 @@ const EXTENSIONS: [&str; 6] = [
 pub fn check(value: &Value) -> Result<(), SceneError> {
     let version = value["asset"]["version"].as_str().unwrap_or("");
     if version.split('.').next() != Some("2") {
-        let problem = format!("is `{version}`");
+        let problem = format!("is `{}`", excerpt(version, VALUE));
         return Err(SceneError::new("asset.version", problem, "only glTF 2.0 is read"));
     }
-    for name in items(&value["extensionsRequired"]).filter_map(Value::as_str) {
-        if !EXTENSIONS.contains(&name) {
-            let remedy = format!("export without it; known are {}", EXTENSIONS.join(", "));
-            let problem = format!("`{name}` is not supported");
-            return Err(SceneError::new("extensionsRequired", problem, remedy));
-        }
+    let required = items(&value["extensionsRequired"]).filter_map(Value::as_str);
+    let unknown: Vec<String> = required
+        .filter(|name| !EXTENSIONS.contains(name))
+        .map(|name| format!("`{}`", excerpt(name, VALUE)))
+        .collect();
+    if !unknown.is_empty() {
+        let verb = if unknown.len() == 1 { "is" } else { "are" };
+        let problem = format!("{} {verb} not supported", listed(unknown));
+        let remedy = format!("export without; known are {}", EXTENSIONS.join(", "));
+        return Err(SceneError::new("extensionsRequired", problem, remedy));
     }
-    check_indices(value)?;
-    check_primitives(value)?;
+    let mut findings = Findings::default();
+    check_indices(value, &mut findings);
+    check_primitives(value, &mut findings);
+    findings.result()?;
     check_hierarchy(value)
 }
 
@@ -84,70 +94,70 @@ fn len(value: &Value) -> usize {
 
 /// Checks one index, if it is there.
 fn check_index(
+    findings: &mut Findings,
     index: &Value,
-    target: &str,
-    target_len: usize,
+    (target, target_len): (&str, usize),
     field: impl Fn() -> String,
-) -> Result<(), SceneError> {
+) {
     if index.is_null() || index.as_u64().is_some_and(|index| index < target_len as u64) {
-        return Ok(());
+        return;
     }
+    let index = excerpt(&index.to_string(), VALUE);
     let problem = format!("{index} is not an index into the file's {target_len} {target}");
-    Err(SceneError::new(field(), problem, "export the scene again"))
+    findings.note::<()>(Err(SceneError::new(field(), problem, "export the scene again")));
 }
 
-fn check_indices(value: &Value) -> Result<(), SceneError> {
+fn check_indices(value: &Value, findings: &mut Findings) {
     const LINKS: [(&str, &str, &str); 8] = [
-        ("nodes", "mesh", "meshes"),
-        ("nodes", "camera", "cameras"),
-        ("nodes", "skin", "skins"),
-        ("nodes", "children", "nodes"),
-        ("scenes", "nodes", "nodes"),
-        ("accessors", "bufferView", "bufferViews"),
-        ("bufferViews", "buffer", "buffers"),
-        ("skins", "skeleton", "nodes"),
+        ("nodes", "/mesh", "meshes"),
+        ("nodes", "/camera", "cameras"),
+        ("nodes", "/children", "nodes"),
+        ("scenes", "/nodes", "nodes"),
+        ("accessors", "/bufferView", "bufferViews"),
+        ("accessors", "/sparse/indices/bufferView", "bufferViews"),
+        ("accessors", "/sparse/values/bufferView", "bufferViews"),
+        ("bufferViews", "/buffer", "buffers"),
     ];
-    check_index(&value["scene"], "scenes", len(&value["scenes"]), || "scene".to_owned())?;
+    let scenes = ("scenes", len(&value["scenes"]));
+    check_index(findings, &value["scene"], scenes, || "scene".to_owned());
     for (array, field, target) in LINKS {
-        let target_len = len(&value[target]);
+        let target = (target, len(&value[target]));
         for (index, element) in items(&value[array]).enumerate() {
-            let name = || format!("{}, {field}", label(value, array, index));
-            match &element[field] {
-                Value::Array(links) => {
-                    for link in links {
-                        check_index(link, target, target_len, name)?;
-                    }
+            let field_name = field[1..].replace('/', ".");
+            let name = || format!("{}, {field_name}", label(value, array, index));
+            match element.pointer(field) {
+                None => {}
+                Some(Value::Array(links)) => {
+                    links.iter().for_each(|link| check_index(findings, link, target, name));
                 }
-                link => check_index(link, target, target_len, name)?,
+                Some(link) => check_index(findings, link, target, name),
             }
         }
     }
-    let lights = len(&value["extensions"]["KHR_lights_punctual"]["lights"]);
+    let lights = ("lights", len(&value["extensions"]["KHR_lights_punctual"]["lights"]));
     for (index, node) in items(&value["nodes"]).enumerate() {
         let light = &node["extensions"]["KHR_lights_punctual"]["light"];
-        check_index(light, "lights", lights, || {
+        check_index(findings, light, lights, || {
             format!("{}, KHR_lights_punctual.light", label(value, "nodes", index))
-        })?;
+        });
     }
-    Ok(())
 }
 
-fn check_primitives(value: &Value) -> Result<(), SceneError> {
-    let accessors = len(&value["accessors"]);
-    let materials = len(&value["materials"]);
+fn check_primitives(value: &Value, findings: &mut Findings) {
+    let accessors = ("accessors", len(&value["accessors"]));
+    let materials = ("materials", len(&value["materials"]));
     for (mesh, object) in items(&value["meshes"]).enumerate() {
         for (index, primitive) in items(&object["primitives"]).enumerate() {
             let name = |field: &str| {
                 format!("{}, primitive {index}, {field}", label(value, "meshes", mesh))
             };
-            check_index(&primitive["indices"], "accessors", accessors, || name("indices"))?;
-            check_index(&primitive["material"], "materials", materials, || name("material"))?;
+            check_index(findings, &primitive["indices"], accessors, || name("indices"));
+            check_index(findings, &primitive["material"], materials, || name("material"));
             for (attribute, accessor) in primitive["attributes"].as_object().into_iter().flatten() {
-                check_index(accessor, "accessors", accessors, || name(attribute))?;
+                check_index(findings, accessor, accessors, || name(attribute));
             }
         }
     }
-    Ok(())
 }
 
 /// Refuses nodes with several parents, or that are their own ancestors.
@@ -183,23 +193,6 @@ fn check_hierarchy(value: &Value) -> Result<(), SceneError> {
     if let Some(node) = reached.iter().position(|reached| !reached) {
         let place = format!("{}, children", label(value, "nodes", node));
         return Err(SceneError::new(place, "the node is in a cycle of nodes", TREE));
-    }
-    check_roots(value, &parents)
-}
-
-/// Refuses scenes that list a node twice, or one that has a parent.
-fn check_roots(value: &Value, parents: &[usize]) -> Result<(), SceneError> {
-    for (scene, object) in items(&value["scenes"]).enumerate() {
-        let mut seen = BTreeSet::new();
-        for root in items(&object["nodes"]).filter_map(Value::as_u64) {
-            let root = root as usize;
-            if !seen.insert(root) || parents[root] != usize::MAX {
-                let place = format!("{}, nodes", label(value, "scenes", scene));
-                let node = label(value, "nodes", root);
-                let problem = format!("lists {node}, which is listed twice or has a parent");
-                return Err(SceneError::new(place, problem, "a scene lists its root nodes once"));
-            }
-        }
     }
     Ok(())
 }

@@ -308,8 +308,8 @@ impl World {
         Ok(self.spawn(name, (environment,)))
     }
 
-    /// Drops triangles with two corners in one place from a geometry, checks it, and keeps in mind
-    /// that it is as it should be. Returns it and how many were dropped.
+    /// Drops triangles without area from a geometry, checks the others, and keeps in mind that it
+    /// is as it should be if any are left. Returns it and how many were dropped.
     pub(in crate::scene) fn cleaned(
         &mut self,
         mut geometry: Geometry,

@@ -10,13 +10,18 @@ use super::{
     Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
     Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
+use crate::math::text::excerpt;
 use crate::polarization::milk::Milk;
 use crate::spectrum::Spectrum;
 
+/// Most characters of a line, which a file's names are part of.
+const LINE: usize = 1000;
+
 impl World {
-    /// Meshes, spheres, materials, media, lights, camera and bounds, a line each.
+    /// Meshes, spheres, materials, media, lights, camera and bounds, a line each; names with their
+    /// control characters escaped.
     pub fn describe(&self) -> String {
-        let mut text = format!("scene `{}`\n", self.name());
+        let mut text = format!("scene `{}`\n", excerpt(self.name(), LINE));
         // Writing to a string cannot fail.
         let _ = write_shapes(self, &mut text)
             .and_then(|()| write_materials(self, &mut text))
@@ -180,5 +185,5 @@ fn write_camera(world: &World, text: &mut String) -> fmt::Result {
 }
 
 fn lines(text: &mut String, lines: &[String]) -> fmt::Result {
-    lines.iter().try_for_each(|line| writeln!(text, "{line}"))
+    lines.iter().try_for_each(|line| writeln!(text, "{}", excerpt(line, LINE)))
 }

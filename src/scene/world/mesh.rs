@@ -50,27 +50,30 @@ impl Geometry {
         Self::new((0..8).map(corner).collect(), faces.into_iter().flat_map(halves).collect())
     }
 
-    /// Drops triangles with two corners in one place, which strips and the poles of spheres are
-    /// full of; returns how many. Refuses all else that cannot be rendered.
+    /// Drops triangles that no ray will ever meet: with two corners in one place, which strips
+    /// and the poles of spheres are full of, or with three in line. Returns how many. Refuses all
+    /// else that cannot be rendered, but for a mesh that has nothing left.
     pub(crate) fn clean(&mut self) -> Result<usize, Fault> {
         self.check_vertices()?;
-        if let Some(index) = self.first_flat(|corners| !is_line(corners)) {
-            return Err(flat(index));
-        }
         let before = self.triangles.len();
         let positions = &self.positions;
         self.triangles.retain(|triangle| !is_line(triangle.map(|row| positions[row as usize])));
-        self.check_is_there()?;
         Ok(before - self.triangles.len())
     }
 
     /// Refuses what cannot be rendered.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.check_vertices()?;
-        match self.first_flat(|_| true) {
-            Some(index) => Err(flat(index)),
-            None => self.check_is_there(),
+        if let Some(index) =
+            self.triangles.iter().position(|triangle| !has_area(self.corners(triangle)))
+        {
+            let problem = format!("triangle {index} has no area: its corners are in line");
+            return Err(Fault::new("", problem, "dissolve it in the modeling program"));
         }
+        if self.triangles.is_empty() {
+            return Err(Fault::new("", "has no triangle with an area", "remove it or mend it"));
+        }
+        Ok(())
     }
 
     /// Corners whose normal is on the back of their triangle, or that have none in a mesh that
@@ -123,31 +126,14 @@ impl Geometry {
         }
         Ok(())
     }
-
-    /// The first triangle without area among those that are wanted.
-    fn first_flat(&self, wanted: impl Fn([Vec3; 3]) -> bool) -> Option<usize> {
-        self.triangles.iter().position(|triangle| {
-            let corners = self.corners(triangle);
-            !has_area(corners) && wanted(corners)
-        })
-    }
-
-    fn check_is_there(&self) -> Result<(), Fault> {
-        if self.triangles.is_empty() {
-            return Err(Fault::new("", "has no triangle with an area", "remove it or mend it"));
-        }
-        Ok(())
-    }
 }
 
-fn flat(index: usize) -> Fault {
-    let problem = format!("triangle {index} has no area: its corners are in line");
-    Fault::new("", problem, "dissolve it in the modeling program")
-}
-
-/// Whether two corners are in one place.
+/// Whether the corners are in line, as far as positions in `f32` can tell: the height above the
+/// longest edge is nothing beside that edge.
 fn is_line([a, b, c]: [Vec3; 3]) -> bool {
-    a == b || b == c || c == a
+    let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    (b - a).cross(c - a).length() <= f64::from(f32::EPSILON) * longest
 }
 
 fn has_area([a, b, c]: [Vec3; 3]) -> bool {
