@@ -92,7 +92,7 @@ pub use crate::render::{
     Mode, Options, Photons, PlacedWorld, Progress, RenderError, Renderer, Settings, SettingsError,
     Stop,
 };
-pub use crate::scene::{SceneError, World, load, world};
+pub use crate::scene::{Reading, SceneError, World, load, load_with, world};
 pub use crate::spectrum::{Color, Spectrum};
 pub use {glam, hecs};
 
@@ -107,7 +107,7 @@ pub enum Error {
     /// With the settings of a render.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// With the memory: the film is too large for it.
+    /// With the memory: the film, the photons or the shapes are too large for it.
     #[error(transparent)]
     Memory(#[from] MemoryError),
     /// With threads.

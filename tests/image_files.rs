@@ -166,6 +166,8 @@ fn images_that_contradict_themselves_are_refused() {
     let mut image = sample(4, 4, MONO, 1);
     image.metadata.push(("scene".to_owned(), "again".to_owned()));
     assert!(exr::write(&image, &path).unwrap_err().to_string().contains("twice"));
+    image.metadata = vec![("frame".to_owned(), "another".to_owned())];
+    assert!(exr::write(&image, &path).unwrap_err().to_string().contains("the format's own"));
     assert!(!path.exists());
 }
 

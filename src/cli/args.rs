@@ -40,12 +40,15 @@ Examples:
       what it costs in any scene; see also bench scaling, error and history
 
 'sunstone help render' explains all options of a verb, 'sunstone render -h' lists them.
-Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong.";
+Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong, 128 + N signal N ended a
+render, whose image so far is written.";
 
 const RENDER_NOTES: &str = "\
 Results go to the output file and, with --stats, to standard output; progress, warnings and the \
-closing line go to standard error. The output appears under its name when it is complete: a \
-render that is interrupted or fails leaves a former file as it was.
+closing line go to standard error. The output appears under its name when it is complete, never as \
+half a file. Ctrl-C, SIGTERM and SIGHUP end a render with the image as it is; a second one ends it \
+at once and leaves a former file as it was. An image that cannot be written where it should goes \
+into the current folder or that of temporary files.
 
 The image depends on the scene, the options above --threads and the seed alone: the same command \
 gives the same bits on any number of threads, unless --time-limit ends it.";
@@ -143,6 +146,9 @@ pub struct RenderArguments {
     /// The scene: .gltf or .glb
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
+    /// What the scene may read.
+    #[command(flatten)]
+    pub files: FileArguments,
     /// Where to write; the extension names the format, and .exr keeps everything
     #[arg(short, long, value_name = "FILE", long_help = OUTPUT_HELP.as_str())]
     pub output: PathBuf,
@@ -199,7 +205,7 @@ pub struct RenderArguments {
     /// Height in pixels [default: from the width and the camera's aspect]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
     pub height: Option<u32>,
-    /// Name of the camera [default: the scene's first]
+    /// Name of the camera, or #2 for the scene's second [default: the first]
     #[arg(long, value_name = "NAME", help_heading = FILM)]
     pub camera: Option<String>,
 
@@ -209,9 +215,17 @@ pub struct RenderArguments {
     /// Print what the render took, on standard output
     #[arg(long, value_enum, value_name = "FORMAT", help_heading = RUN)]
     pub stats: Option<StatsFormat>,
-    /// No progress bar, no notes and no closing line; warnings and errors remain
+    /// No progress, no notes and no closing line; warnings and errors remain
     #[arg(short, long, help_heading = RUN)]
     pub quiet: bool,
+}
+
+/// What scenes may read.
+#[derive(Debug, Args)]
+pub struct FileArguments {
+    /// Let scenes read files outside their folders: only for scenes that you trust
+    #[arg(long, help_heading = RUN)]
+    pub allow_outside: bool,
 }
 
 /// Options of photon mapping.
@@ -285,4 +299,7 @@ pub struct CompareArguments {
 pub struct InspectArguments {
     /// A scene (.gltf, .glb) or an image (.exr, .hdr, ...)
     pub file: PathBuf,
+    /// What a scene may read.
+    #[command(flatten)]
+    pub files: FileArguments,
 }

@@ -4,8 +4,11 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::CliError;
 use crate::image::extension;
+use crate::math::text::{acts, printable};
 
 /// Refuses to draw a picture into anything but PNG.
 pub(super) fn require_png(path: &Path) -> Result<(), CliError> {
@@ -18,13 +21,27 @@ pub(super) fn require_png(path: &Path) -> Result<(), CliError> {
     }
 }
 
+/// A value as JSON, in which what JSON allows and terminals act on is escaped.
+pub(super) fn json(value: &impl Serialize) -> Result<String, CliError> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
+    let escaped = |c: char| match acts(c) && c != '\n' {
+        true => format!("\\u{:04x}", u32::from(c)),
+        false => c.to_string(),
+    };
+    Ok(text.chars().map(escaped).collect())
+}
+
 /// Refuses to replace a file that the command reads, under this name or another.
-pub(super) fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
+pub(super) fn refuse_overwriting(
+    output: &Path,
+    inputs: &[impl AsRef<Path>],
+) -> Result<(), CliError> {
     let target = std::fs::canonicalize(output);
-    for input in inputs {
+    for input in inputs.iter().map(AsRef::as_ref) {
         let is_same = match (&target, std::fs::canonicalize(input)) {
             (Ok(target), Ok(input)) => *target == input,
-            _ => output == *input,
+            _ => output == input,
         };
         if is_same {
             return Err(CliError::Usage(format!(
@@ -37,9 +54,10 @@ pub(super) fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), 
     Ok(())
 }
 
-/// Prints a result to standard output. A reader that has seen enough and left is no error.
+/// Prints a result to standard output, what would act on a terminal escaped. A reader that has
+/// seen enough and left is no error.
 pub(super) fn print(text: impl Display) -> Result<(), CliError> {
-    match writeln!(io::stdout().lock(), "{text}") {
+    match writeln!(io::stdout().lock(), "{}", printable(&text.to_string())) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(CliError::System(format!("cannot write to standard output: {error}")))
         }
@@ -47,7 +65,8 @@ pub(super) fn print(text: impl Display) -> Result<(), CliError> {
     }
 }
 
-/// Says something beside the result, on standard error; if nobody can hear it, it is lost.
+/// Says something beside the result, on standard error, what would act on a terminal escaped; if
+/// nobody can hear it, it is lost.
 pub(super) fn say(text: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", printable(&text.to_string()));
 }

@@ -1,13 +1,13 @@
 //! The verbs that need no renderer: `visualize`, `compare`, `inspect`.
 
-use crate::image::extension;
 use crate::image::visualize::{Map, View, panels, visualize as draw};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
-use crate::scene;
+use crate::image::{OutputError, extension};
+use crate::scene::{self, Reading};
 
 use super::CliError;
 use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments};
-use super::files::{print, refuse_overwriting, require_png};
+use super::files::{json, print, refuse_overwriting, require_png};
 
 /// Draws a map of an image's polarization.
 pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {
@@ -39,9 +39,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     let reference = image::load(&arguments.reference)?;
     let comparison = comparison::compare(&image, &reference)?;
     if arguments.json {
-        let text = serde_json::to_string_pretty(&comparison)
-            .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
-        print(text)?;
+        print(json(&comparison)?)?;
     } else {
         print(&comparison)?;
     }
@@ -51,10 +49,22 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     Ok(())
 }
 
+/// The same error, where a scene would do too.
+fn or_scenes(error: OutputError) -> OutputError {
+    if let OutputError::Extension { path, known } = error {
+        return OutputError::Extension { path, known: known + ", .gltf, .glb" };
+    }
+    error
+}
+
 /// Prints what is in a file.
 pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
     match extension(&arguments.file).as_str() {
-        "gltf" | "glb" => print(scene::load(&arguments.file)?.describe().trim_end()),
-        _ => print(image_inspection::inspect_image(&arguments.file)?.trim_end()),
+        "gltf" | "glb" => {
+            let reading =
+                Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
+            print(scene::load_with(&arguments.file, reading)?.describe().trim_end())
+        }
+        _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),
     }
 }

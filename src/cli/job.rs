@@ -21,10 +21,15 @@ const WAVELENGTH_NM: f32 = 550.0;
 
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
+    // A name that says nothing is wrong whatever else was typed.
+    let named = named_by(&arguments.output, "written", |format| format.write);
+    named.map_err(|error| CliError::Usage(error.to_string()))?;
     let photons = photons(arguments)?;
     let samples = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
     check_threads(arguments.threads)?;
-    if arguments.variance && named_by(&arguments.output, Format::writes_variance).is_err() {
+    if arguments.variance
+        && named_by(&arguments.output, "written", Format::writes_variance).is_err()
+    {
         return Err(CliError::Usage(format!(
             "--variance needs an output that ends in {}, and {} does not: other formats store no \
              variances",

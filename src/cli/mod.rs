@@ -4,19 +4,25 @@ mod args;
 mod bench;
 mod files;
 mod images;
+mod interrupt;
 mod job;
 pub mod processor;
+mod progress;
 mod render;
+mod rescue;
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use crate::bench::measure::MeasureError;
+use crate::math::text::counted;
 use crate::render::{RenderError, SettingsError};
 
 use args::{Arguments, Command};
+use interrupt::Signal;
 
 /// What ends a command early.
 #[derive(Debug, thiserror::Error)]
@@ -33,9 +39,22 @@ enum CliError {
     /// Threads could not be started.
     #[error(transparent)]
     Threads(#[from] crate::render::threads::ThreadsError),
-    /// The memory does not hold the film.
+    /// The memory does not hold the film, the photons or the shapes.
     #[error(transparent)]
     Memory(#[from] crate::render::memory::MemoryError),
+    /// A signal ended a render, and the image so far is written.
+    #[error(
+        "{} after {}: the image so far is in {}", .signal.name(),
+        counted(*.iterations as usize, ["iteration", "iterations"]), output.display()
+    )]
+    Interrupted {
+        /// What came.
+        signal: Signal,
+        /// Samples per pixel that the image holds.
+        iterations: u32,
+        /// Where it is.
+        output: PathBuf,
+    },
     /// The system refused something.
     #[error("{0}")]
     System(String),
@@ -67,7 +86,8 @@ impl From<RenderError> for CliError {
     }
 }
 
-/// Runs the program: 0 done, 1 something went wrong, 2 the command line was wrong.
+/// Runs the program: 0 done, 1 something went wrong, 2 the command line was wrong, 128 and the
+/// number of a signal if that ended a render.
 ///
 /// Begins with [`processor::refusal`]; until that has answered, nothing may run that the
 /// processor might not know.
@@ -94,8 +114,23 @@ fn run_command() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            files::say(format_args!("error: {error}"));
-            ExitCode::from(if matches!(error, CliError::Usage(_)) { 2 } else { 1 })
+            error.say();
+            ExitCode::from(error.exit_code())
         }
+    }
+}
+
+impl CliError {
+    fn say(&self) {
+        let head = if let Self::Interrupted { .. } = self { "" } else { "error: " };
+        files::say(format_args!("{head}{self}"));
+    }
+
+    /// What the program ends with.
+    fn exit_code(&self) -> u8 {
+        if let Self::Interrupted { signal, .. } = self {
+            return signal.exit_code();
+        }
+        if let Self::Usage(_) = self { 2 } else { 1 }
     }
 }

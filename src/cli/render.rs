@@ -1,31 +1,40 @@
 //! The verb `render`: load, check, render, write.
 
-use std::io::IsTerminal;
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::image::StokesImage;
 use crate::integrators::Integrator;
 use crate::integrators::profile::STAGES;
+use crate::math::text::counted;
 use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
 use crate::render::threads::Threads;
-use crate::render::{PlacedWorld, Progress, Renderer, Settings, system};
-use crate::scene;
+use crate::render::{PlacedWorld, Progress as SoFar, Renderer, Settings, system};
+use crate::scene::{self, Reading};
 
 use super::CliError;
 use super::args::{RenderArguments, StatsFormat};
-use super::files::{print, refuse_overwriting, say};
-use super::job;
+use super::files::{json, print, refuse_overwriting, say};
+use super::interrupt::{Interrupt, Signal};
+use super::progress::Progress;
+use super::{job, rescue};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let settings = job::settings(arguments)?;
-    refuse_overwriting(&arguments.output, &[&arguments.scene])?;
+    let outputs = crate::image::files_of(&arguments.output)?;
+    for output in std::iter::once(&arguments.output).chain(&outputs) {
+        refuse_overwriting(output, &[&arguments.scene])?;
+    }
     crate::image::check_savable(&arguments.output)?;
-    let world = scene::load_with(&arguments.scene, arguments.camera.as_deref())?;
+    let reading = Reading {
+        camera: arguments.camera.as_deref(),
+        allow_outside: arguments.files.allow_outside,
+    };
+    let world = scene::load_with(&arguments.scene, reading)?;
+    outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
     for warning in world.warnings() {
         say(format_args!("warning: {warning}"));
     }
@@ -36,27 +45,71 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     if is_blind && !arguments.quiet {
         say(LIGHT_NOTE);
     }
-    let progress = progress_bar(arguments, &settings);
+    let progress = progress_of(arguments, &settings);
     let mut updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
+    let at_once = Unfinished { scene: arguments.scene.clone(), output: arguments.output.clone() };
+    let interrupt = Interrupt::listen(move |image, samples, signal| {
+        let error = at_once.write(image, samples, signal, start.elapsed());
+        error.say();
+        error.exit_code()
+    })?;
     renderer.run(|so_far| {
-        progress.set_position(u64::from(so_far.samples));
+        progress.set(so_far.samples.into());
+        interrupt.keep(so_far);
         updates.write(arguments, so_far);
-        ControlFlow::Continue(())
+        match interrupt.signal() {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
     });
+    interrupt.end();
     let seconds = start.elapsed().as_secs_f64();
     let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
-    progress.finish_and_clear();
+    progress.finish();
 
     let times = Times { seconds, cpu_seconds, threads: threads.count() };
     let statistics = statistics(arguments, &renderer, times);
+    let (samples, is_done) = (renderer.samples(), renderer.is_done());
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
     }
-    add_metadata(&mut image, &statistics);
-    crate::image::save(&image, &arguments.output)?;
-    report(arguments, &statistics, &image)
+    let interrupted = interrupt.signal().filter(|_| !is_done);
+    add_metadata(&mut image, &arguments.scene, seconds, interrupted);
+    rescue::save(&image, &arguments.output)?;
+    report(arguments, &statistics, &image)?;
+    match interrupted {
+        Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
+        None => Ok(()),
+    }
+}
+
+/// What is needed to write the image of a render that is not waited for.
+struct Unfinished {
+    scene: PathBuf,
+    output: PathBuf,
+}
+
+impl Unfinished {
+    /// Writes it; what there is to say and to end with.
+    fn write(
+        &self,
+        mut image: StokesImage,
+        samples: u32,
+        signal: Signal,
+        time: Duration,
+    ) -> CliError {
+        add_metadata(&mut image, &self.scene, time.as_secs_f64(), Some(signal));
+        match rescue::save(&image, &self.output) {
+            Ok(()) => interrupted_after(signal, samples, &self.output),
+            Err(error) => error,
+        }
+    }
+}
+
+fn interrupted_after(signal: Signal, iterations: u32, output: &Path) -> CliError {
+    CliError::Interrupted { signal, iterations, output: output.to_owned() }
 }
 
 /// Images on the way.
@@ -72,17 +125,13 @@ impl Updates {
     }
 
     /// Writes the image if it is time. A render does not end for a failure to do so.
-    fn write(&mut self, arguments: &RenderArguments, so_far: &Progress) {
+    fn write(&mut self, arguments: &RenderArguments, so_far: &SoFar) {
         let Some(interval) = self.interval else { return };
         if self.last.elapsed() < interval {
             return;
         }
         let mut image = so_far.preview();
-        let iterations = so_far.samples.to_string();
-        image.metadata = vec![
-            ("scene".to_owned(), arguments.scene.display().to_string()),
-            ("iterations".to_owned(), iterations),
-        ];
+        image.metadata.insert(0, ("scene".to_owned(), arguments.scene.display().to_string()));
         if let Err(error) = crate::image::save(&image, &arguments.output) {
             say(format_args!("warning: no update was written: {error}"));
         }
@@ -95,14 +144,12 @@ const LIGHT_NOTE: &str = "\
 note: the integrator `light` cannot see through glass and polarizers or into mirrors, so these \
       are black in its image; `bdpt`, `path` and `ppm` show them";
 
-fn progress_bar(arguments: &RenderArguments, settings: &Settings) -> ProgressBar {
-    if arguments.quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(u64::from(settings.samples));
+fn progress_of(arguments: &RenderArguments, settings: &Settings) -> Progress {
     let template = "{wide_bar} {pos}/{len} iterations, {per_sec}, {eta} left";
-    bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
-    bar
+    match arguments.quiet {
+        true => Progress::none(),
+        false => Progress::of(settings.samples.into(), "iterations", template),
+    }
 }
 
 /// What a render took.
@@ -137,16 +184,28 @@ fn statistics(arguments: &RenderArguments, renderer: &Renderer, taken: Times) ->
     statistics
 }
 
-/// Adds what the renderer does not know: where the scene came from, the command and the time.
-fn add_metadata(image: &mut StokesImage, statistics: &RenderStatistics) {
-    let words = std::env::args_os();
-    let command: Vec<String> = words.map(|word| word.to_string_lossy().into_owned()).collect();
+/// Adds what the renderer does not know: where the scene came from, the command, the time, and
+/// whether a signal ended it.
+fn add_metadata(image: &mut StokesImage, scene: &Path, seconds: f64, signal: Option<Signal>) {
     let facts = [
-        ("scene", statistics.scene.clone()),
-        ("command", command.join(" ")),
-        ("seconds", format!("{:.3}", statistics.seconds)),
+        ("scene", scene.display().to_string()),
+        ("command", command()),
+        ("seconds", format!("{seconds:.3}")),
     ];
+    let interrupted = signal.map(|signal| ("interrupted", signal.name().to_owned()));
+    let facts = facts.into_iter().chain(interrupted);
     image.metadata.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
+}
+
+/// The command line as a shell takes it.
+fn command() -> String {
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let quoted = |word: String| match shlex::try_quote(&word) {
+        Ok(quoted) => quoted.into_owned(),
+        // It holds a zero byte, which no system passes on.
+        Err(_) => word,
+    };
+    words.map(quoted).collect::<Vec<_>>().join(" ")
 }
 
 /// Says what was done: statistics on standard output if asked for, a line on standard error.
@@ -157,20 +216,18 @@ fn report(
 ) -> Result<(), CliError> {
     match arguments.stats {
         Some(StatsFormat::Json) => {
-            let text = serde_json::to_string_pretty(statistics)
-                .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
-            print(text)?;
+            print(json(statistics)?)?;
         }
         Some(StatsFormat::Text) => print(statistics)?,
         None => {}
     }
     if !arguments.quiet {
         say(format_args!(
-            "{}: {} x {}, {} iterations of {} ({}) in {:.2} s",
+            "{}: {} x {}, {} of {} ({}) in {:.2} s",
             arguments.output.display(),
             image.width,
             image.height,
-            statistics.iterations,
+            counted(statistics.iterations as usize, ["iteration", "iterations"]),
             statistics.integrator,
             statistics.mode,
             statistics.seconds

@@ -6,9 +6,9 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::OutputError;
+use super::temporary;
 
 /// Writes `bytes` to `path`, replacing a file that is there.
 ///
@@ -37,7 +37,7 @@ pub fn probe_writable(path: &Path) -> Result<(), OutputError> {
 }
 
 /// The folder in which `path` lies; `.` where the name has none.
-pub(super) fn folder_of(path: &Path) -> PathBuf {
+pub fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),
@@ -55,7 +55,7 @@ impl Staged {
     fn new(path: &Path, bytes: &[u8]) -> Result<Self, OutputError> {
         let target = resolve(path)?;
         let failed = |error| OutputError::write(path, error);
-        let (file, temporary) = create_temporary(&folder_of(&target)).map_err(failed)?;
+        let (file, temporary) = temporary::create(&folder_of(&target)).map_err(failed)?;
         let staged = Self { temporary, target, committed: false };
         staged.fill(file, bytes).map_err(failed)?;
         Ok(staged)
@@ -88,7 +88,8 @@ impl Drop for Staged {
     }
 }
 
-/// Follows a link and refuses what is not a file: renaming over a device would destroy it.
+/// Follows a link, and refuses what is not a file, as renaming over a device would destroy it, and
+/// what may not be written, as renaming does not ask.
 fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
     let not_a_file = |what| OutputError::NotAFile { path: path.to_owned(), what };
     if path.file_name().is_none() {
@@ -97,21 +98,16 @@ fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(not_a_file("a folder")),
         Ok(found) if !found.is_file() => Err(not_a_file("a device or pipe")),
+        Ok(found) if found.permissions().readonly() || is_denied(path) => {
+            Err(OutputError::ReadOnly { path: path.to_owned() })
+        }
         Ok(_) => fs::canonicalize(path).map_err(|error| OutputError::write(path, error)),
         Err(_) => Ok(path.to_owned()),
     }
 }
 
-/// The name is short and its own, so that it fits wherever the target's name does.
-fn create_temporary(folder: &Path) -> io::Result<(File, PathBuf)> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    loop {
-        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!(".sunstone-{}-{number}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((file, path)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(error),
-        }
-    }
+/// Whether the system refuses to open a file for writing. Nothing is written.
+fn is_denied(path: &Path) -> bool {
+    let opened = OpenOptions::new().append(true).open(path);
+    opened.is_err_and(|error| error.kind() == io::ErrorKind::PermissionDenied)
 }

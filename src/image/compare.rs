@@ -174,10 +174,10 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
 /// What an image is: its color and its size.
 pub fn in_words(image: &StokesImage) -> String {
     let color = match image.color {
-        Color::Rgb => "RGB",
-        Color::Mono { .. } => "monochromatic",
+        Color::Rgb => "an RGB",
+        Color::Mono { .. } => "a monochromatic",
     };
-    format!("a {color} image of {} x {} pixels", image.width, image.height)
+    format!("{color} image of {} x {} pixels", image.width, image.height)
 }
 
 /// Whether all channels of an RGB image are the same, as when Mitsuba renders one wavelength.

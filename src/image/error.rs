@@ -24,6 +24,15 @@ pub enum OutputError {
         /// What stands there: a folder, a device.
         what: &'static str,
     },
+    /// The file that stands under the name may be read and not written.
+    #[error(
+        "cannot write {}: the file that is there is read-only; make it writable or choose another \
+         name", path.display()
+    )]
+    ReadOnly {
+        /// The name that was to be written.
+        path: PathBuf,
+    },
     /// A file could not be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -55,6 +64,20 @@ pub enum OutputError {
     Extension {
         /// The name that was given.
         path: PathBuf,
+        /// The extensions that would do.
+        known: String,
+    },
+    /// The format can be written and not read, or the other way round.
+    #[error(
+        "{}: .{extension} files cannot be {verb}; those that can end in {known}", path.display()
+    )]
+    OneWay {
+        /// The name that was given.
+        path: PathBuf,
+        /// Its extension.
+        extension: &'static str,
+        /// What cannot be done with it.
+        verb: &'static str,
         /// The extensions that would do.
         known: String,
     },

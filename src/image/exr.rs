@@ -10,9 +10,8 @@
 //! | monochromatic, intensity | `Y` and `S0` |
 //! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
 //!
-//! Metadata are string attributes `sunstone:KEY`; what the format itself needs is spelled with a
-//! dot, so that the two never meet: `sunstone.frame`, `sunstone.handedness`,
-//! `sunstone.wavelength_nm` (a float) and `sunstone.order`, the order of the metadata.
+//! Metadata are string attributes `sunstone.KEY`. Four keys are the format's own: `frame`,
+//! `handedness`, `wavelength_nm` (a float) and `order`, the order of the metadata.
 //! What is written is read back bit for bit.
 
 use std::collections::HashMap;
@@ -29,7 +28,7 @@ use ::exr::prelude::{
 };
 
 use super::error::OutputError;
-use super::{atomic, check_image};
+use super::{atomic, check_image, source};
 use crate::image::StokesImage;
 use crate::spectrum::Color;
 
@@ -41,7 +40,9 @@ pub const HANDEDNESS: &str = "S3 > 0 is right circular: the field turns clockwis
                               receiver; phasors exp(+i w t)";
 
 const FORMAT: &str = "EXR";
-const KEY_PREFIX: &str = "sunstone:";
+const KEY_PREFIX: &str = "sunstone.";
+/// Keys that no metadata can have.
+const OWN_KEYS: [&str; 4] = ["frame", "handedness", "order", "wavelength_nm"];
 /// The wavelength given to a monochromatic file that does not name its own.
 pub(super) const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
 /// No lossless EXR compression that is worth its name packs tighter than this; a header that
@@ -94,7 +95,7 @@ pub fn write(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
 ///
 /// Alpha and other channels beside the known ones are left unread. 16-bit files are widened.
 pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
-    let bytes = std::fs::read(path).map_err(|error| OutputError::read(path, error))?;
+    let bytes = source::read(path)?;
     let malformed = |reason: String| OutputError::malformed(path, FORMAT, reason);
     check_header(&bytes).map_err(malformed)?;
     let file: FlatImage = read_with()
@@ -140,6 +141,9 @@ fn attributes(image: &StokesImage, path: &Path) -> Result<LayerAttributes, Outpu
             |why| OutputError::unwritable(path, format!("the metadata key {key:?} {why}"));
         if name.len() > 255 || key.contains('\0') {
             return Err(refused("is too long or holds a zero byte"));
+        }
+        if OWN_KEYS.contains(&key.as_str()) {
+            return Err(refused("is the format's own"));
         }
         if other.insert(text(&name), AttributeValue::Text(text(value))).is_some() {
             return Err(refused("is there twice"));
@@ -241,7 +245,9 @@ fn metadata(attributes: &HashMap<Text, AttributeValue>) -> Vec<(String, String)>
     let mut pairs: Vec<(String, String)> = attributes
         .iter()
         .filter_map(|(name, value)| match (text(name).strip_prefix(KEY_PREFIX), value) {
-            (Some(key), AttributeValue::Text(value)) => Some((key.to_owned(), text(value))),
+            (Some(key), AttributeValue::Text(value)) if !OWN_KEYS.contains(&key) => {
+                Some((key.to_owned(), text(value)))
+            }
             _ => None,
         })
         .collect();

@@ -72,14 +72,22 @@ pub fn extension(path: &Path) -> String {
     path.extension().map(|part| part.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// What the format that a file's extension names has, among those that have it.
+/// What the format that a file's extension names has, among those that have it; `verb` is what
+/// images are that can be used so, "read" or "written".
 pub fn named_by<T>(
     path: &Path,
+    verb: &'static str,
     of: impl Fn(&'static Format) -> Option<T>,
 ) -> Result<T, OutputError> {
     let extension = extension(path);
-    let named = FORMATS.iter().filter(|format| format.extension == extension).find_map(&of);
-    named.ok_or_else(|| OutputError::Extension { path: path.to_owned(), known: extensions(of) })
+    let path = path.to_owned();
+    let Some(format) = FORMATS.iter().find(|format| format.extension == extension) else {
+        return Err(OutputError::Extension { path, known: extensions(of) });
+    };
+    of(format).ok_or_else(|| {
+        let (extension, known) = (format.extension, extensions(of));
+        OutputError::OneWay { path, extension, verb, known }
+    })
 }
 
 /// The extensions of the formats that have something, for messages.

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use super::error::OutputError;
 use super::exr::{FRAME, HANDEDNESS};
 use super::rgbe::{self, RgbePicture};
-use super::{atomic, check_image};
+use super::{atomic, check_image, source};
 use crate::image::StokesImage;
 use crate::spectrum::Color;
 
@@ -145,6 +145,6 @@ fn header_value<T: std::str::FromStr>(header: &[String], key: &str) -> Option<T>
 }
 
 fn read_picture(path: &Path) -> Result<RgbePicture, OutputError> {
-    let bytes = std::fs::read(path).map_err(|error| OutputError::read(path, error))?;
+    let bytes = source::read(path)?;
     rgbe::decode(&bytes).map_err(|reason| OutputError::malformed(path, FORMAT, reason))
 }

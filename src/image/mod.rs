@@ -26,31 +26,39 @@ pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
+mod source;
 mod stokes_image;
+mod temporary;
 pub mod visualize;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+pub use atomic::folder_of;
 pub use error::OutputError;
 pub use format::extension;
+pub use source::read_bytes;
 pub use stokes_image::StokesImage;
 
 use format::named_by;
 
 /// Writes an image in the format that the extension names ([`format::FORMATS`]).
 pub fn save(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
-    named_by(path, |format| format.write)?(image, path)
+    named_by(path, "written", |format| format.write)?(image, path)
+}
+
+/// The files that [`save`] would write.
+pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    named_by(path, "written", |format| format.write.map(|_| (format.files)(path)))
 }
 
 /// Reads an image in the format that the extension names ([`format::FORMATS`]).
 pub fn load(path: &Path) -> Result<StokesImage, OutputError> {
-    named_by(path, |format| format.read)?(path)
+    named_by(path, "read", |format| format.read)?(path)
 }
 
 /// Checks before a long render that [`save`] knows the extension and can write there.
 pub fn check_savable(path: &Path) -> Result<(), OutputError> {
-    let files = named_by(path, |format| format.write.map(|_| format.files))?(path);
-    files.iter().try_for_each(|file| atomic::probe_writable(file))
+    files_of(path)?.iter().try_for_each(|file| atomic::probe_writable(file))
 }
 
 /// Refuses to write an image whose planes are not what its size and color promise.

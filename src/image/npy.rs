@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::error::OutputError;
 use super::exr::WAVELENGTH_UNSTATED_NM;
+use super::source;
 use crate::image::StokesImage;
 use crate::spectrum::Color;
 
@@ -23,7 +24,7 @@ pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
 /// and (height, width, 1) for intensity alone. The wavelength, which the file does not know, is
 /// taken as 550 nm.
 pub fn read_npy(path: &Path) -> Result<StokesImage, OutputError> {
-    let bytes = std::fs::read(path).map_err(|error| OutputError::read(path, error))?;
+    let bytes = source::read(path)?;
     decode(&bytes).map_err(|reason| OutputError::malformed(path, FORMAT, reason))
 }
 

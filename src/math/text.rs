@@ -42,7 +42,9 @@ fn escaped(text: impl Iterator<Item = char>, is_escaped: impl Fn(char) -> bool) 
     safe
 }
 
-fn acts(c: char) -> bool {
+/// Whether a character does something else on a terminal than to be seen: controls, and marks of
+/// the direction of writing.
+pub fn acts(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     c.is_control() || turns

@@ -8,6 +8,8 @@ use crate::scene::baked::{Camera, Projection, Shapes};
 use crate::scene::{SceneError, World, bake_optics, bake_shapes};
 use crate::spectrum::Color;
 
+use super::RenderError;
+use super::memory::{check_tree, check_world};
 use super::settings::{Options, SettingsError, check_film};
 
 /// Film width where neither the scene nor the options name one, in pixels.
@@ -38,10 +40,12 @@ impl PlacedWorld {
     /// Places a world.
     ///
     /// # Errors
-    /// When the world is not as it should be ([`World::check`]) or does not fit into the numbers
-    /// of the renderer.
-    pub fn new(world: World) -> Result<Self, SceneError> {
+    /// When the world is not as it should be ([`World::check`]), or does not fit into the numbers
+    /// of the renderer or into the memory.
+    pub fn new(world: World) -> Result<Self, RenderError> {
+        check_world(&world)?;
         let shapes = bake_shapes(&world)?;
+        check_tree(&shapes)?;
         let accelerator = Accelerator::of_shapes(&shapes);
         Ok(Self(Arc::new(Placed {
             world,

@@ -31,7 +31,7 @@ pub struct Renderer {
     stop: Stop,
 }
 
-/// A render cannot begin.
+/// A world cannot be placed, or a render cannot begin.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// The world is wrong, or not to be seen in the color.
@@ -40,7 +40,7 @@ pub enum RenderError {
     /// The settings do not go with the world.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The film is too large for the memory.
+    /// The film, the photons or the shapes are too large for the memory.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }
@@ -68,13 +68,16 @@ pub struct Progress<'a> {
     pub samples: u32,
     /// Samples per pixel that were asked for.
     pub total: u32,
+    settings: &'a Settings,
     steps: &'a dyn Steps,
 }
 
 impl Progress<'_> {
-    /// The image so far, without variances.
+    /// The image so far, without variances, and with what is known of its making as metadata.
     pub fn preview(&self) -> StokesImage {
-        self.steps.preview()
+        let mut image = self.steps.preview();
+        image.metadata = metadata(self.settings, self.samples);
+        image
     }
 }
 
@@ -146,7 +149,8 @@ impl Renderer {
         while !(self.is_done() || self.stop.is_set() || (self.samples() > 0 && is_late())) {
             self.step();
             let (samples, total) = (self.samples(), self.settings.samples);
-            if progress(&Progress { samples, total, steps: &*self.steps }).is_break() {
+            let Self { settings, steps, .. } = self;
+            if progress(&Progress { samples, total, settings, steps: &**steps }).is_break() {
                 break;
             }
         }

@@ -4,6 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::system::memory_of_process;
+use crate::math::text::counted;
+
 /// The account of one render.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RenderStatistics {
@@ -47,20 +50,18 @@ impl RenderStatistics {
     }
 }
 
-/// The largest resident memory of this process so far, in bytes; `None` where there is no
-/// `/proc/self/status`.
+/// The largest resident memory of this process so far, in bytes, where the system tells.
 pub fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    kibibytes.checked_mul(1024)
+    memory_of_process("VmHWM:")
 }
 
 impl fmt::Display for RenderStatistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scene, integrator, mode, color, width, height, iterations, threads, .. } = self;
         writeln!(f, "{scene}: {integrator}, {mode}, {color}, {width} x {height}")?;
-        write!(f, "{iterations} iterations in {:.2} s on {threads} threads", self.seconds)?;
+        let iterations = counted(*iterations as usize, ["iteration", "iterations"]);
+        let threads = counted(*threads, ["thread", "threads"]);
+        write!(f, "{iterations} in {:.2} s on {threads}", self.seconds)?;
         if let Some(cpu_seconds) = self.cpu_seconds {
             write!(f, " ({cpu_seconds:.2} s of all cores)")?;
         }

@@ -15,20 +15,39 @@ pub fn cpu_seconds() -> Option<f64> {
 }
 
 /// Bytes of memory that can still be taken without swapping: what the machine has left, or what
-/// the limit of the control group leaves if that is less.
+/// the limit of the control group or of the process's addresses leaves if that is less.
 pub fn available_memory() -> Option<u64> {
-    let machine = meminfo(&std::fs::read_to_string("/proc/meminfo").ok()?)?;
+    let machine = bytes_of(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let number = |name: &str| -> Option<u64> {
         let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
         text.trim().parse().ok()
     };
     let group = number("memory.max")
         .map(|limit| limit.saturating_sub(number("memory.current").unwrap_or(0)));
-    Some(group.map_or(machine, |group| machine.min(group)))
+    [group, available_addresses()].into_iter().flatten().chain([machine]).min()
 }
 
-fn meminfo(text: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+/// What the limit of the process's addresses leaves (`ulimit -v`), if there is one.
+#[cfg(target_os = "linux")]
+fn available_addresses() -> Option<u64> {
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
+    Some(limit.saturating_sub(memory_of_process("VmSize:")?))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn available_addresses() -> Option<u64> {
+    None
+}
+
+/// A number of bytes that the system keeps about this process, by its name there; `None` where
+/// there is no `/proc/self/status`.
+pub fn memory_of_process(name: &str) -> Option<u64> {
+    bytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, name)
+}
+
+/// The bytes that stand as kibibytes in the line that begins with a name.
+fn bytes_of(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -76,8 +95,8 @@ mod tests {
     #[test]
     fn available_memory_is_read_from_its_line() {
         let text = "MemTotal:  16 kB\nMemFree:  1 kB\nMemAvailable:    8 kB\n";
-        assert_eq!(meminfo(text), Some(8192));
-        assert_eq!(meminfo("MemTotal:  16 kB\n"), None);
+        assert_eq!(bytes_of(text, "MemAvailable:"), Some(8192));
+        assert_eq!(bytes_of("MemTotal:  16 kB\n", "MemAvailable:"), None);
     }
 
     #[test]

@@ -15,5 +15,5 @@ pub mod world;
 
 pub use self::bake::{bake, bake_optics, bake_shapes};
 pub use self::error::SceneError;
-pub use self::gltf::{extension_keys, load, load_from_memory, load_with};
+pub use self::gltf::{Reading, extension_keys, load, load_from_memory, load_with};
 pub use self::world::World;

@@ -144,7 +144,7 @@ fn what_cannot_be_measured_is_refused() {
         (&["--json", "missing/a.json"], 1, "missing/a.json"),
         (&["missing.gltf"], 1, "missing.gltf"),
         // The last scene is looked at before the first is measured.
-        (&["--photons", "268435456", "good.gltf", "broken.gltf"], 1, "broken.gltf"),
+        (&["--iterations", "100000", "good.gltf", "broken.gltf"], 1, "broken.gltf"),
         (&["--spp", "4"], 2, "--spp"),
         (&["--plot", "a.png"], 1, ".svg (plots are SVG)"),
     ];

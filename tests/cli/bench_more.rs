@@ -281,8 +281,8 @@ fn references_that_do_not_fit_are_refused() {
     }
     let before = names_in(&here);
     for (options, code, words) in [
-        ("a.exr --width 32", 2, "a.exr is a RGB image of 24 x 16 pixels"),
-        ("a.exr --width 32", 2, "cornell.gltf would be a RGB image of 32 x 16 pixels"),
+        ("a.exr --width 32", 2, "a.exr is an RGB image of 24 x 16 pixels"),
+        ("a.exr --width 32", 2, "cornell.gltf would be an RGB image of 32 x 16 pixels"),
         ("a.exr --color mono", 2, "would be a monochromatic image of 24 x 16 pixels: choose"),
         ("scalar.exr", 2, "goes with --mode scalar"),
         ("missing.exr", 1, "missing.exr"),

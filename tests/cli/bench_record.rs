@@ -83,7 +83,8 @@ fn histories_that_cannot_be_told_are_refused() {
         (good.replace("\"a\": 1", "\"a\": \"1\""), "", 1, "line 1"),
         (String::new(), "", 1, "holds no records yet"),
         (good.clone(), "--cpu B", 1, "its processors are A"),
-        (good.clone(), "--figure b", 1, "fits --figure"),
+        (good.clone(), "--figure b", 1, "fits --figure; its processors"),
+        (good.clone(), "--figure b --cpu x", 1, "fits --figure and --cpu; its processors"),
         (good.clone(), "--json a.ndjson", 2, "is the input a.ndjson"),
         (good.clone(), "--plot a.png", 1, ".svg (plots are SVG)"),
         (

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use crate::program::{Run, folder, names_in, run, scene, sunstone};
@@ -100,9 +102,17 @@ fn scenes_that_are_wrong_are_refused() {
 fn outputs_that_cannot_be_written_are_refused_before_the_render() {
     let here = folder_of_trouble("errors-outputs");
     let before = names_in(&here);
-    let cases: [(&str, &[&str]); 6] = [
-        ("out.bmp", &["out.bmp", ".exr, .hdr, .png"]),
-        ("out", &["out", ".exr, .hdr, .png"]),
+    for (output, words) in [
+        ("out.bmp", "format of out.bmp"),
+        ("out", "format of out"),
+        ("out.npy", "out.npy: .npy files cannot be written"),
+    ] {
+        for more in [&[][..], &["--variance"], &["--spp", "0"]] {
+            let run = [&["render", "none.gltf", "-o", output][..], more].concat();
+            expect_error(&here, &before, &sunstone(&here, &run), 2, &[words, ".exr, .hdr, .png"]);
+        }
+    }
+    let cases: [(&str, &[&str]); 4] = [
         ("file/out.exr", &["file/out.exr"]),
         ("missing/out.exr", &["missing/out.exr"]),
         ("missing/out.hdr", &["missing/out"]),
@@ -123,6 +133,135 @@ fn devices_are_not_replaced() {
     let before = names_in(&here);
     let run = sunstone(&here, &["render", "good.gltf", "-o", "null.exr", "--spp", "1"]);
     expect_error(&here, &before, &run, 1, &["null.exr", "a device"]);
+}
+
+/// What never ends, or is no image, is not waited for.
+#[test]
+#[cfg(unix)]
+fn pipes_and_devices_are_not_read() {
+    let here = folder_of_trouble("errors-pipes");
+    assert!(Command::new("mkfifo").arg(here.join("pipe.exr")).status().unwrap().success());
+    for name in ["zero.exr", "zero.hdr", "zero.npy"] {
+        std::os::unix::fs::symlink("/dev/zero", here.join(name)).unwrap();
+    }
+    let before = names_in(&here);
+    for image in ["pipe.exr", "zero.exr", "zero.hdr", "zero.npy"] {
+        let cases: [&[&str]; 3] = [
+            &["inspect", image],
+            &["compare", image, image],
+            &["visualize", image, "-o", "out.png"],
+        ];
+        for arguments in cases {
+            let run = sunstone(&here, arguments);
+            expect_error(&here, &before, &run, 1, &[image, "not a file"]);
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn files_that_are_read_only_or_read_are_not_replaced() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder_of_trouble("errors-precious");
+    fs::write(here.join("precious.exr"), "precious").unwrap();
+    let mode = fs::Permissions::from_mode(0o444);
+    fs::set_permissions(here.join("precious.exr"), mode).unwrap();
+    let buffer = changed_scene(|document| {
+        let uri = document["buffers"][0]["uri"].as_str().unwrap().to_owned();
+        let (_, text) = uri.split_once(',').unwrap();
+        fs::write(here.join("buffer.png"), STANDARD.decode(text).unwrap()).unwrap();
+        document["buffers"][0]["uri"] = "buffer.png".into();
+    });
+    fs::write(here.join("beside.gltf"), buffer).unwrap();
+    let before = names_in(&here);
+    let run = sunstone(&here, &["render", "good.gltf", "-o", "precious.exr", "--spp", "1"]);
+    expect_error(&here, &before, &run, 1, &["precious.exr", "read-only"]);
+    assert_eq!(fs::read(here.join("precious.exr")).unwrap(), b"precious");
+    let run = sunstone(&here, &["render", "beside.gltf", "-o", "buffer.png", "--spp", "1"]);
+    expect_error(&here, &before, &run, 2, &["buffer.png", "is the input"]);
+    let run = ["render", "beside.gltf", "-o", "out.png", "--spp", "1", "--width", "8"];
+    sunstone(&here, &run).done();
+}
+
+/// A scene of a stranger is read with its own files, or with those that the user lets it read.
+#[test]
+fn files_outside_the_folder_of_a_scene_need_leave() {
+    let here = folder_of_trouble("errors-outside");
+    fs::create_dir(here.join("scene")).unwrap();
+    let outside = changed_scene(|document| {
+        let uri = document["buffers"][0]["uri"].as_str().unwrap().to_owned();
+        let (_, text) = uri.split_once(',').unwrap();
+        fs::write(here.join("buffer.bin"), STANDARD.decode(text).unwrap()).unwrap();
+        document["buffers"][0]["uri"] = "../buffer.bin".into();
+    });
+    fs::write(here.join("scene/scene.gltf"), outside).unwrap();
+    let before = names_in(&here);
+    let render = ["render", "scene/scene.gltf", "-o", "out.exr", "--spp", "1", "--width", "8"];
+    let inspect = ["inspect", "scene/scene.gltf"];
+    for arguments in [&render[..], &inspect] {
+        let run = sunstone(&here, arguments);
+        expect_error(&here, &before, &run, 1, &["outside the folder", "--allow-outside"]);
+        sunstone(&here, &[arguments, &["--allow-outside"]].concat()).done();
+        let _ = fs::remove_file(here.join("out.exr"));
+    }
+}
+
+/// Limits that are known beforehand are told in numbers, not met.
+#[test]
+#[cfg(target_os = "linux")]
+fn memory_that_will_not_suffice_is_told_before() {
+    let here = folder_of_trouble("errors-limits");
+    fs::write(here.join("many.glb"), many_triangles(500)).unwrap();
+    let before = names_in(&here);
+    let limited = |kibibytes: &str, arguments: &[&str]| {
+        let mut command = Command::new("sh");
+        command.args(["-c", "ulimit -v \"$0\"; exec \"$@\"", kibibytes]);
+        command.arg(env!("CARGO_BIN_EXE_sunstone")).args(["render", "-o", "out.exr"]);
+        run(command.args(arguments).current_dir(&here))
+    };
+    let photons = ["good.gltf", "--integrator", "ppm", "--photons", "4000000", "--threads", "1"];
+    let words = ["4000000 light paths", "0.4 GiB", "available", "fewer photons"];
+    expect_error(&here, &before, &limited("400000", &photons), 1, &words);
+    let words = ["500000 triangles", "0.2 GiB", "available", "fewer meshes"];
+    expect_error(&here, &before, &limited("150000", &["many.glb"]), 1, &words);
+}
+
+/// A .glb with a mesh of so many squares along both edges.
+#[cfg(target_os = "linux")]
+fn many_triangles(edge: u32) -> Vec<u8> {
+    let vertex = |at: u32| [(at % (edge + 1)) as f32, (at / (edge + 1)) as f32, 0.0];
+    let vertices = (edge + 1) * (edge + 1);
+    let positions = (0..vertices).flat_map(vertex).flat_map(f32::to_le_bytes);
+    let square = |at: u32| {
+        let a = at / edge * (edge + 1) + at % edge;
+        [a, a + 1, a + edge + 2, a, a + edge + 2, a + edge + 1]
+    };
+    let indices = (0..edge * edge).flat_map(square).flat_map(u32::to_le_bytes);
+    let mut binary: Vec<u8> = positions.chain(indices).collect();
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let of_positions = 12 * vertices as usize;
+    let mut text = serde_json::json!({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"camera": 0}, {"mesh": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": 6 * edge * edge, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": of_positions},
+            {"buffer": 0, "byteOffset": of_positions, "byteLength": binary.len() - of_positions},
+        ],
+        "buffers": [{"byteLength": binary.len()}],
+    })
+    .to_string();
+    text.extend(std::iter::repeat_n(' ', text.len().next_multiple_of(4) - text.len()));
+    let size = |length: usize| (length as u32).to_le_bytes();
+    let mut bytes = [&b"glTF"[..], &size(2), &size(28 + text.len() + binary.len())].concat();
+    bytes.extend([&size(text.len())[..], b"JSON", text.as_bytes()].concat());
+    bytes.extend([&size(binary.len())[..], b"BIN\0", &binary].concat());
+    bytes
 }
 
 /// A disk that fills up, played by a limit on the size of files.
@@ -209,13 +348,15 @@ fn images_that_are_wrong_are_refused() {
     render("small.exr", "8");
     render("large.exr", "9");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 8] = [
         (&["visualize", "missing.exr", "-o", "out.png"], "missing.exr"),
         (&["visualize", "broken.exr", "-o", "out.png"], "broken.exr"),
         (&["visualize", "good.gltf", "-o", "out.png"], "good.gltf"),
         (&["visualize", "small.exr", "-o", "missing/out.png"], "missing/out.png"),
         (&["compare", "small.exr", "large.exr"], "8 x 8"),
-        (&["inspect", "file"], "file"),
+        (&["inspect", "file"], "of file: the extension must be one of .exr, .hdr, .npy, .gltf"),
+        (&["inspect", "a.png"], "a.png: .png files cannot be read; those that can end in .exr"),
+        (&["compare", "a.png", "b.png"], "a.png: .png files cannot be read"),
     ];
     for (arguments, words) in cases {
         expect_error(&here, &before, &sunstone(&here, arguments), 1, &[words]);

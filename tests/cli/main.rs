@@ -8,3 +8,4 @@ mod images;
 mod program;
 mod readme;
 mod render;
+mod work;

@@ -74,6 +74,15 @@ fn options_reach_the_image() {
         assert_eq!(metadata(&image, key), value);
     }
     assert!(metadata(&image, "command").contains("--wavelength 633"));
+    let name = "it's $HOME.exr";
+    let run = ["render", &scene, "-o", name, "--width", "8", "--spp", "1"];
+    let stderr = sunstone(&here, &run).done().stderr;
+    assert!(stderr.contains("8 x 8, 1 iteration of bdpt"), "{stderr}");
+    // As a shell takes it.
+    let image = image::load(&here.join(name)).unwrap();
+    let script = format!("set -- {}; printf %s \"$5\"", metadata(&image, "command"));
+    let words = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
+    assert_eq!(String::from_utf8(words.stdout).unwrap(), name);
 }
 
 #[test]

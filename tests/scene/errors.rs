@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::{data_uri, glb, good, load_bytes, load_json, scratch, square_bytes};
 use serde_json::{Value, json};
-use sunstone::internals::scene::{bake, load, load_with};
+use sunstone::internals::scene::{Reading, bake, load, load_with};
 use sunstone::internals::spectrum::Color;
 
 /// What is done to the good document, and what the error must say.
@@ -192,6 +192,9 @@ fn accessors_and_buffers() {
         (|d| d["buffers"][0]["uri"] = json!("data:,plain"), &["buffer 0, uri", "without base64"]),
         (|d| d["buffers"][0]["uri"] = json!("no such.bin"), &["buffer 0, uri", "no such.bin"]),
         (|d| d["buffers"][0]["uri"] = json!("/etc/passwd"), &["uri", "not a path relative"]),
+        (|d| d["buffers"][0]["uri"] = json!("../../Cargo.toml"), &["uri", "cannot read"]),
+        (|d| d["buffers"][0]["uri"] = json!(".."), &["uri", "outside", "--allow-outside"]),
+        (|d| d["buffers"][0]["uri"] = json!("%2E%2e%2F"), &["uri", "outside", "--allow-outside"]),
         (|d| d["buffers"][0]["uri"] = json!("https://a.b/c"), &["uri", "not a path relative"]),
         (|d| d["buffers"][0]["uri"] = json!("."), &["buffer 0, uri", "not a file"]),
     ]);
@@ -418,10 +421,23 @@ fn lights_cameras_and_scenes() {
 #[test]
 fn a_camera_that_is_not_there_lists_those_that_are() {
     let path = scratch("cameras.gltf");
-    fs::write(&path, good().to_string()).unwrap();
-    assert!(load_with(&path, Some("eye")).is_ok() && load_with(&path, Some("lens")).is_ok());
-    let error = load_with(&path, Some("nose")).unwrap_err().to_string();
-    assert!(error.contains("`nose`") && error.contains("eye, lens"), "{error}");
+    let mut document = good();
+    document["nodes"].as_array_mut().unwrap().push(json!({"camera": 1, "translation": [0, 0, 7]}));
+    document["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4]);
+    let second = json!({"type": "orthographic",
+        "orthographic": {"xmag": 1.0, "ymag": 1.0, "znear": 0.1, "zfar": 9.0}});
+    document["cameras"].as_array_mut().unwrap().push(second);
+    fs::write(&path, document.to_string()).unwrap();
+    let load = |name| load_with(&path, Reading { camera: Some(name), ..Reading::default() });
+    for (name, height) in [("eye", "5.0000"), ("lens", "5.0000"), ("#1", "5."), ("#2", "7.0000")] {
+        let text = load(name).unwrap().describe();
+        assert!(text.contains(&format!("at (0.0000, 0.0000, {height}")), "{name}: {text}");
+    }
+    for name in ["nose", "#0", "#3", "#x", ""] {
+        let error = load(name).unwrap_err().to_string();
+        assert!(error.contains(&format!("`{name}`")), "{error}");
+        assert!(error.contains("the cameras are #1 eye or lens, #2"), "{error}");
+    }
 }
 
 #[test]

@@ -312,7 +312,7 @@ fn the_same_file_gives_the_same_tables() {
     let [first, second] = [0, 1].map(|_| format!("{:?}", baked(&good())));
     assert_eq!(first, second);
     let text = load_json(&good()).unwrap().describe();
-    for expected in ["2 triangles", "1 analytic spheres", "smooth dielectric, ior 1.5", "Point"] {
+    for expected in ["2 triangles", "1 analytic sphere", "smooth dielectric, ior 1.5", "Point"] {
         assert!(text.contains(expected), "no `{expected}` in: {text}");
     }
 }

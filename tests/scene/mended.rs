@@ -1,11 +1,14 @@
 //! Files that are almost good: what does not matter is dropped with a warning, and what does is
 //! told at once.
 
-use crate::common::{data_uri, good, load_bytes, load_json, square_bytes};
+use std::fs;
+
+use crate::common::{data_uri, good, load_bytes, load_json, scratch, square_bytes};
 use crate::errors::refused;
 use crate::meaning::{baked, warnings};
 use glam::Vec3;
 use serde_json::{Value, json};
+use sunstone::internals::scene::{Reading, load_with};
 
 #[test]
 fn triangles_without_area_are_dropped_with_a_warning() {
@@ -215,4 +218,55 @@ fn names_and_values_are_quoted_safely() {
     assert!(text.contains("\\u{1b}[2J\\nred") && !text.contains('\u{1b}'), "{text}");
     document["buffers"][0]["uri"] = "x".repeat(100_000).into();
     assert!(load_json(&document).unwrap_err().len() < 4000);
+}
+
+/// What a scene of a stranger refers to is in its folder, whatever it is called.
+#[test]
+#[cfg(unix)]
+fn scenes_read_nothing_outside_their_folder_unless_allowed() {
+    let folder = scratch("stranger");
+    let inner = folder.join("scene");
+    fs::create_dir_all(inner.join("deep")).unwrap();
+    fs::write(folder.join("secret.bin"), square_bytes()).unwrap();
+    fs::write(inner.join("own.bin"), square_bytes()).unwrap();
+    std::os::unix::fs::symlink("../secret.bin", inner.join("link.bin")).unwrap();
+    let absolute = folder.join("secret.bin").display().to_string();
+    let path = inner.join("scene.gltf");
+    let load = |uri: &str, allow_outside| {
+        let mut document = good();
+        document["buffers"][0]["uri"] = uri.into();
+        fs::write(&path, document.to_string()).unwrap();
+        let world = load_with(&path, Reading { allow_outside, ..Reading::default() });
+        world.map(|world| world.files().to_vec()).map_err(|error| error.to_string())
+    };
+    for uri in ["../secret.bin", "%2E%2E%2Fsecret.bin", "deep/../../secret.bin", "link.bin"] {
+        let error = load(uri, false).unwrap_err();
+        assert!(error.contains("outside the folder of the scene"), "{error}");
+        let files = load(uri, true).unwrap();
+        assert_eq!(files, [path.clone(), folder.canonicalize().unwrap().join("secret.bin")]);
+    }
+    assert!(load(&absolute, false).unwrap_err().contains("not a path relative"));
+    assert!(load(&absolute, true).is_ok());
+    for uri in ["own.bin", "./own.bin", "deep/../own.bin", "../scene/own.bin"] {
+        assert!(load(uri, false).is_ok(), "{uri}");
+    }
+    let device = "../".repeat(20) + "proc/self/environ";
+    assert!(load(&device, false).unwrap_err().contains("outside"));
+}
+
+/// A table that is none does not tell what it is.
+#[test]
+fn cells_are_quoted_only_if_they_are_short_and_harmless() {
+    let error = |cell: &str| {
+        let csv = format!("theta_deg,m00,m01,m22,m23\n{cell},1,0,1,0\n");
+        let mut document = good();
+        document["extras"] = json!({"sunstone_media": [{"phase": "mueller_table", "sigma_a": 0,
+            "sigma_s": 1, "table": data_uri(csv.as_bytes())}]});
+        load_json(&document).unwrap_err()
+    };
+    assert!(error("1..5").contains("line 2: `1..5` is not a number"));
+    for cell in ["AWS_SECRET_ACCESS_KEY=5f3a", "\u{1b}[2J"] {
+        let error = error(cell);
+        assert!(error.contains("line 2: the cell of theta_deg is not a number"), "{error}");
+    }
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::bench::table1::{PAPER, PaperRow};
-use crate::render::PlacedWorld;
-use crate::scene::{self, SceneError, World};
+use crate::render::{PlacedWorld, RenderError};
+use crate::scene::{self, Reading, World};
 
 /// A scene of the paper's table that the program carries with it.
 struct Shipped {
@@ -48,23 +48,23 @@ impl Subject {
 
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
-pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, SceneError> {
+pub fn load_all(paths: &[PathBuf], reading: Reading) -> Result<Vec<Subject>, RenderError> {
     match paths {
         [] => SHIPPED.iter().map(carried).collect(),
-        paths => paths.iter().map(|path| load(path)).collect(),
+        paths => paths.iter().map(|path| load(path, reading)).collect(),
     }
 }
 
 /// Loads a scene.
-pub fn load(path: &Path) -> Result<Subject, SceneError> {
-    let world = scene::load(path)?;
+pub fn load(path: &Path, reading: Reading) -> Result<Subject, RenderError> {
+    let world = scene::load_with(path, reading)?;
     // A copy of a shipped scene is that scene.
     let bytes = std::fs::read(path).unwrap_or_default();
     let shipped = SHIPPED.iter().find(|shipped| shipped.bytes == bytes);
     subject(path.display().to_string(), shipped.map(|shipped| shipped.paper), world)
 }
 
-fn carried(shipped: &Shipped) -> Result<Subject, SceneError> {
+fn carried(shipped: &Shipped) -> Result<Subject, RenderError> {
     let world = scene::load_from_memory(Path::new(shipped.file), shipped.bytes)?;
     subject(world.name().to_owned(), Some(shipped.paper), world)
 }
@@ -73,7 +73,7 @@ fn subject(
     name: String,
     paper: Option<&'static PaperRow>,
     world: World,
-) -> Result<Subject, SceneError> {
+) -> Result<Subject, RenderError> {
     let warnings = world.warnings().to_vec();
     Ok(Subject { name, paper, warnings, world: PlacedWorld::new(world)? })
 }

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use crate::bench::measure::scaling::SeriesKind;
 use crate::cli::args::{
-    ColorName, IntegratorName, ModeName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat,
+    ColorName, FileArguments, IntegratorName, ModeName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat,
 };
 
 /// `bench` as typed.
@@ -138,6 +138,9 @@ pub struct WorkArguments {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// What scenes may read.
+    #[command(flatten)]
+    pub files: FileArguments,
 }
 
 /// `bench table1` as typed.
@@ -168,6 +171,9 @@ pub struct Table1Arguments {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// What scenes may read.
+    #[command(flatten)]
+    pub files: FileArguments,
     /// Where the report and its figures go.
     #[command(flatten)]
     pub output: RecordedReportArguments,

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use super::args::ErrorArguments;
-use super::progress::Progress;
 use super::report::{check_outputs, deliver};
-use super::work;
+use super::{progress_of, work};
 use crate::bench::measure::error::{self as measure, REPLICATES, Task, Truth, rounds_in_all};
 use crate::cli::files::say;
 use crate::cli::{CliError, job};
@@ -33,7 +32,7 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
         check_fit(arguments, image, &options, size)?;
     }
     check_memory(&options, size)?;
-    let subject = work::load(&arguments.scene)?;
+    let subject = work::load(&arguments.scene, &arguments.work.files)?;
     let threads = Threads::start(arguments.work.threads)?;
     let truth = match given {
         Some(image) => Truth::Image(Box::new(image), name_of_file(arguments)),
@@ -51,7 +50,7 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
         iterations: arguments.iterations,
         seconds: arguments.seconds,
     };
-    let progress = Progress::of(rounds_in_all(integrators.len(), arguments.seeds));
+    let progress = progress_of(rounds_in_all(integrators.len(), arguments.seeds));
     let report = measure::error(&task, truth, &threads, &progress)?;
     progress.finish();
     deliver(&report, output, ("error", &report.conditions.machine))

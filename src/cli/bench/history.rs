@@ -5,9 +5,18 @@ use super::report::{check_outputs, show};
 use crate::bench::history::{Choice, History};
 use crate::bench::record;
 use crate::cli::CliError;
+use crate::math::text::listed;
 
 /// Most figures in a plot.
 const CURVES_MAX: usize = 12;
+
+/// Says that the choice leaves nothing of a record.
+fn nothing_fits(arguments: &HistoryArguments, cpus: &[&str]) -> String {
+    let given = [(!arguments.figure.is_empty(), "--figure"), (arguments.cpu.is_some(), "--cpu")];
+    let given: Vec<&str> = given.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
+    let (file, cpus) = (arguments.file.display(), listed(cpus));
+    format!("no record in {file} fits {}; its processors are {cpus}", given.join(" and "))
+}
 
 /// The trends in a record.
 pub fn history(arguments: &HistoryArguments) -> Result<(), CliError> {
@@ -24,10 +33,7 @@ pub fn history(arguments: &HistoryArguments) -> Result<(), CliError> {
             [] => {
                 format!("{file} holds no records yet: --record of the other measurements adds them")
             }
-            _ => format!(
-                "no record in {file} fits --figure and --cpu; its processors are {}",
-                cpus.join(", ")
-            ),
+            _ => nothing_fits(arguments, &cpus),
         }));
     }
     let curves = history.machines.iter().map(|machine| machine.trends.len()).max().unwrap_or(0);

@@ -4,7 +4,6 @@ pub mod args;
 mod error;
 mod history;
 mod overhead;
-mod progress;
 mod report;
 mod scaling;
 mod table1;
@@ -12,6 +11,12 @@ mod work;
 
 use self::args::{Bench, BenchArguments};
 use super::CliError;
+use super::progress::Progress;
+
+/// How far a measurement is.
+fn progress_of(rounds: u64) -> Progress {
+    Progress::of(rounds, "rounds", "{msg} {wide_bar} {pos}/{len} rounds, {eta} left")
+}
 
 /// Measures what is asked for.
 pub(super) fn bench(arguments: &BenchArguments) -> Result<(), CliError> {

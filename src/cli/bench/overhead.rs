@@ -1,9 +1,8 @@
 //! `bench overhead`.
 
 use super::args::OverheadArguments;
-use super::progress::Progress;
 use super::report::{check_outputs, deliver};
-use super::work;
+use super::{progress_of, work};
 use crate::bench::measure::overhead::{self as measure, rounds_in_all};
 use crate::cli::args::IntegratorName;
 use crate::cli::{CliError, job};
@@ -25,11 +24,11 @@ pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     check_memory(&plan[0], size)?;
-    let subjects = work::load_all(&arguments.scenes)?;
+    let subjects = work::load_all(&arguments.scenes, &arguments.work.files)?;
     work::check_names(&subjects, &arguments.integrator)?;
     let threads = Threads::start(arguments.work.threads)?;
     let rounds = arguments.rounds;
-    let progress = Progress::of(subjects.len() as u64 * rounds_in_all(&plan, rounds));
+    let progress = progress_of(subjects.len() as u64 * rounds_in_all(&plan, rounds));
     let report = measure::overhead(&subjects, &plan, rounds, &threads, &progress)?;
     progress.finish();
     deliver(&report, output, ("overhead", &report.conditions.machine))

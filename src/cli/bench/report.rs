@@ -11,7 +11,7 @@ use crate::bench::record::{self, Record, rfc3339};
 use crate::bench::{Machine, Report};
 use crate::cli::CliError;
 use crate::cli::args::StatsFormat;
-use crate::cli::files::{print, refuse_overwriting};
+use crate::cli::files::{self, print, refuse_overwriting};
 use crate::image::atomic;
 use crate::render::system;
 
@@ -72,8 +72,7 @@ pub fn show<R: std::fmt::Display + Serialize>(
     panels: impl FnOnce() -> Vec<Panel>,
     arguments: &ReportArguments,
 ) -> Result<(), CliError> {
-    let json = serde_json::to_string_pretty(shown)
-        .map_err(|error| CliError::System(format!("cannot write JSON: {error}")))?;
+    let json = files::json(shown)?;
     match arguments.format {
         StatsFormat::Text => print(shown)?,
         StatsFormat::Json => print(&json)?,

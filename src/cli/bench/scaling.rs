@@ -1,9 +1,8 @@
 //! `bench scaling`.
 
 use super::args::ScalingArguments;
-use super::progress::Progress;
 use super::report::{check_outputs, deliver};
-use super::work;
+use super::{progress_of, work};
 use crate::bench::measure::processors;
 use crate::bench::measure::scaling::{self as measure, Base, Plan, film_of};
 use crate::cli::args::ColorName;
@@ -22,11 +21,11 @@ pub fn scaling(arguments: &ScalingArguments) -> Result<(), CliError> {
         check_memory(&point.options, film_of(&point.options))?;
     }
     let subject = match &arguments.scene {
-        Some(path) => work::load(path)?,
-        None => work::load_all(&[])?.swap_remove(0),
+        Some(path) => work::load(path, &arguments.work.files)?,
+        None => work::load_all(&[], &arguments.work.files)?.swap_remove(0),
     };
     let points: u64 = plans.iter().map(|plan| plan.points.len() as u64).sum();
-    let progress = Progress::of(points * (u64::from(arguments.rounds) + 1));
+    let progress = progress_of(points * (u64::from(arguments.rounds) + 1));
     let report = measure::scaling(&subject, &plans, &base, &progress)?;
     progress.finish();
     deliver(&report, output, ("scaling", &report.conditions.machine))

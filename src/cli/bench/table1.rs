@@ -1,9 +1,8 @@
 //! `bench table1`.
 
 use super::args::Table1Arguments;
-use super::progress::Progress;
 use super::report::{check_outputs, deliver};
-use super::work;
+use super::{progress_of, work};
 use crate::bench::measure::table1 as measure;
 use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
 use crate::cli::{CliError, job};
@@ -20,13 +19,13 @@ pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     check_memory(&settings, [arguments.width, arguments.height])?;
-    let subjects = work::load_all(&arguments.scenes)?;
+    let subjects = work::load_all(&arguments.scenes, &arguments.files)?;
     if output.record.is_some() {
         work::check_names(&subjects, &[])?;
     }
     let threads = Threads::start(arguments.threads)?;
     let iterations = arguments.iterations;
-    let progress = Progress::of(subjects.len() as u64 * (u64::from(iterations) + 1));
+    let progress = progress_of(subjects.len() as u64 * (u64::from(iterations) + 1));
     let report = measure::table1(&subjects, &options, iterations, &threads, &progress)?;
     progress.finish();
     deliver(&report, output, ("table1", &report.conditions.machine))

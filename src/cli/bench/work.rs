@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::args::WorkArguments;
 use crate::bench::measure::{Subject, subject};
-use crate::cli::args::IntegratorName;
+use crate::cli::args::{FileArguments, IntegratorName};
 use crate::cli::files::say;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
 use crate::render::{Options, Photons, Settings};
+use crate::scene::Reading;
 use crate::spectrum::Color;
 
 /// Edge of the film where none is typed, in pixels.
@@ -17,17 +18,21 @@ const EDGE: u32 = 256;
 
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
-pub fn load_all(paths: &[PathBuf]) -> Result<Vec<Subject>, CliError> {
-    let subjects = subject::load_all(paths)?;
+pub fn load_all(paths: &[PathBuf], files: &FileArguments) -> Result<Vec<Subject>, CliError> {
+    let subjects = subject::load_all(paths, reading(files))?;
     subjects.iter().for_each(say_warnings);
     Ok(subjects)
 }
 
 /// Loads a scene.
-pub fn load(path: &Path) -> Result<Subject, CliError> {
-    let subject = subject::load(path)?;
+pub fn load(path: &Path, files: &FileArguments) -> Result<Subject, CliError> {
+    let subject = subject::load(path, reading(files))?;
     say_warnings(&subject);
     Ok(subject)
+}
+
+fn reading(files: &FileArguments) -> Reading<'static> {
+    Reading { camera: None, allow_outside: files.allow_outside }
 }
 
 fn say_warnings(subject: &Subject) {

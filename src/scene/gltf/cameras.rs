@@ -1,16 +1,21 @@
 //! The camera: which node's, how it projects, and its film.
 
+use gltf::json::Root;
 use gltf::json::camera::{Camera, Orthographic, Perspective, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
 use super::extension::{Body, CAMERA, FILM};
 use super::hierarchy::PlacedNode;
+use crate::math::text::{excerpt, listed};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Lens, Name, Resolution};
 
+/// Most characters of a name in a list of cameras.
+const NAME: usize = 60;
+
 impl Import<'_> {
-    /// Adds the camera of the given name, or the first of the scene.
+    /// Adds the camera of the given name or number, or the first of the scene.
     pub fn add_camera(
         &mut self,
         nodes: &[PlacedNode],
@@ -22,23 +27,8 @@ impl Import<'_> {
             .iter()
             .filter_map(|placed| Some((placed, root.nodes[placed.node].camera?.value())))
             .collect();
-        let names = |placed: &PlacedNode, camera: usize| {
-            let names = [&root.nodes[placed.node].name, &root.cameras[camera].name];
-            names.into_iter().flatten()
-        };
-        let chosen = cameras.iter().find(|(placed, camera)| {
-            wanted.is_none_or(|wanted| names(placed, *camera).any(|name| name == wanted))
-        });
-        let Some(&(placed, camera)) = chosen else {
-            return Err(match wanted {
-                None => SceneError::new("nodes", "the scene has no camera", "add one"),
-                Some(wanted) => {
-                    let known: Vec<&str> =
-                        cameras.iter().flat_map(|(p, c)| names(p, *c)).map(|n| &**n).collect();
-                    let remedy = format!("names of cameras: {}", known.join(", "));
-                    SceneError::new("nodes", format!("no camera is called `{wanted}`"), remedy)
-                }
-            });
+        let Some(&(placed, camera)) = chosen(root, &cameras, wanted) else {
+            return Err(not_there(root, &cameras, wanted));
         };
         let node = document.label("nodes", placed.node);
         let place = placed.to_world;
@@ -62,6 +52,38 @@ impl Import<'_> {
         let put = self.world.put_camera(Name(label), lens, place, resolution);
         put.map(|_| ()).map_err(|fault| body.place(fault))
     }
+}
+
+/// The names of a camera: its node's and its own.
+fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a str> {
+    let names = [&root.nodes[placed.node].name, &root.cameras[*camera].name];
+    names.into_iter().flatten().map(String::as_str).collect()
+}
+
+/// The camera of the given name, or, if none has it, of the given number, counted from `#1`.
+fn chosen<'a, 'b>(
+    root: &Root,
+    cameras: &'a [(&'b PlacedNode, usize)],
+    wanted: Option<&str>,
+) -> Option<&'a (&'b PlacedNode, usize)> {
+    let Some(wanted) = wanted else { return cameras.first() };
+    let named = cameras.iter().find(|camera| names(root, camera).contains(&wanted));
+    named.or_else(|| {
+        let number: usize = wanted.strip_prefix('#')?.parse().ok()?;
+        cameras.get(number.checked_sub(1)?)
+    })
+}
+
+fn not_there(root: &Root, cameras: &[(&PlacedNode, usize)], wanted: Option<&str>) -> SceneError {
+    let Some(wanted) = wanted.filter(|_| !cameras.is_empty()) else {
+        return SceneError::new("nodes", "the scene has no camera", "add one");
+    };
+    let known = cameras.iter().zip(1..).map(|(camera, number)| {
+        let names = names(root, camera);
+        format!("#{number} {}", excerpt(&names.join(" or "), NAME)).trim_end().to_owned()
+    });
+    let problem = format!("no camera is called `{}`", excerpt(wanted, NAME));
+    SceneError::new("nodes", problem, format!("the cameras are {}", listed(known)))
 }
 
 fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {

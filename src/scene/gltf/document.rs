@@ -1,8 +1,6 @@
 //! From a file to its validated JSON and its buffers.
 
-use std::fs::{self, File};
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use base64::Engine;
 use gltf::json;
@@ -11,7 +9,9 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use super::files::Files;
 use super::validate;
+use crate::image::read_bytes;
 use crate::scene::error::{Findings, SceneError};
 
 /// A glTF file in memory.
@@ -22,20 +22,22 @@ pub struct Document {
     pub root: json::Root,
     /// The buffers, each at least as long as its `byteLength`.
     pub buffers: Vec<Vec<u8>>,
-    /// Where it is: what relative paths start from.
-    folder: PathBuf,
+    /// What else it may read, and has.
+    pub files: Files,
 }
 
 impl Document {
     /// Reads and validates a .gltf or .glb file and everything that it refers to.
-    pub fn read(path: &Path) -> Result<Self, SceneError> {
-        let bytes = read_file(path, u64::MAX)
-            .map_err(|problem| SceneError::new("", problem, "is the path right?"))?;
-        Self::parse(&bytes, path)
+    pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
+        let bytes = read_bytes(path, u64::MAX).map_err(|error| {
+            let problem = format!("cannot read {}: {error}", path.display());
+            SceneError::new("", problem, "is the path right?")
+        })?;
+        Self::parse(&bytes, Files::of_scene(path, allow_outside))
     }
 
-    /// Validates what stands, or might stand, at `path`, and reads everything that it refers to.
-    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
+    /// Validates the bytes of a scene, and reads everything that it refers to.
+    pub fn parse(bytes: &[u8], files: Files) -> Result<Self, SceneError> {
         let (text, binary) =
             if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
         let value: Value = serde_json::from_slice(without_mark(text)).map_err(|error| {
@@ -47,13 +49,12 @@ impl Document {
         })?;
         validate::check(&value)?;
         let root = typed(&value)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let label = validate::label(&value, "buffers", index);
-            buffers.push(read_buffer(buffer, index, &label, folder, binary)?);
+            buffers.push(read_buffer(buffer, index, &label, &files, binary)?);
         }
-        Ok(Self { value, root, buffers, folder: folder.to_owned() })
+        Ok(Self { value, root, buffers, files })
     }
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.
@@ -61,14 +62,14 @@ impl Document {
         const BYTES_MAX: u64 = 1 << 26;
         let bytes = match uri.strip_prefix("data:") {
             Some(data) => decode_data_uri(data, field.to_owned())?,
-            None => read_external(uri, field.to_owned(), &self.folder, BYTES_MAX)?,
+            None => self.files.bytes(uri, field, BYTES_MAX)?,
         };
         if bytes.len() as u64 == BYTES_MAX {
-            let problem = format!("`{uri}` is larger than {BYTES_MAX} bytes");
+            let problem = format!("is larger than {BYTES_MAX} bytes");
             return Err(SceneError::new(field, problem, "make it smaller"));
         }
         String::from_utf8(without_mark(&bytes).to_vec())
-            .map_err(|_| SceneError::new(field, format!("`{uri}` is not text"), "is it a CSV?"))
+            .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
     }
 
     /// How errors call an element of one of the file's arrays: kind, index and name.
@@ -106,20 +107,6 @@ fn objects<'a>(
 ) -> impl Iterator<Item = &'a mut Map<String, Value>> {
     let array = document.get_mut(array).and_then(Value::as_array_mut);
     array.into_iter().flatten().filter_map(Value::as_object_mut)
-}
-
-/// The file's bytes, not more than `limit`; what went wrong otherwise.
-fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
-    let read = || {
-        // Whatever is not a file (a pipe, a device) might never end.
-        if !fs::metadata(path)?.is_file() {
-            return Err(std::io::Error::other("not a file"));
-        }
-        let mut bytes = Vec::new();
-        File::open(path)?.take(limit).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    read().map_err(|error| format!("cannot read {}: {error}", path.display()))
 }
 
 /// The JSON chunk and the binary chunk of a .glb file.
@@ -165,7 +152,7 @@ fn read_buffer(
     buffer: &json::Buffer,
     index: usize,
     label: &str,
-    folder: &Path,
+    files: &Files,
     binary: Option<&[u8]>,
 ) -> Result<Vec<u8>, SceneError> {
     let claimed = buffer.byte_length.0;
@@ -177,7 +164,7 @@ fn read_buffer(
         }
         (Some(uri), _) => match uri.strip_prefix("data:") {
             Some(data) => decode_data_uri(data, format!("{label}, uri"))?,
-            None => read_external(uri, format!("{label}, uri"), folder, claimed)?,
+            None => files.bytes(uri, &format!("{label}, uri"), claimed)?,
         },
     };
     if (bytes.len() as u64) < claimed {
@@ -200,42 +187,6 @@ fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
     engine.decode(text).map_err(|error| {
         SceneError::new(place, format!("is not base64: {error}"), "export the scene again")
     })
-}
-
-fn read_external(
-    uri: &str,
-    place: String,
-    folder: &Path,
-    claimed: u64,
-) -> Result<Vec<u8>, SceneError> {
-    let name = percent_decoded(uri);
-    if name.contains("://") || Path::new(&name).is_absolute() || name.starts_with('/') {
-        let problem = format!("`{uri}` is not a path relative to the scene");
-        return Err(SceneError::new(place, problem, "put the file beside the scene"));
-    }
-    read_file(&folder.join(&name), claimed)
-        .map_err(|problem| SceneError::new(place, problem, "put the file beside the scene"))
-}
-
-/// A URI's path with its %xx resolved; what is no valid escape stays as it is.
-fn percent_decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let hex = tail.get(..2).and_then(|hex| std::str::from_utf8(hex).ok());
-        let escaped = hex.filter(|hex| hex.bytes().all(|digit| digit.is_ascii_hexdigit()));
-        match escaped.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
-            Some(byte) if *first == b'%' => {
-                bytes.push(byte);
-                rest = &tail[2..];
-            }
-            _ => {
-                bytes.push(*first);
-                rest = tail;
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// The error of the typed parser, with the names of the objects that it is about if these are

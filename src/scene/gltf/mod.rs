@@ -7,6 +7,7 @@ mod accessors;
 mod cameras;
 mod document;
 mod extension;
+mod files;
 mod hierarchy;
 mod lights;
 mod materials;
@@ -25,11 +26,22 @@ use hecs::Entity;
 
 use self::document::Document;
 use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
+use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::warnings::Warnings;
 use super::error::{Findings, SceneError};
 use super::world::{Ball, Boundary, Environment, Geometry, Name, Skin, World};
 use crate::math::text::listed;
+
+/// How a scene file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reading<'a> {
+    /// The camera (or camera node) that sees it: its name, or `#2` for the second of the scene. The
+    /// first by default.
+    pub camera: Option<&'a str>,
+    /// Whether it may read files outside its folder, as a stranger's scene should not.
+    pub allow_outside: bool,
+}
 
 /// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
 ///
@@ -37,15 +49,15 @@ use crate::math::text::listed;
 /// With the file's name, the object and field in it, and the remedy, whenever something in the
 /// scene is missing, invalid, unphysical, or would silently render as something else.
 pub fn load(path: &Path) -> Result<World, SceneError> {
-    load_with(path, None)
+    load_with(path, Reading::default())
 }
 
-/// Like [`load`], seen by the camera (or camera node) of the given name.
+/// Like [`load`], with choices.
 ///
 /// # Errors
 /// As [`load`], and when there is no such camera.
-pub fn load_with(path: &Path, camera: Option<&str>) -> Result<World, SceneError> {
-    import(path, camera, || Document::read(path))
+pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
+    import(path, reading.camera, || Document::read(path, reading.allow_outside))
 }
 
 /// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
@@ -54,7 +66,7 @@ pub fn load_with(path: &Path, camera: Option<&str>) -> Result<World, SceneError>
 /// # Errors
 /// As [`load`].
 pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
-    import(path, None, || Document::parse(bytes, path))
+    import(path, None, || Document::parse(bytes, Files::of_scene(path, false)))
 }
 
 fn import(
@@ -72,6 +84,7 @@ fn import(
         let Import { mut world, warnings, .. } = import;
         world.name = name.unwrap_or_else(file_name);
         world.file = path.to_owned();
+        world.files = document.files.read();
         world.warnings = warnings.sentences();
         Ok(world)
     };

@@ -49,6 +49,7 @@ impl World {
             entities: hecs::World::new(),
             name: name.into(),
             file: PathBuf::new(),
+            files: Vec::new(),
             warnings: Vec::new(),
             order: 0,
             checked: HashMap::new(),

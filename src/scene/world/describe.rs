@@ -10,7 +10,7 @@ use super::{
     Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
     Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
-use crate::math::text::excerpt;
+use crate::math::text::{counted, excerpt};
 use crate::polarization::milk::Milk;
 use crate::spectrum::Spectrum;
 
@@ -41,8 +41,10 @@ fn write_shapes(world: &World, text: &mut String) -> fmt::Result {
         (place.0.translation, ball.radius * place.0.matrix3.x_axis.length())
     });
     let triangles: usize = meshes.iter().map(|(mesh, _)| mesh.0.triangles.len()).sum();
-    let (parts, spheres) = (meshes.len(), balls.len());
-    writeln!(text, "  {triangles} triangles in {parts} mesh parts, {spheres} analytic spheres")?;
+    let triangles = counted(triangles, ["triangle", "triangles"]);
+    let parts = counted(meshes.len(), ["mesh part", "mesh parts"]);
+    let spheres = counted(balls.len(), ["analytic sphere", "analytic spheres"]);
+    writeln!(text, "  {triangles} in {parts}, {spheres}")?;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (mesh, to_world) in &meshes {
         for position in &mesh.0.positions {
@@ -75,7 +77,8 @@ fn write_materials(world: &World, text: &mut String) -> fmt::Result {
             format!(", emits radiance {}", spectrum(&emission.radiance))
         });
         let count = users.get(&entity).copied().unwrap_or(0);
-        format!("  {}: {}{sides}{light}; on {count} shapes", name.0, model(bsdf))
+        let shapes = counted(count, ["shape", "shapes"]);
+        format!("  {}: {}{sides}{light}; on {shapes}", name.0, model(bsdf))
     });
     lines(text, &materials)
 }
@@ -120,9 +123,8 @@ fn write_media(world: &World, text: &mut String) -> fmt::Result {
         let count = users.get(&entity).copied().unwrap_or(0);
         let phase = phase(&medium.phase);
         let name = &name.0;
-        format!(
-            "  {name}: sigma_a {sigma_a}, sigma_s {sigma_s}, {phase}{scene}; at {count} boundaries"
-        )
+        let places = counted(count, ["boundary", "boundaries"]);
+        format!("  {name}: sigma_a {sigma_a}, sigma_s {sigma_s}, {phase}{scene}; at {places}")
     });
     lines(text, &media)
 }

@@ -53,6 +53,7 @@ pub struct World {
     entities: hecs::World,
     pub(super) name: String,
     pub(super) file: PathBuf,
+    pub(super) files: Vec<PathBuf>,
     pub(super) warnings: Vec<String>,
     /// The [`Order`] of the last entity.
     order: u32,
@@ -105,6 +106,12 @@ impl World {
     /// The scene's own name, or the file's if it has none.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The files that the scene was read from: itself, its buffers and tables. None for a world
+    /// that was made in code.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// What the scene asks for and the renderer ignores, one sentence each.

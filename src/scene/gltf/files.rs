@@ -1,0 +1,87 @@
+//! The files that a scene refers to: beside it or below, unless the user allows others. Whoever
+//! opens the scene of a stranger does not mean to open his own files with it.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use crate::image::read_bytes;
+use crate::math::text::excerpt;
+use crate::scene::error::SceneError;
+
+/// Most characters of a URI that an error quotes.
+const URI: usize = 200;
+
+/// What a scene may read, and has read.
+pub struct Files {
+    /// Where relative paths start.
+    folder: PathBuf,
+    allow_outside: bool,
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl Files {
+    /// Those of the scene at a path, which has been read from there or might stand there.
+    pub fn of_scene(path: &Path, allow_outside: bool) -> Self {
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        Self { folder, allow_outside, read: RefCell::new(vec![path.to_owned()]) }
+    }
+
+    /// The scene and all that has been read for it.
+    pub fn read(&self) -> Vec<PathBuf> {
+        self.read.borrow().clone()
+    }
+
+    /// The first bytes of what a URI refers to, `limit` at most; `place` is where it stands.
+    pub fn bytes(&self, uri: &str, place: &str, limit: u64) -> Result<Vec<u8>, SceneError> {
+        let refuse = |problem: String, remedy: &str| SceneError::new(place, problem, remedy);
+        let shown = excerpt(uri, URI);
+        let name = percent_decoded(uri);
+        if name.contains("://") || (!self.allow_outside && is_absolute(&name)) {
+            let problem = format!("`{shown}` is not a path relative to the scene");
+            return Err(refuse(problem, "put the file beside the scene"));
+        }
+        let failed = |error: io::Error| {
+            let path = excerpt(&self.folder.join(&name).display().to_string(), URI);
+            refuse(format!("cannot read {path}: {error}"), "put the file beside the scene")
+        };
+        let path = fs::canonicalize(self.folder.join(&name)).map_err(failed)?;
+        let folder = fs::canonicalize(&self.folder).map_err(failed)?;
+        if !self.allow_outside && !path.starts_with(folder) {
+            let problem = format!("`{shown}` lies outside the folder of the scene");
+            let remedy = "put the file beside the scene, or trust the scene: --allow-outside";
+            return Err(refuse(problem, remedy));
+        }
+        let bytes = read_bytes(&path, limit).map_err(failed)?;
+        self.read.borrow_mut().push(path);
+        Ok(bytes)
+    }
+}
+
+fn is_absolute(name: &str) -> bool {
+    Path::new(name).is_absolute() || name.starts_with('/')
+}
+
+/// A URI's path with its %xx resolved; what is no valid escape stays as it is.
+fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, tail @ ..] = rest {
+        let hex = tail.get(..2).and_then(|hex| std::str::from_utf8(hex).ok());
+        let escaped = hex.filter(|hex| hex.bytes().all(|digit| digit.is_ascii_hexdigit()));
+        match escaped.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(byte) if *first == b'%' => {
+                bytes.push(byte);
+                rest = &tail[2..];
+            }
+            _ => {
+                bytes.push(*first);
+                rest = tail;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
