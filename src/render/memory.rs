@@ -13,8 +13,8 @@ use super::{Options, system};
 /// Something that the memory does not hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "{what} needs {:.1} GiB of memory and {:.1} GiB are available: give {remedy}",
-    gibibytes(*needed), gibibytes(*available)
+    "{what} needs {} of memory and {} are available: give {remedy}",
+    in_words(*needed), in_words(*available)
 )]
 pub struct MemoryError {
     /// What it is.
@@ -89,19 +89,24 @@ fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
 }
 
 /// Counts the photons of an iteration, one for each light path, which is what closed rooms keep:
-/// as they are shot, in one table, and sorted, and their order.
+/// as they are shot, in one table, and sorted, half as much again as tables grow by doubling, and
+/// their order. (Measured: 151 bytes in RGB, in a room that keeps 1.2.)
 fn bytes_of_photons(options: &Options) -> u64 {
-    const COPIES: u64 = 3;
-    const BYTES_OF_ORDER: u64 = 20;
+    const BYTES_OF_ORDER: u64 = 24;
     if !options.integrator.shoots_photons() {
         return 0;
     }
     let bytes_of_photon = 16 + 4 * options.color.channels() as u64;
-    u64::from(options.photons.per_iteration) * (COPIES * bytes_of_photon + BYTES_OF_ORDER)
+    let bytes_of_copies = 3 * bytes_of_photon * 3 / 2;
+    u64::from(options.photons.per_iteration) * (bytes_of_copies + BYTES_OF_ORDER)
 }
 
-fn gibibytes(bytes: u64) -> f64 {
-    bytes as f64 / f64::from(1 << 30)
+fn in_words(bytes: u64) -> String {
+    let mebibytes = bytes as f64 / f64::from(1 << 20);
+    match mebibytes < 1024.0 {
+        true => format!("{mebibytes:.0} MiB"),
+        false => format!("{:.1} GiB", mebibytes / 1024.0),
+    }
 }
 
 #[cfg(test)]
@@ -122,10 +127,11 @@ mod tests {
         let options = Options::default();
         assert_eq!(bytes_of_photons(&options), 0);
         let options = Options { integrator: Integrator::Ppm, ..options };
-        assert_eq!(bytes_of_photons(&options), 1_000_000 * 104);
+        assert_eq!(bytes_of_photons(&options), 1_000_000 * 150);
         let error = check("a film".to_owned(), u64::MAX, "a smaller one");
         if let Err(error) = error {
             assert!(error.to_string().starts_with("a film needs 17179869184.0 GiB"), "{error}");
+            assert_eq!(in_words(600_000_000), "572 MiB");
         }
     }
 }

@@ -220,9 +220,9 @@ fn memory_that_will_not_suffice_is_told_before() {
         run(command.args(arguments).current_dir(&here))
     };
     let photons = ["good.gltf", "--integrator", "ppm", "--photons", "4000000", "--threads", "1"];
-    let words = ["4000000 light paths", "0.4 GiB", "available", "fewer photons"];
+    let words = ["4000000 light paths", "MiB of memory", "available", "fewer photons"];
     expect_error(&here, &before, &limited("400000", &photons), 1, &words);
-    let words = ["500000 triangles", "0.2 GiB", "available", "fewer meshes"];
+    let words = ["500000 triangles", "needs 162 MiB", "available", "fewer meshes"];
     expect_error(&here, &before, &limited("150000", &["many.glb"]), 1, &words);
 }
 

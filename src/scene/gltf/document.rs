@@ -1,5 +1,6 @@
 //! From a file to its validated JSON and its buffers.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use base64::Engine;
@@ -31,7 +32,11 @@ impl Document {
     pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
         let bytes = read_bytes(path, u64::MAX).map_err(|error| {
             let problem = format!("cannot read {}: {error}", path.display());
-            SceneError::new("", problem, "is the path right?")
+            let remedy = match error.kind() {
+                ErrorKind::OutOfMemory => "use a smaller file",
+                _ => "is the path right?",
+            };
+            SceneError::new("", problem, remedy)
         })?;
         Self::parse(&bytes, Files::of_scene(path, allow_outside))
     }
