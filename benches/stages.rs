@@ -20,7 +20,6 @@ use sunstone::internals::transport::stages::partition_paths::partition_paths;
 use sunstone::internals::transport::stages::scatter_surfaces::scatter_surfaces;
 use sunstone::internals::transport::stages::trace_connections::trace_connections;
 use sunstone::internals::transport::tables::connections::ConnectionTable;
-use sunstone::internals::transport::tables::flights::FlightTable;
 use sunstone::internals::transport::tables::kernels::DepartureColumns;
 use sunstone::internals::transport::tables::partition::Partition;
 use sunstone::internals::transport::tables::paths::PathTable;
@@ -69,7 +68,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let scene = cornell();
     let mut paths = PathTable::<N, M::Sensor>::new(ROWS, false);
     let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
-    let (mut flights, mut scratch) = (FlightTable::new(ROWS), TraceScratch::default());
+    let mut scratch = TraceScratch::default();
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
@@ -108,7 +107,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("trace_connections", |bench| {
-        bench.iter(|| trace_connections(&mut connections, (&mut flights, &mut scratch), &scene));
+        bench.iter(|| trace_connections(&mut connections, &mut scratch, &scene));
     });
     group.bench_function("scatter_surfaces", |bench| {
         bench.iter(|| {
@@ -124,7 +123,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("advance_paths", |bench| {
-        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces, scene.reach));
+        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces));
     });
     group.finish();
 }

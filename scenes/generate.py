@@ -283,7 +283,9 @@ def light(radiance):
 def glass(ior, **body):
     return extended({"bsdf": "dielectric", "ior": ior, **body}, roughness=0.0,
                     extensions={"KHR_materials_ior": {"ior": ior},
-                                "KHR_materials_transmission": {"transmissionFactor": 1.0}})
+                                "KHR_materials_transmission": {"transmissionFactor": 1.0},
+                                # Solid: without it plain glTF means thin panes.
+                                "KHR_materials_volume": {"thicknessFactor": 0.1}})
 
 
 def null():
@@ -420,7 +422,7 @@ class Scene:
         gltf = {**self.gltf, "buffers": [{"byteLength": len(self.blob), "uri": uri}]}
         used = {name for name in ("KHR_implicit_shapes", "KHR_lights_punctual",
                                   "KHR_materials_emissive_strength", "KHR_materials_ior",
-                                  "KHR_materials_transmission", EXTENSION)
+                                  "KHR_materials_transmission", "KHR_materials_volume", EXTENSION)
                 if f'"{name}"' in json.dumps(gltf)}
         gltf["extensionsUsed"] = sorted(used)
         # One line per element: readable, and easy on diffs.

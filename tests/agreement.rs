@@ -28,6 +28,7 @@ use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
 use support::evidence;
+use support::filters::FILTERS;
 use support::rendering::{
     MONO, in_package, light_mask, path_finds_everything, replicates, scene, settings, world,
 };
@@ -36,6 +37,7 @@ use support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, w
 
 const SIZE: [u32; 2] = [24, 24];
 const REPLICATES: u32 = 32;
+/// Of each, as a rule.
 const ITERATIONS: u32 = 64;
 const PATH_LENGTH_MAX: u32 = 6;
 /// Edge of a cell in pixels.
@@ -53,8 +55,8 @@ struct Rendered {
 /// All integrators that apply.
 fn render_all<const N: usize>(
     scene: &Arc<Scene<N>>,
-    mode: Mode,
-    color: Color,
+    (mode, color): (Mode, Color),
+    iterations: u32,
     photons_reach_media: bool,
 ) -> Vec<Rendered> {
     let everywhere = vec![true; (SIZE[0] * SIZE[1]) as usize];
@@ -70,7 +72,7 @@ fn render_all<const N: usize>(
         all.push((Integrator::Light, mask));
     }
     let render = |(integrator, mask)| {
-        let settings = settings(integrator, mode, color, ITERATIONS, PATH_LENGTH_MAX);
+        let settings = settings(integrator, mode, color, iterations, PATH_LENGTH_MAX);
         // Roulette must not change any mean, so one side plays it.
         let roulette_after = if integrator == Integrator::Path { 3 } else { u32::MAX };
         // With other seeds than in scalar mode, where the same paths would prove nothing new.
@@ -89,12 +91,12 @@ fn render_all<const N: usize>(
 fn disagreements<const N: usize>(
     name: &str,
     world: &World,
-    mode: Mode,
-    color: Color,
+    (mode, color): (Mode, Color),
+    iterations: u32,
 ) -> Vec<String> {
     let scene = scene::<N>(world, color, SIZE);
     let is_small = !name.contains(".gltf");
-    let all = render_all(&scene, mode, color, is_small);
+    let all = render_all(&scene, (mode, color), iterations, is_small);
     let bdpt_finds_everything = path_finds_everything(&scene);
     let mut complaints = Vec::new();
     for (index, second) in all.iter().enumerate() {
@@ -156,11 +158,16 @@ fn compare(first: &Rendered, second: &Rendered) -> Found {
 }
 
 /// In both modes: one wavelength for intensities, three for Stokes vectors.
-fn check(scenes: impl IntoIterator<Item = (String, World)>) {
+fn check(scenes: impl IntoIterator<Item = (String, World)>, iterations: u32) {
     let mut complaints = Vec::new();
     for (name, world) in scenes {
-        complaints.extend(disagreements::<1>(&name, &world, Mode::Scalar, MONO));
-        complaints.extend(disagreements::<3>(&name, &world, Mode::Polarized, Color::Rgb));
+        complaints.extend(disagreements::<1>(&name, &world, (Mode::Scalar, MONO), iterations));
+        complaints.extend(disagreements::<3>(
+            &name,
+            &world,
+            (Mode::Polarized, Color::Rgb),
+            iterations,
+        ));
     }
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
 }
@@ -182,19 +189,35 @@ fn shipped(folder: &str) -> Vec<(String, World)> {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_shipped_scenes() {
-    check(shipped("scenes"));
+    check(shipped("scenes"), ITERATIONS);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_reference_scenes() {
-    check(shipped("scenes/reference"));
+    check(shipped("scenes/reference"), ITERATIONS);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_small_scenes() {
-    check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())));
+    check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())), ITERATIONS);
+}
+
+fn filters() -> impl Iterator<Item = (String, World)> {
+    FILTERS.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_filters() {
+    check(filters(), ITERATIONS / 8);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_filters_closely() {
+    check(filters(), 4 * ITERATIONS);
 }
 
 /// The panel is seen within 0.15 of the normal, where crossed sheets leak the fourth power of it.

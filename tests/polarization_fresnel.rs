@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use sunstone::internals::math::{F32s, LANES, Real};
 use sunstone::internals::polarization::{Block, conductor, conductor_reflectance, dielectric};
-use sunstone::internals::polarization::{Interface, dielectric_reflectance};
+use sunstone::internals::polarization::{Interface, dielectric_reflectance, pane};
 
 /// Double precision against tables whose two independent methods agree to 6e-14.
 const TOLERANCE_F64: f64 = 1e-12;
@@ -377,4 +377,55 @@ fn corner_cases_are_finite() {
     check::<f64>(|value| value);
     check::<f32>(f64::from);
     check::<F32s>(|values| lane(values, 7));
+}
+
+/// Mueller matrix of a block whose first element is `m00`, between frames of the s axis.
+fn mueller(m00: f64, Block { a, c, s }: Block<f64>) -> [[f64; 4]; 4] {
+    let rows = [[1.0, a, 0.0, 0.0], [a, 1.0, 0.0, 0.0], [0.0, 0.0, c, s], [0.0, 0.0, -s, c]];
+    rows.map(|row| row.map(|element| m00 * element))
+}
+
+fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// A pane against the sum of what light does that is reflected to and fro between two faces, as
+/// Mueller matrices of the interfaces.
+#[test]
+fn a_pane_is_the_sum_of_all_reflections_within() {
+    for eta in [1.0001, 1.33, 1.5, 2.4, 0.8] {
+        for degrees in [0.0_f64, 30.0, 45.0, 56.31, 75.0, 88.0] {
+            let cos_i = degrees.to_radians().cos();
+            let outer = dielectric(cos_i, eta);
+            if outer.transmittance == 0.0 {
+                let pane = pane(cos_i, eta);
+                assert_eq!((pane.transmittance, pane.reflection), (0.0, outer.reflection));
+                continue;
+            }
+            let inner = dielectric(outer.cos_t, 1.0 / eta);
+            let enter = mueller(outer.transmittance, outer.transmission);
+            let leave = mueller(inner.transmittance, inner.transmission);
+            let bounce = mueller(inner.reflectance, inner.reflection);
+            let mut inside = enter;
+            let mut transmitted = [[0.0; 4]; 4];
+            let mut reflected = mueller(outer.reflectance, outer.reflection);
+            for order in 0..4000 {
+                let leaves = product(&leave, &inside);
+                let sum = if order % 2 == 0 { &mut transmitted } else { &mut reflected };
+                for (sum, row) in sum.iter_mut().flatten().zip(leaves.iter().flatten()) {
+                    *sum += row;
+                }
+                inside = product(&bounce, &inside);
+            }
+            let pane = pane(cos_i, eta);
+            let passes = mueller(pane.transmittance, pane.transmission);
+            let returns = mueller(1.0 - pane.transmittance, pane.reflection);
+            for (found, expected) in [(passes, transmitted), (returns, reflected)] {
+                for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+                    let error = (found - expected).abs();
+                    assert!(error < 1e-10, "{found}, not {expected}: eta {eta}, {degrees} degrees");
+                }
+            }
+        }
+    }
 }

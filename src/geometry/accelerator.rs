@@ -6,6 +6,7 @@ use crate::math::Vector;
 use crate::scene::baked::{Shapes, Sphere, Triangle};
 use crate::scene::instanced::Instanced;
 
+use super::next::next_hit;
 use super::rays::Hit;
 use super::tree::Tree;
 use super::walk::{TraceScratch, walk};
@@ -113,6 +114,12 @@ impl Accelerator {
         nearest
     }
 
+    /// The nearest hit of a ray beyond another of the same ray; of several at one distance, the
+    /// next primitive.
+    pub fn next(&self, origin: Vec3, direction: Vec3, hit: Hit) -> Hit {
+        next_hit(&self.tree.view(), [origin, direction], hit)
+    }
+
     /// Whether anything is hit with `0 < t < t_max`.
     pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
         let mut is_hit = false;
@@ -129,7 +136,11 @@ impl Accelerator {
     ) {
         let load = |_| (Vector::splat(origin), Vector::splat(direction));
         let scratch = &mut TraceScratch::default();
-        walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, |_, hit| better(hit));
+        let better = |_, hit| {
+            better(hit);
+            true
+        };
+        walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, better);
     }
 
     /// Counts and memory.

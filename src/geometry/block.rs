@@ -199,4 +199,10 @@ impl SphereBlock {
     pub fn meet(&self, rays: &Rays) -> Option<Candidates> {
         rays.meet_spheres(self.center, self.radius_squared)
     }
+
+    /// [`SphereBlock::meet`], where the ray enters and where it leaves.
+    #[inline(always)]
+    pub fn meet_twice(&self, rays: &Rays) -> Option<[Candidates; 2]> {
+        rays.meet_spheres_twice(self.center, self.radius_squared)
+    }
 }

@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use crate::math::columns::Rows;
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scene::baked::NONE;
 
 use super::accelerator::{Accelerator, SHORT_CORNERS, ShortScene};
 use super::kernel::{Nearest, Rays, Renaming};
 use super::rays::{Hit, HitColumns, RayColumns};
+use super::tree::Tree;
 use super::walk::{TraceScratch, walk};
 
 /// Rays that are on their way through a large tree at a time: of 4, 6, 8, 12, 16 and 24 the least
@@ -31,7 +32,10 @@ pub fn trace_closest(
     hits.u[rows.clone()].fill(0.0);
     hits.v[rows.clone()].fill(0.0);
     hits.primitive[rows.clone()].fill(NONE);
-    let better = |row: usize, hit: Hit| hits.set(row, hit);
+    let better = |row: usize, hit: Hit| {
+        hits.set(row, hit);
+        true
+    };
     let load = |row: usize| rays.eight(row);
     let (tree, t_max) = (&accelerator.tree, |_| f32::INFINITY);
     match tree.is_large() {
@@ -39,6 +43,9 @@ pub fn trace_closest(
         true => walk::<FLIGHT, false>(tree, rows, load, t_max, scratch, better),
     }
 }
+
+/// What becomes of a ray that meets only what lets it pass; see [`trace_visibility_past`].
+pub const CROSSES: u32 = 1;
 
 /// Finds which rays in `rows` meet anything with `0 < t < t_max`: their `blocked` becomes
 /// `u32::MAX`, that of the others 0. `t_max` is padded by [`LANES`] like the rays.
@@ -53,10 +60,44 @@ pub fn trace_visibility(
     if let Some(scene) = &accelerator.short {
         return visibility_in_short(blocked, rays, t_max, rows, (scene, accelerator.tree.reach));
     }
+    any_in_tree(blocked, scratch, (rays, t_max), rows, &accelerator.tree, |_| false);
+}
+
+/// [`trace_visibility`] past the primitives that `passes` names: where a ray meets nothing but
+/// those, its `blocked` becomes [`CROSSES`].
+pub fn trace_visibility_past(
+    blocked: &mut [u32],
+    scratch: &mut TraceScratch,
+    (rays, t_max): (&RayColumns, &[f32]),
+    rows: Range<usize>,
+    accelerator: &Accelerator,
+    passes: impl Fn(u32) -> bool,
+) {
+    if let Some(scene) = &accelerator.short {
+        let scene = (scene, accelerator.tree.reach);
+        return visibility_past_in_short(blocked, (rays, t_max), rows, scene, passes);
+    }
+    any_in_tree(blocked, scratch, (rays, t_max), rows, &accelerator.tree, passes);
+}
+
+#[inline(always)]
+fn any_in_tree(
+    blocked: &mut [u32],
+    scratch: &mut TraceScratch,
+    (rays, t_max): (&RayColumns, &[f32]),
+    rows: Range<usize>,
+    tree: &Tree,
+    passes: impl Fn(u32) -> bool,
+) {
     blocked[rows.clone()].fill(0);
-    let better = |row: usize, _: Hit| blocked[row] = u32::MAX;
+    let better = |row: usize, hit: Hit| {
+        let ends = !passes(hit.primitive);
+        // Not instead of what it was: more may be met in the leaf where a ray has ended.
+        blocked[row] |= if ends { u32::MAX } else { CROSSES };
+        ends
+    };
     let load = |row: usize| rays.eight(row);
-    let (tree, t_max) = (&accelerator.tree, |row: usize| t_max[row]);
+    let t_max = |row: usize| t_max[row];
     match tree.is_large() {
         false => walk::<1, true>(tree, rows, load, t_max, scratch, better),
         true => walk::<FLIGHT, true>(tree, rows, load, t_max, scratch, better),
@@ -119,38 +160,66 @@ fn visibility_in_short(
 ) {
     let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
     for row in rows.clone().step_by(LANES) {
-        let (origin, direction) = columns.eight(row);
+        let rays = columns.eight(row);
         let t_max = lanes::load(t_max, row);
-        let mask = if Rays::are_alike(origin, direction, reach) {
-            blocked_in_short::<false>(&mut corners, (origin, direction), t_max, scene)
+        let mut mask = F32s::ZERO;
+        let meets = |met: F32s, _| mask |= met;
+        if Rays::are_alike(rays.0, rays.1, reach) {
+            any_in_short::<false>(&mut corners, rays, t_max, scene, meets);
         } else {
-            blocked_in_short::<true>(&mut corners, (origin, direction), t_max, scene)
-        };
+            any_in_short::<true>(&mut corners, rays, t_max, scene, meets);
+        }
         lanes::store_u32(blocked, row, rows.end, mask.to_bits());
     }
 }
 
+fn visibility_past_in_short(
+    blocked: &mut [u32],
+    (columns, t_max): (&RayColumns, &[f32]),
+    rows: Range<usize>,
+    (scene, reach): (&ShortScene, f32),
+    passes: impl Fn(u32) -> bool,
+) {
+    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
+    for row in rows.clone().step_by(LANES) {
+        let rays = columns.eight(row);
+        let t_max = lanes::load(t_max, row);
+        // What ends the rays, and what lets them pass.
+        let mut masks = [F32s::ZERO; 2];
+        let meets = |met: F32s, primitive| masks[usize::from(passes(primitive))] |= met;
+        if Rays::are_alike(rays.0, rays.1, reach) {
+            any_in_short::<false>(&mut corners, rays, t_max, scene, meets);
+        } else {
+            any_in_short::<true>(&mut corners, rays, t_max, scene, meets);
+        }
+        let [ends, crosses] = masks.map(F32s::to_bits);
+        lanes::store_u32(blocked, row, rows.end, ends | crosses & U32s::splat(CROSSES));
+    }
+}
+
+/// Tells `meets` of each primitive which rays meet it.
 #[inline(always)]
-fn blocked_in_short<const HOPEFUL: bool>(
+fn any_in_short<const HOPEFUL: bool>(
     corners: &mut [Vector<F32s>; SHORT_CORNERS],
     (origin, direction): (Vector<F32s>, Vector<F32s>),
     t_max: F32s,
     scene: &ShortScene,
-) -> F32s {
+    mut meets: impl FnMut(F32s, u32),
+) {
     let (rays, renaming) = Rays::eight(origin, direction);
     shear_corners(corners, &rays, renaming, scene);
-    let mut mask = F32s::ZERO;
-    for &[a, b, c] in &scene.triangles {
+    for (&[a, b, c], primitive) in scene.triangles.iter().zip(0..) {
         if let Some(found) = rays.meet_sheared::<HOPEFUL>(corners[a], corners[b], corners[c]) {
-            mask |= found.mask & found.t.simd_lt(t_max);
+            meets(found.mask & found.t.simd_lt(t_max), primitive);
         }
     }
-    for &(center, radius_squared) in &scene.spheres {
+    for (&(center, radius_squared), primitive) in
+        scene.spheres.iter().zip(scene.triangles.len() as u32..)
+    {
         if let Some(found) = rays.meet_spheres(Vector::splat(center), F32s::splat(radius_squared)) {
-            mask |= found.mask & found.t.simd_lt(t_max);
+            meets(found.mask & found.t.simd_lt(t_max), primitive);
         }
     }
-    mask
 }
 
 /// The corners of all triangles as eight rays see them.

@@ -147,6 +147,29 @@ impl Rays {
     /// Intersection", Ray Tracing Gems 7). From inside the far root counts.
     #[inline(always)]
     pub fn meet_spheres(&self, center: Vector<F32s>, radius_squared: F32s) -> Option<Candidates> {
+        let [near, far, is_near] = self.cross_spheres(center, radius_squared)?;
+        let t = near.simd_gt(F32s::ZERO).select(near, far);
+        let mask = is_near & t.simd_gt(F32s::ZERO);
+        Some(Candidates { t, u: F32s::ZERO, v: F32s::ZERO, mask })
+    }
+
+    /// [`Rays::meet_spheres`] with both roots.
+    #[inline(always)]
+    pub fn meet_spheres_twice(
+        &self,
+        center: Vector<F32s>,
+        radius_squared: F32s,
+    ) -> Option<[Candidates; 2]> {
+        let [near, far, is_near] = self.cross_spheres(center, radius_squared)?;
+        Some([near, far].map(|t| {
+            let mask = is_near & t.simd_gt(F32s::ZERO);
+            Candidates { t, u: F32s::ZERO, v: F32s::ZERO, mask }
+        }))
+    }
+
+    /// Where the rays enter and leave the spheres, and which of them do.
+    #[inline(always)]
+    fn cross_spheres(&self, center: Vector<F32s>, radius_squared: F32s) -> Option<[F32s; 3]> {
         let from = self.origin - center;
         let length_squared = self.direction.length_squared();
         // The same for all spheres, so that it is divided by once.
@@ -162,11 +185,7 @@ impl Rays {
         let q = towards + towards.simd_ge(F32s::ZERO).select(root, -root);
         let first = (from.length_squared() - radius_squared) / q;
         let second = q * inverse;
-        let near = first.fast_min(second);
-        let far = first.fast_max(second);
-        let t = near.simd_gt(F32s::ZERO).select(near, far);
-        let mask = is_near & t.simd_gt(F32s::ZERO);
-        Some(Candidates { t, u: F32s::ZERO, v: F32s::ZERO, mask })
+        Some([first.fast_min(second), first.fast_max(second), is_near])
     }
 }
 

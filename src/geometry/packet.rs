@@ -23,7 +23,7 @@ pub(super) fn walk_alike<const FLIGHT: usize, const ANY: bool>(
     mut walks: [Walk; LANES],
     alike: &mut [(F32s, Reference)],
     (entries, inside): (&mut [(f32, Reference)], &mut Inside),
-    better: &mut impl FnMut(usize, Hit),
+    better: &mut impl FnMut(usize, Hit) -> bool,
 ) {
     let first = walks[0].ray;
     let mut t_max: [f32; LANES] = std::array::from_fn(|lane| walks[lane].t_max);

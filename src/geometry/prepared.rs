@@ -122,9 +122,9 @@ impl Prepared {
         (enter, enter.simd_le(leave))
     }
 
-    /// Where a ray enters each child, and the lanes of those it passes before `t_max`.
+    /// Where a ray enters each child, and the lanes of those it passes between two distances.
     #[inline(always)]
-    pub fn enter(&self, ray: usize, node: &Node, t_max: f32) -> (F32s, F32s) {
+    pub fn enter(&self, ray: usize, node: &Node, [t_min, t_max]: [f32; 2]) -> (F32s, F32s) {
         let at = |axis: usize, side: usize, offset: &Column| {
             let backward = (self.is_backward[axis][ray] & 1) as usize;
             let bound = node.bounds[axis][backward ^ side];
@@ -132,7 +132,7 @@ impl Prepared {
         };
         let near = |axis: usize| at(axis, 0, &self.near[axis]);
         let far = |axis: usize| at(axis, 1, &self.far[axis]);
-        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(F32s::ZERO));
+        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(F32s::splat(t_min)));
         let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(F32s::splat(t_max)));
         (enter, enter.simd_le(leave))
     }

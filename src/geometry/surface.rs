@@ -9,6 +9,7 @@ use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{LEAST_COSINE, NONE, Shapes, Triangle};
 use crate::scene::instanced::Instance;
 
+use super::offset::{offset_distance, reach};
 use super::rays::{HitColumns, IN_MEDIUM, RayColumns, medium_met};
 
 columns! {
@@ -22,6 +23,8 @@ columns! {
         pub geometric_normal: [Column; 3],
         /// Interpolated unit normal; the geometric one where the mesh has none.
         pub shading_normal: [Column; 3],
+        /// How far off it rays start and end, see [`super::offset_origin`].
+        pub offset: Column,
         /// Row in `surfaces` of the scene, or [`NONE`].
         pub surface: Vec<u32> = NONE,
         /// The primitive, [`NONE`], or a medium ([`super::IN_MEDIUM`]).
@@ -34,6 +37,8 @@ struct Points {
     position: Vector<F32s>,
     geometric_normal: Vector<F32s>,
     shading_normal: Vector<F32s>,
+    /// Largest coordinate of the primitive.
+    reach: F32s,
 }
 
 /// Finds the position and the normals of each hit in `rows`.
@@ -74,6 +79,7 @@ pub fn resolve_surfaces(
         points.position.store(&mut surfaces.position, row, rows.end);
         points.geometric_normal.store(&mut surfaces.geometric_normal, row, rows.end);
         points.shading_normal.store(&mut surfaces.shading_normal, row, rows.end);
+        lanes::store(&mut surfaces.offset, row, rows.end, offset_distance(points.reach));
         lanes::store_u32(&mut surfaces.surface, row, rows.end, surface.into());
         lanes::store_u32(&mut surfaces.primitive, row, rows.end, primitive.into());
     }
@@ -89,7 +95,7 @@ fn along_rays(hits: &HitColumns, rays: &RayColumns, row: usize) -> Points {
 
 fn nowhere() -> Points {
     let zero = Vector::new(F32s::ZERO, F32s::ZERO, F32s::ZERO);
-    Points { position: zero, geometric_normal: zero, shading_normal: zero }
+    Points { position: zero, geometric_normal: zero, shading_normal: zero, reach: F32s::ZERO }
 }
 
 #[inline(always)]
@@ -98,6 +104,7 @@ fn select(mask: F32s, a: Points, b: Points) -> Points {
         position: Vector::select(mask, a.position, b.position),
         geometric_normal: Vector::select(mask, a.geometric_normal, b.geometric_normal),
         shading_normal: Vector::select(mask, a.shading_normal, b.shading_normal),
+        reach: mask.select(a.reach, b.reach),
     }
 }
 
@@ -170,7 +177,13 @@ fn on_instances(
         let smooth = interpolate_normals(normals_in, weights, own.geometric_normal);
         shading_normal = to_front(turned(smooth), geometric_normal);
     }
-    Points { position, geometric_normal, shading_normal }
+    let reach = F32s::from(lanes::each(|lane| {
+        found[lane].map_or(0.0, |(instance, ..)| {
+            let [lower, upper] = instance.bounds;
+            lower.abs().max(upper.abs()).max_element()
+        })
+    }));
+    Points { position, geometric_normal, shading_normal, reach }
 }
 
 /// The shading normal itself where it is on the side of the geometric one, else the nearest that
@@ -197,7 +210,8 @@ fn interpolate<'a>(
     let (edge_b, edge_c) = (b - a, c - a);
     let position = edge_b.mul_add(u, edge_c.mul_add(v, a));
     let geometric_normal = normalize_or_zero(edge_b.cross(edge_c));
-    Points { position, geometric_normal, shading_normal: geometric_normal }
+    let reach = reach(a).max(reach(b)).max(reach(c));
+    Points { position, geometric_normal, shading_normal: geometric_normal, reach }
 }
 
 /// Unit normals between those of the corners; `geometric` where there are none.
@@ -240,5 +254,6 @@ fn on_spheres(
     let reached = direction.mul_add(lanes::load(&hits.t, row), origin - center);
     let normal = normalize_or_zero(reached);
     let position = normal.mul_add(radius, center);
-    Points { position, geometric_normal: normal, shading_normal: normal }
+    let reach = reach(center) + radius;
+    Points { position, geometric_normal: normal, shading_normal: normal, reach }
 }

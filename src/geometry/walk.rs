@@ -40,8 +40,8 @@ pub(super) struct Walk {
 /// tracing allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct TraceScratch {
-    prepared: Prepared,
-    stacks: Stacks,
+    pub(super) prepared: Prepared,
+    pub(super) stacks: Stacks,
 }
 
 /// What is still to be visited by the rays under way, nearest on top.
@@ -57,9 +57,16 @@ pub(super) struct Stacks {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Inside(Option<Box<TraceScratch>>);
 
+impl Inside {
+    /// Made when it is first needed.
+    pub fn scratch(&mut self) -> &mut TraceScratch {
+        self.0.get_or_insert_default()
+    }
+}
+
 impl Stacks {
     /// Makes room for the way of `rays` rays through `tree`; how much each has.
-    fn make_room(&mut self, tree: &View, rays: usize) -> usize {
+    pub fn make_room(&mut self, tree: &View, rays: usize) -> usize {
         // A node takes its own entry and leaves at most eight; a root alone takes one.
         let each = (tree.depth as usize * LANES).max(1);
         if self.alike.len() < each {
@@ -88,7 +95,7 @@ impl Walk {
         prepared: &Prepared,
         stack: &mut [(f32, Reference)],
         inside: &mut Inside,
-        better: &mut impl FnMut(usize, Hit),
+        better: &mut impl FnMut(usize, Hit) -> bool,
     ) -> bool {
         let ray = self.ray & (BATCH - 1);
         if self.next.is_leaf() {
@@ -98,7 +105,7 @@ impl Walk {
             }
         } else {
             let node = &tree.nodes[self.next.row()];
-            let (enter, is_in) = prepared.enter(ray, node, self.t_max);
+            let (enter, is_in) = prepared.enter(ray, node, [0.0, self.t_max]);
             if is_in.any() {
                 // The nearest child is next, without a detour over the stack.
                 self.top = if ANY {
@@ -127,7 +134,7 @@ impl Walk {
         tree: &View,
         prepared: &Prepared,
         inside: &mut Inside,
-        better: &mut impl FnMut(usize, Hit),
+        better: &mut impl FnMut(usize, Hit) -> bool,
     ) {
         let ray = self.ray & (BATCH - 1);
         let rays = prepared.rays(ray);
@@ -157,7 +164,7 @@ impl Walk {
         &mut self,
         found: &Candidates,
         primitives: &[u32; LANES],
-        better: &mut impl FnMut(usize, Hit),
+        better: &mut impl FnMut(usize, Hit) -> bool,
     ) {
         let mut lanes = (found.mask & found.t.simd_le(F32s::splat(self.t_max))).to_bitmask();
         while lanes != 0 {
@@ -168,8 +175,9 @@ impl Walk {
             let is_first_of_equals = self.nearest != NONE && primitive < self.nearest;
             if t < self.t_max || t == self.t_max && is_first_of_equals {
                 let (u, v) = (found.u.as_array()[lane], found.v.as_array()[lane]);
-                (self.t_max, self.nearest) = (t, primitive);
-                better(self.ray, Hit { t, u, v, primitive });
+                if better(self.ray, Hit { t, u, v, primitive }) {
+                    (self.t_max, self.nearest) = (t, primitive);
+                }
             }
         }
     }
@@ -184,15 +192,13 @@ fn enter_instance<const ANY: bool>(
     (tree, row): (&View, usize),
     prepared: &Prepared,
     inside: &mut Inside,
-    better: &mut impl FnMut(usize, Hit),
+    better: &mut impl FnMut(usize, Hit) -> bool,
 ) -> Walk {
     let instance = &tree.instances[row];
     let object = &tree.objects[instance.object as usize].view();
     let ray = outside.ray & (BATCH - 1);
-    let [origin, direction] = prepared.world_ray(ray).map(Vec3A::from);
-    let origin = instance.to_object * (origin - instance.to_world.translation);
-    let direction = instance.to_object * direction;
-    let TraceScratch { prepared, stacks } = &mut **inside.0.get_or_insert_default();
+    let [origin, direction] = instance.ray_inside(prepared.world_ray(ray).map(Vec3A::from));
+    let TraceScratch { prepared, stacks } = inside.scratch();
     stacks.make_room(object, 1);
     let [origin, direction] = [origin, direction].map(Vector::splat);
     prepared.prepare(ray & !(LANES - 1), origin, direction, F32s::splat(object.reach));
@@ -205,7 +211,7 @@ fn enter_instance<const ANY: bool>(
 
 /// Takes rays to their ends, up to `FLIGHT` of them at a time. `load` gives origins and directions
 /// of the eight rays from a row on, `t_max` where a row's search ends; `better` is told of each
-/// hit of a row that is nearer than all before.
+/// hit of a row that is nearer than all before, and says whether it counts.
 #[inline(always)]
 pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
     tree: &Tree,
@@ -213,7 +219,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
     load: impl Fn(usize) -> (Vector<F32s>, Vector<F32s>),
     t_max: impl Fn(usize) -> f32,
     scratch: &mut TraceScratch,
-    mut better: impl FnMut(usize, Hit),
+    mut better: impl FnMut(usize, Hit) -> bool,
 ) {
     let TraceScratch { prepared, stacks } = scratch;
     let tree = &tree.view();
@@ -283,7 +289,7 @@ fn fly<const FLIGHT: usize, const ANY: bool>(
     prepared: &Prepared,
     (flight, next): (&mut [Option<Walk>; FLIGHT], &mut impl FnMut(usize) -> Option<Walk>),
     (stack, inside): (&mut [(f32, Reference)], &mut Inside),
-    better: &mut impl FnMut(usize, Hit),
+    better: &mut impl FnMut(usize, Hit) -> bool,
 ) {
     let mut flying = flight.iter().flatten().count();
     while flying > 0 {

@@ -35,7 +35,7 @@ fn connect_vertices<const N: usize, M: LightModel<N>>(
         w.profile.time(Stage::Connect, || {
             connect_to_vertices::<N, M>(connections, &arrived, vertices, scene, length_max);
         });
-        measure_connections(w, scene, event.met);
+        measure_connections(w, scene, (event.met, STRATEGY));
     });
 }
 

@@ -6,6 +6,8 @@ use crate::scattering::{Event, Met, Scene};
 use crate::transport::stages::connect_emission::connect_emission;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
+use crate::transport::stages::cross_connections::cross_connections;
+use crate::transport::stages::follow_connections::follow_connections;
 use crate::transport::stages::gather_connections::{gather_connections, splat_connections};
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
@@ -13,7 +15,7 @@ use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::profile::Stage;
 use super::sides::LightWalk;
-use super::walk::walk;
+use super::walk::{pass_surfaces_of, walk};
 use super::workspace::{WalkTables, Workspace};
 
 /// Light paths an iteration: one for every pixel.
@@ -48,7 +50,7 @@ pub fn connect_emitters<const N: usize, M: LightModel<N>>(
         w.profile.time(Stage::Connect, || {
             connect_to_emitters(connections, &arrived, scene, strategy);
         });
-        measure_connections(w, scene, event.met);
+        measure_connections(w, scene, (event.met, strategy));
     });
 }
 
@@ -57,9 +59,9 @@ pub fn connect_emitters<const N: usize, M: LightModel<N>>(
 pub fn measure_connections<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
-    met: Met,
+    (met, strategy): (Met, Strategy),
 ) {
-    test_connections(w, scene);
+    test_connections(w, scene, strategy);
     w.profile.time(Stage::Gather, || {
         let at = (&w.sensor[1], &w.walk.surfaces);
         gather_connections::<N, M>(&mut w.measured, &w.connections, at, scene, met);
@@ -100,7 +102,7 @@ pub fn splat_emission<const N: usize, M: LightModel<N>>(
     w.profile.time(Stage::Connect, || {
         connect_emission(connections, paths, chunk, scene, light_paths(scene));
     });
-    splat(w, scene);
+    splat(w, scene, Strategy::Unidirectional);
 }
 
 /// Connects all light vertices to the sensor.
@@ -115,18 +117,39 @@ pub fn splat_vertices<const N: usize, M: LightModel<N>>(
         let light_paths = light_paths(scene);
         connect_to_sensor::<N, M>(connections, vertices, chunk, scene, light_paths, strategy);
     });
-    splat(w, scene);
+    splat(w, scene, strategy);
 }
 
-fn splat<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
-    test_connections(w, scene);
-    w.profile.time(Stage::Gather, || splat_connections(&mut w.splats, &w.connections));
+fn splat<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    strategy: Strategy,
+) {
+    test_connections(w, scene, strategy);
+    w.profile.time(Stage::Gather, || {
+        splat_connections(&mut w.splats, &w.connections, scene.sensor.up());
+    });
 }
 
-fn test_connections<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
+fn test_connections<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    strategy: Strategy,
+) {
     w.profile.rays_visibility += w.connections.len as u64;
-    let WalkTables { flights, scratch, .. } = &mut w.walk;
+    let WalkTables { flights, crossings, scratch, .. } = &mut w.walk;
+    let connections = &mut w.connections;
+    w.profile.time(Stage::Visibility, || trace_connections(connections, scratch, scene));
+    if !scene.has_straight_on {
+        return;
+    }
     w.profile.time(Stage::Visibility, || {
-        trace_connections(&mut w.connections, (flights, scratch), scene);
+        follow_connections(crossings, (flights, scratch), connections, scene);
+        pass_surfaces_of::<N, M>(crossings, scene);
+        if M::POLARIZED {
+            cross_connections::<N, true>(connections, flights, crossings, scene, strategy);
+        } else {
+            cross_connections::<N, false>(connections, flights, crossings, scene, strategy);
+        }
     });
 }

@@ -65,6 +65,25 @@ pub struct Profile {
     pub rays_visibility: u64,
     /// Photons stored.
     pub photons: u64,
+    /// What the limit of segments has cut off the paths of either side, by
+    /// [`crate::scattering::Side`].
+    pub cut: [Cut; 2],
+}
+
+/// Throughput of paths, summed over them; the mean over the wavelengths of each.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cut {
+    /// At the start.
+    pub started: f64,
+    /// Of those that would have gone on at their last segment.
+    pub cut: f64,
+}
+
+impl Cut {
+    /// The share of the throughput that is cut off.
+    pub fn share(&self) -> f64 {
+        if self.started > 0.0 { self.cut / self.started } else { 0.0 }
+    }
 }
 
 impl Profile {
@@ -98,5 +117,9 @@ impl Profile {
         self.rays_closest += other.rays_closest;
         self.rays_visibility += other.rays_visibility;
         self.photons += other.photons;
+        for (cut, other) in self.cut.iter_mut().zip(other.cut) {
+            cut.started += other.started;
+            cut.cut += other.cut;
+        }
     }
 }

@@ -1,17 +1,22 @@
 //! The two sides that paths are traced from, as types.
 
 use crate::scattering::{Scene, Side};
+use crate::transport::emission::Finding;
+use crate::transport::stages::collect_crossed_emission::collect_crossed_emission;
 use crate::transport::stages::collect_emission::collect_emission;
 use crate::transport::stages::collect_sensor::collect_sensor;
 use crate::transport::stages::depolarize_light::depolarize_light;
 use crate::transport::stages::depolarize_sensor::depolarize_sensor;
 use crate::transport::stages::emit_light_paths::emit_light_paths;
 use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
+use crate::transport::stages::rescale_light::rescale_light;
+use crate::transport::stages::rescale_sensor::rescale_sensor;
 use crate::transport::stages::scatter_light::scatter_light;
+use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
-use crate::transport::{Chunk, LightModel, Strategy};
+use crate::transport::{Chunk, LightModel};
 
 use super::profile::{Profile, Stage};
 use super::walk::WalkSide;
@@ -73,20 +78,31 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         !scene.sensor.is_finite()
     }
 
-    fn meet_emitters(
-        w: &mut Workspace<N, M>,
-        scene: &Scene<N>,
-        path_length: u32,
-        strategy: Strategy,
-    ) {
+    fn meet_emitters(w: &mut Workspace<N, M>, scene: &Scene<N>, finding: Finding) {
         let (paths, hits) = (&w.sensor[0], &w.walk.hits[0]);
         w.profile.time(Stage::Emission, || {
-            collect_emission(&mut w.measured, paths, hits, scene, path_length, strategy);
+            collect_emission(&mut w.measured, paths, hits, scene, finding);
+        });
+    }
+
+    fn meet_emitters_crossed(
+        w: &mut Workspace<N, M>,
+        crossing: &Crossing<N>,
+        scene: &Scene<N>,
+        finding: Finding,
+    ) {
+        let (paths, flights) = (&w.sensor[0], &w.walk.flights);
+        w.profile.time(Stage::Emission, || {
+            collect_crossed_emission(&mut w.measured, paths, crossing, flights, scene, finding);
         });
     }
 
     fn depolarize(paths: &mut PathTable<N, M::Sensor>, partition: &Partition) {
         depolarize_sensor(&mut paths.carriers, &mut paths.beta, partition);
+    }
+
+    fn rescale(paths: &mut PathTable<N, M::Sensor>) {
+        rescale_sensor(&mut paths.carriers, &mut paths.beta, paths.len);
     }
 
     fn apply_kernels(
@@ -122,10 +138,17 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
     }
 
     /// Emitters do not scatter light.
-    fn meet_emitters(_: &mut Workspace<N, M>, _: &Scene<N>, _: u32, _: Strategy) {}
+    fn meet_emitters(_: &mut Workspace<N, M>, _: &Scene<N>, _: Finding) {}
+
+    /// Nor does their light stop there.
+    fn meet_emitters_crossed(_: &mut Workspace<N, M>, _: &Crossing<N>, _: &Scene<N>, _: Finding) {}
 
     fn depolarize(paths: &mut PathTable<N, M::Light>, partition: &Partition) {
         depolarize_light(&mut paths.carriers, &mut paths.beta, partition);
+    }
+
+    fn rescale(paths: &mut PathTable<N, M::Light>) {
+        rescale_light(&mut paths.carriers, &mut paths.beta, paths.len);
     }
 
     fn apply_kernels(

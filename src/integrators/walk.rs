@@ -2,15 +2,26 @@
 //! done at each.
 
 use crate::geometry::{resolve_surfaces, trace_closest};
+use crate::math::columns::Columns;
+use crate::scattering::event::END;
 use crate::scattering::{Scene, Side};
+use crate::transport::emission::Finding;
+use crate::transport::scale::LOOKS;
 use crate::transport::stages::advance_paths::advance_paths;
+use crate::transport::stages::choose_passage::choose_passage;
+use crate::transport::stages::cross_surfaces::cross_surfaces;
+use crate::transport::stages::draw_distances::draw_distances;
 use crate::transport::stages::fly_through_media::fly_through_media;
+use crate::transport::stages::fly_to_crossings::fly_to_crossings;
+use crate::transport::stages::follow_paths::follow_paths;
 use crate::transport::stages::partition_paths::partition_paths;
+use crate::transport::stages::pass_surfaces::pass_surfaces;
 use crate::transport::stages::play_roulette::play_roulette;
 use crate::transport::stages::scatter_medium::scatter_medium;
 use crate::transport::stages::scatter_surfaces::scatter_surfaces;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
 use crate::transport::tables::carriers::CarrierTable;
+use crate::transport::tables::crossings::{Crossing, CrossingTable};
 use crate::transport::tables::kernels::{DepartureColumns, KernelColumns};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
@@ -38,15 +49,21 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
     fn comes_from_infinity(scene: &Scene<N>) -> bool;
 
     /// Does what there is to do with emitters that the segments just traced have met.
-    fn meet_emitters(
+    fn meet_emitters(workspace: &mut Workspace<N, M>, scene: &Scene<N>, finding: Finding);
+
+    /// The same for emitters that are crossed.
+    fn meet_emitters_crossed(
         workspace: &mut Workspace<N, M>,
+        crossing: &Crossing<N>,
         scene: &Scene<N>,
-        path_length: u32,
-        strategy: Strategy,
+        finding: Finding,
     );
 
     /// Ends polarization at depolarizers.
     fn depolarize(paths: &mut PathTable<N, Self::Carriers>, partition: &Partition);
+
+    /// Keeps polarization within the range of numbers.
+    fn rescale(paths: &mut PathTable<N, Self::Carriers>);
 
     /// Applies the kernels of polarizing events; `paths` still have the old directions.
     fn apply_kernels(
@@ -68,9 +85,21 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     mut visit: impl FnMut(&mut Workspace<N, M>, u32),
 ) {
     let segments = S::segments(chunk);
+    let started = throughput::<S, N, M>(w, |_| true);
+    S::tables(w).2.cut[S::SIDE as usize].started += started;
     for path_length in 1..=segments {
-        trace::<S, N, M>(w, scene, path_length);
-        S::meet_emitters(w, scene, path_length, strategy);
+        if (path_length as usize).is_multiple_of(LOOKS) {
+            let ([paths, _], _, profile) = S::tables(w);
+            profile.time(Stage::Mueller, || S::rescale(paths));
+        }
+        let finding = Finding { path_length, strategy };
+        trace::<S, N, M>(w, scene, finding);
+        S::meet_emitters(w, scene, finding);
+        if path_length == segments {
+            let goes_on = |hit| scene.event_hit(hit) != END;
+            let cut = throughput::<S, N, M>(w, goes_on);
+            S::tables(w).2.cut[S::SIDE as usize].cut += cut;
+        }
         if path_length == chunk.path_length_max {
             break;
         }
@@ -84,21 +113,97 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     }
 }
 
+/// The throughput of the paths under way, summed over those whose hits `count`.
+fn throughput<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    counts: impl Fn(u32) -> bool,
+) -> f64 {
+    let ([paths, _], WalkTables { hits: [hits, _], .. }, _) = S::tables(w);
+    let rows = (0..paths.len).filter(|&row| counts(hits.primitive[row]));
+    let sum: f64 =
+        rows.flat_map(|row| paths.beta.iter().map(move |beta| f64::from(beta[row]))).sum();
+    sum / N as f64
+}
+
 /// Finds the ends of the next segments, on surfaces or in media.
 fn trace<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
-    path_length: u32,
+    finding: Finding,
 ) {
-    let ([paths, _], WalkTables { hits: [hits, _], flights, scratch, .. }, profile) = S::tables(w);
+    let ([paths, _], walk, profile) = S::tables(w);
+    let WalkTables { hits: [hits, _], flights, crossings, scratch, .. } = walk;
     profile.rays_closest += paths.len as u64;
     profile.time(Stage::Trace, || {
         trace_closest(hits, scratch, &paths.rays, 0..paths.len, &scene.accelerator);
     });
-    if scene.has_media() {
+    if scene.has_straight_on {
         profile.time(Stage::Flight, || {
-            fly_through_media(hits, paths, (flights, scratch), scene, path_length);
+            follow_paths(crossings, hits, (flights, scratch), paths, scene);
+            pass_surfaces_of::<N, M>(crossings, scene);
         });
+    } else if scene.has_media() {
+        flights.start(paths.len);
+    }
+    if scene.has_media() {
+        profile.time(Stage::Flight, || draw_distances(flights, paths, scene, finding.path_length));
+    }
+    cross::<S, N, M>(w, scene, finding);
+    if scene.has_media() {
+        let ([paths, _], WalkTables { hits: [hits, _], flights, .. }, profile) = S::tables(w);
+        profile.time(Stage::Flight, || fly_through_media(hits, paths, flights, scene));
+    }
+}
+
+/// Takes paths through the surfaces that let them straight on.
+fn cross<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    finding: Finding,
+) {
+    if !scene.has_straight_on {
+        return;
+    }
+    let crossings = std::mem::replace(&mut S::tables(w).1.crossings, CrossingTable::absent());
+    for (crossed, part) in crossings.parts.iter().enumerate() {
+        if crossed % LOOKS == LOOKS - 1 {
+            let ([paths, _], _, profile) = S::tables(w);
+            profile.time(Stage::Mueller, || S::rescale(paths));
+        }
+        let crossing = &Crossing { crossings: &crossings, part };
+        if scene.has_media() {
+            let ([paths, _], WalkTables { hits: [hits, _], flights, .. }, profile) = S::tables(w);
+            profile.time(Stage::Flight, || fly_to_crossings(hits, flights, paths, crossing, scene));
+        }
+        if scene.has_emitting_straight_on {
+            S::meet_emitters_crossed(w, crossing, scene, finding);
+        }
+        let ([paths, _], walk, profile) = S::tables(w);
+        let WalkTables { hits: [hits, _], flights, partition, departures, .. } = walk;
+        let kernels = &mut departures.kernels;
+        profile.time(Stage::Flight, || {
+            choose_passage(hits, flights, paths, crossing, finding.path_length);
+            let to = (&mut *kernels, &mut *partition);
+            if M::POLARIZED {
+                cross_surfaces::<N, true, _>(paths, to, crossing, flights, scene);
+            } else {
+                cross_surfaces::<N, false, _>(paths, to, crossing, flights, scene);
+            }
+        });
+        profile.time(Stage::Mueller, || S::apply_kernels(paths, kernels, partition, scene));
+    }
+    S::tables(w).1.crossings = crossings;
+}
+
+/// What surfaces do to light that goes straight on, in the mode of the light model.
+pub fn pass_surfaces_of<const N: usize, M: LightModel<N>>(
+    crossings: &mut CrossingTable<N>,
+    scene: &Scene<N>,
+) {
+    if M::POLARIZED {
+        pass_surfaces::<N, true>(crossings, scene);
+    } else {
+        pass_surfaces::<N, false>(crossings, scene);
     }
 }
 
@@ -139,7 +244,7 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     let WalkTables { surfaces, partition, departures, .. } = walk;
     let DepartureColumns { direction, kernels } = departures;
     profile.time(Stage::Mueller, || S::apply_kernels(sorted, kernels, partition, scene));
-    profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces, scene.reach));
+    profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces));
     tables.swap(0, 1);
 }
 

@@ -4,6 +4,7 @@ use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
+use crate::transport::tables::crossings::CrossingTable;
 use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::measured::{Measured, Splats};
@@ -48,8 +49,10 @@ pub struct WalkTables<const N: usize> {
     pub partition: Partition,
     /// Where they go from there.
     pub departures: DepartureColumns<N>,
-    /// Rays on their way through boundaries of media.
+    /// Segments on their way through media and surfaces that let them straight on.
     pub flights: FlightTable<N>,
+    /// Where they cross such surfaces.
+    pub crossings: CrossingTable<N>,
     /// What tracing needs.
     pub scratch: TraceScratch,
 }
@@ -80,6 +83,7 @@ impl<const N: usize> WalkTables<N> {
             partition: Partition::default(),
             departures: DepartureColumns::new(ROWS),
             flights: FlightTable::new(ROWS),
+            crossings: CrossingTable::new(ROWS),
             scratch: TraceScratch::default(),
         }
     }

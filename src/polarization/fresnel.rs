@@ -176,3 +176,43 @@ pub fn conductor<F: Real>(cos_i: F, eta: F, k: F) -> (F, Block<F>) {
     let Absorption { sin2_i, real, decay, reflectance } = absorb(cos_i, eta, k);
     (reflectance, reflection_block(sin2_i, cos_i * real, cos_i * decay))
 }
+
+/// What a plane pane does to light, all reflections between its faces summed, without interference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pane<F> {
+    /// Transmitted fraction of unpolarized power; 0 to 1. The rest is reflected.
+    pub transmittance: F,
+    /// Transmission relative to `transmittance`; the identity in total reflection.
+    pub transmission: Block<F>,
+    /// Reflection relative to the rest.
+    pub reflection: Block<F>,
+}
+
+/// A pane in a medium on both its sides; arguments as in [`dielectric`], of its first face.
+///
+/// With the reflectances `R` of a face, the series are `T' = (1 - R) / (1 + R)` and
+/// `R' = 2 R / (1 + R)` per polarization. Between the two the lower blocks are the numbers
+/// `b = (1 - R_s)(1 - R_p) / (1 - R_s R_p)` and `r_s r_p (1 + b)`: what every order brings is real,
+/// as it goes through each face as often one way as the other.
+#[inline(always)]
+pub fn pane<F: Real>(cos_i: F, eta: F) -> Pane<F> {
+    let (zero, one, half) = (F::zero(), F::one(), F::splat(0.5));
+    let face = dielectric(cos_i, eta);
+    let a = face.reflection.a;
+    let [r_s, r_p] = [one + a, one - a].map(|of| (face.reflectance * of).min(one));
+    let [t_s, t_p] = [r_s, r_p].map(|r| (one - r) / (one + r));
+    let [u_s, u_p] = [r_s, r_p].map(|r| (r + r) / (one + r));
+    let both = (one - r_s) * (one - r_p) / (one - r_s * r_p);
+    let (transmittance, reflectance) = ((t_s + t_p) * half, (u_s + u_p) * half);
+    let over = |m00: F| F::select(m00.gt(zero), one / m00, zero);
+    let (over_t, over_r) = (over(transmittance), over(reflectance));
+    let transmission = Block { a: (t_s - t_p) * half * over_t, c: both * over_t, s: zero };
+    let crossed = face.reflectance * face.reflection.c * (one + both);
+    let reflection = Block { a: (u_s - u_p) * half * over_r, c: crossed * over_r, s: zero };
+    let passes = face.transmittance.gt(zero);
+    Pane {
+        transmittance: F::select(passes, transmittance, zero),
+        transmission: Block::select(passes, transmission, Block::identity()),
+        reflection: Block::select(passes, reflection, face.reflection),
+    }
+}

@@ -35,7 +35,7 @@ pub mod stokes;
 pub use carrier::{Arrival, Departure, LightCarrier, SensorColumn, SensorMatrix, SensorRow};
 pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{
-    Interface, conductor, conductor_reflectance, dielectric, dielectric_reflectance,
+    Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,
 };
 pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
 pub use stokes::Stokes;

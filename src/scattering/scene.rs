@@ -2,17 +2,22 @@
 
 use std::sync::Arc;
 
-use crate::geometry::{self, Accelerator, medium_met};
+use glam::Vec3;
+
+use crate::geometry::{
+    Accelerator, RayColumns, SurfaceColumns, medium_met, offset_distance, offset_origin,
+};
+use crate::math::{Vector, lanes};
 use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, Shapes};
 use crate::scene::emitter::Emitter;
 
 use super::Sensor;
-use super::emitter;
 use super::emitter::direct::DirectTable;
+use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
-use super::immersion::Immersion;
+use super::immersion::{Around, Immersion};
 use super::medium::Medium;
-use super::surface::{Material, Surfaces};
+use super::surface::{Material, SurfaceKind, Surfaces};
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
@@ -34,20 +39,26 @@ pub struct Scene<const N: usize> {
     event_of_hit: Vec<u8>,
     /// The media, and behind them one that is clear.
     media: Vec<Medium<N>>,
-    /// Whether there are surfaces that are nothing but boundaries of media.
-    pub has_null_boundaries: bool,
+    /// Whether there are surfaces that let light straight on.
+    pub has_straight_on: bool,
+    /// Their kinds.
+    pub straight_on_kinds: Vec<SurfaceKind>,
+    /// Whether any of those emits.
+    pub has_emitting_straight_on: bool,
     /// Whether light can leave vertices that connect polarized.
     pub has_polarizing_vertices: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
-    /// Bound of the coordinates of all primitives, which scales the offsets of rays.
-    pub reach: f32,
+    /// How far off every emitter rays start and end.
+    emitter_offsets: Vec<f32>,
     /// The emitters as connections see them.
     pub direct: DirectTable<N>,
     /// The medium around the sensor: a row of the media, or [`NONE`].
-    pub sensor_medium: u32,
+    pub sensor_medium: Around<u32>,
     /// The media before and behind every emitter.
-    emitter_media: Vec<[u32; 2]>,
+    emitter_media: Vec<Around<[u32; 2]>>,
+    /// Of every material, whether nothing passes.
+    is_opaque: Vec<bool>,
     /// Running sum of the emitters' probabilities; the last entry is exactly one.
     emitter_cdf: Vec<f32>,
 }
@@ -82,19 +93,36 @@ impl<const N: usize> Scene<N> {
         let events = events(&media);
         media.push(Medium::clear());
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
-        let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
-        let media_of = |emitter: &Emitter<N>| emitter::media(&emitter.model, &immersion);
+        let is_opaque: Vec<bool> =
+            optics.materials.iter().map(|material| !material.model.transmits()).collect();
+        let has_media = !optics.media.is_empty();
+        let immersion = Immersion::new(&shapes, &accelerator, &is_opaque, has_media);
+        let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
+        let sensor = Sensor::new(&shapes.camera, width, height);
+        let sensor_medium = immersion.about(sensor.places());
         let emitter_media = optics.emitters.iter().map(media_of).collect();
+        let offset_of =
+            |emitter: &Emitter<N>| offset_distance(emitter::reach(&emitter.model, &shapes));
+        let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
+        let straight_on_kinds = straight_on_kinds(materials);
+        let has_straight_on = !straight_on_kinds.is_empty();
+        let has_emitting_straight_on = has_straight_on
+            && material_of_primitive.iter().zip(&optics.emitter_of_primitive).any(
+                |(&row, &emitter)| emitter != NONE && materials[row as usize].kind.is_straight_on(),
+            );
         Self {
-            sensor_medium: immersion.at(shapes.camera.position),
+            sensor_medium,
             emitter_media,
-            sensor: Sensor::new(&shapes.camera, width, height),
+            is_opaque,
+            sensor,
             direct: DirectTable::new(&shapes, &optics),
-            reach: geometry::reach(&shapes.bounds),
+            emitter_offsets,
             emitter_cdf: running_sum(optics.emitters.iter().map(|emitter| emitter.probability)),
             has_polarizing_vertices,
             events,
-            has_null_boundaries: materials.iter().any(|it| it.kind.is_crossed()),
+            has_straight_on,
+            straight_on_kinds,
+            has_emitting_straight_on,
             has_shading_normals: shapes.has_shading_normals(),
             media,
             accelerator,
@@ -146,14 +174,75 @@ impl<const N: usize> Scene<N> {
         }
     }
 
-    /// The medium that an emitter's light enters, on its front or its back.
-    pub fn medium_at_emitter(&self, emitter: usize, front: bool) -> u32 {
-        self.emitter_media[emitter][usize::from(!front)]
+    /// How far off an emitter's surface rays start and end; zero if it has none.
+    #[inline(always)]
+    pub fn emitter_offset(&self, emitter: usize) -> f32 {
+        self.emitter_offsets[emitter]
     }
 
-    /// Whether paths can be in anything but clear space, or meet its boundaries.
+    /// Where a ray starts that leaves a point of an emitter along `direction`.
+    pub fn off_emitter(&self, sample: &EmissionSample<N>, direction: Vec3) -> Vec3 {
+        let [position, normal, direction] = [sample.position, sample.normal, direction]
+            .map(|vector| Vector::from(vector.to_array()));
+        let offset = self.emitter_offsets[sample.emitter];
+        Vec3::from_array(offset_origin(position, normal, direction, offset).into())
+    }
+
+    /// The medium into which a point of an emitter sends light along `direction`.
+    pub fn medium_at_emitter(&self, sample: &EmissionSample<N>, direction: Vec3) -> u32 {
+        let sides = match self.emitter_media[sample.emitter] {
+            Around::Same(sides) => sides,
+            Around::Varies => {
+                let primitive = emitter::primitive(&self.optics.emitters[sample.emitter].model);
+                self.immersion().of_sides(primitive, sample.position, sample.normal)
+            }
+        };
+        sides[usize::from(direction.dot(sample.normal) < 0.0)]
+    }
+
+    /// Whether any light of an emitter enters a medium at once.
+    pub fn is_immersed(&self, emitter: usize) -> bool {
+        self.emitter_media[emitter] != Around::Same([NONE; 2])
+    }
+
+    /// The medium around a point of the sensor.
+    pub fn medium_at_sensor(&self, point: Vec3) -> u32 {
+        match self.sensor_medium {
+            Around::Same(medium) => medium,
+            Around::Varies => self.immersion().at(point),
+        }
+    }
+
+    fn immersion(&self) -> Immersion<'_> {
+        Immersion::new(&self.shapes, &self.accelerator, &self.is_opaque, self.has_media())
+    }
+
+    /// Whether paths can be in anything but clear space.
     pub fn has_media(&self) -> bool {
-        self.media.len() > 1 || self.has_null_boundaries
+        self.media.len() > 1
+    }
+
+    /// Whether what a ray has hit is a surface that lets it straight on.
+    #[inline(always)]
+    pub fn is_straight_on(&self, primitive: u32) -> bool {
+        self.has_straight_on
+            && primitive != NONE
+            && self.material_at(primitive).kind.is_straight_on()
+    }
+
+    /// The medium behind the surface that a ray goes straight on through, from the medium
+    /// `before`; both are those of a row.
+    #[inline(always)]
+    pub fn medium_behind(
+        &self,
+        surfaces: &SurfaceColumns,
+        rays: &RayColumns,
+        row: usize,
+        before: u32,
+    ) -> u32 {
+        let of = |columns| Vec3::from(lanes::row_of(columns, row));
+        let to_front = of(&surfaces.geometric_normal).dot(of(&rays.direction)) > 0.0;
+        self.medium_beyond(surfaces.primitive[row], to_front, before)
     }
 
     /// Whether some surfaces leave light a single way, so that light paths cannot connect them to
@@ -207,6 +296,20 @@ fn present(events: &[Event], materials: &[Material]) -> impl Iterator<Item = Eve
         Met::Medium(_) => true,
     };
     events.iter().filter(move |event| is_present(event.met)).copied()
+}
+
+/// The media before and behind an emitter.
+fn media_about<const N: usize>(
+    immersion: &Immersion,
+    Emitter { model, .. }: &Emitter<N>,
+) -> Around<[u32; 2]> {
+    immersion.about_emitter(|shapes| emitter::places(model, shapes), emitter::primitive(model))
+}
+
+/// The kinds of the materials that let light straight on.
+fn straight_on_kinds(materials: &[Material]) -> Vec<SurfaceKind> {
+    let is_used = |kind: &SurfaceKind| materials.iter().any(|it| it.kind == *kind);
+    SurfaceKind::STRAIGHT_ON.iter().copied().filter(is_used).collect()
 }
 
 fn running_sum(probabilities: impl Iterator<Item = f32>) -> Vec<f32> {

@@ -41,6 +41,9 @@ pub struct SensorConnection {
     pub pdf_area: f32,
 }
 
+/// Points along an edge of the film where the sensor's medium is looked for.
+const PLACES: u32 = 16;
+
 impl Sensor {
     /// Puts a film behind a camera; the film's aspect rules, the vertical extent is kept.
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
@@ -80,6 +83,22 @@ impl Sensor {
     /// Whether rays start on a lens of finite size.
     pub fn has_lens(&self) -> bool {
         self.aperture_radius > 0.0
+    }
+
+    /// Points all over where its rays start: the pinhole, the lens, or the film.
+    pub fn places(&self) -> Vec<Vec3> {
+        if self.perspective && !self.has_lens() {
+            return vec![self.position];
+        }
+        let steps = (0..=PLACES).map(|step| step as f32 / PLACES as f32);
+        let pairs = steps.clone().flat_map(|u| steps.clone().map(move |v| [u, v]));
+        let size = [self.width as f32, self.height as f32];
+        let place = |of: [f32; 2]| {
+            let film = [of[0] * size[0], of[1] * size[1]].map(F32s::splat);
+            let (origin, ..) = self.rays(film, || of.map(F32s::splat));
+            Vec3::from(origin.to_rows()[0])
+        };
+        pairs.map(place).collect()
     }
 
     /// The rays through the film points `film` (pixels, from the top left) and `lens` (numbers in

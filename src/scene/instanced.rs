@@ -52,6 +52,15 @@ pub struct Instance {
     pub bounds: [Vec3; 2],
 }
 
+impl Instance {
+    /// Origin and direction of a ray of the world in the object's space, where distances along it
+    /// are the same.
+    #[inline(always)]
+    pub fn ray_inside(&self, [origin, direction]: [Vec3A; 2]) -> [Vec3A; 2] {
+        [self.to_object * (origin - self.to_world.translation), self.to_object * direction]
+    }
+}
+
 impl Instanced {
     /// None yet, in a scene with so many primitives of its own.
     pub fn behind(primitives: usize) -> Self {

@@ -1,11 +1,18 @@
-//! How light paths leave their emitters, whichever stage asks.
+//! How light paths leave their emitters, and sensor paths meet them, whichever stage asks.
+
+use glam::Vec3;
 
 use crate::math::{LANES, lanes};
 use crate::scattering::Scene;
-use crate::scattering::emitter::{EmissionSample, sample_emission};
+use crate::scattering::emitter::{EmissionSample, MetEmission, met_emission, sample_emission};
 
+use super::Strategy;
+use super::measure::measure_unpolarized;
+use super::mis::{self, EmitterDensities};
 use super::sampler::{Purpose, draw};
-use super::tables::paths::IdentityColumns;
+use super::sides::SensorSide;
+use super::tables::measured::Measured;
+use super::tables::paths::{IdentityColumns, PathTable};
 
 /// How the paths of eight rows leave their emitters.
 pub fn sample_emissions<const N: usize>(
@@ -23,4 +30,55 @@ pub fn sample_emissions<const N: usize>(
         let (u_position, u_direction) = (position.map(|u| u[lane]), direction.map(|u| u[lane]));
         sample_emission(scene, choice[lane], u_position, u_direction)
     })
+}
+
+/// An emitter that a sensor path meets.
+#[derive(Clone, Copy, Debug)]
+pub struct MetEmitter<const N: usize> {
+    /// The path.
+    pub row: usize,
+    /// The distance from its last vertex.
+    pub t: f32,
+    /// The primitive, or that none is met.
+    pub primitive: u32,
+    /// What the path's throughput is multiplied by for coming so far.
+    pub reaches: [f32; N],
+}
+
+/// How a path finds an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct Finding {
+    /// Segments from the sensor to the emitter.
+    pub path_length: u32,
+    /// What competes.
+    pub strategy: Strategy,
+}
+
+/// Adds the light of an emitter that a path meets, weighed against the other ways to find it.
+pub fn measure_emission<const N: usize, C: SensorSide<N>>(
+    measured: &mut Measured<N>,
+    paths: &PathTable<N, C>,
+    MetEmitter { row, t, primitive, reaches }: MetEmitter<N>,
+    scene: &Scene<N>,
+    Finding { path_length, strategy }: Finding,
+) {
+    let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
+    let position = Vec3::from(lanes::row_of(&paths.rays.origin, row)) + direction * t;
+    let Some(met) = met_emission(scene, primitive, position, direction) else { return };
+    let MetEmission { direct_pdf, emission_pdf, cos_at_light, .. } = met;
+    let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+    let distance2 = if t.is_finite() { t * t } else { 1.0 };
+    let weight = match strategy {
+        _ if path_length == 1 => 1.0,
+        Strategy::Merging => 1.0,
+        Strategy::Unidirectional => {
+            mis::power_of_emission_met(paths.mis.pdf_w[row], emitter, distance2)
+        }
+        Strategy::Bidirectional => {
+            mis::weight_of_emission_met(paths.mis.row(row), emitter, distance2)
+        }
+    };
+    let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);
+    let slot = paths.identity.slot[row] as usize;
+    measure_unpolarized(measured, &paths.carriers, (row, slot), value);
 }

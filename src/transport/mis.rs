@@ -121,6 +121,14 @@ impl<F: Real> PartialWeights<F> {
         Self { d_vcm: self.d_vcm * distance2 * inverse, d_vc: self.d_vc * inverse }
     }
 
+    /// Through a surface on the way that lets the path go straight on with the probability
+    /// `chance`, the same both ways: a factor of both densities of tracing the segment, of which
+    /// dVC holds the ratio.
+    #[inline(always)]
+    pub fn pass(self, chance: F) -> Self {
+        Self { d_vcm: self.d_vcm / chance, d_vc: self.d_vc }
+    }
+
     /// Onwards from a vertex that connects: first half of equations 34 and 35.
     #[inline(always)]
     pub fn depart(self, turn: TurnDensities<F>) -> Self {
@@ -200,6 +208,11 @@ impl<F: Real> MergingWeights<F> {
     /// As [`PartialWeights::arrive`]; second half of equations 33 and 36.
     pub fn arrive(self, distance2: F, measure: F) -> Self {
         Self { connecting: self.connecting.arrive(distance2, measure), d_vm: self.d_vm / measure }
+    }
+
+    /// As [`PartialWeights::pass`].
+    pub fn pass(self, chance: F) -> Self {
+        Self { connecting: self.connecting.pass(chance), ..self }
     }
 
     /// As [`PartialWeights::depart`], from a vertex that merges, too; first half of equation 36.
@@ -290,6 +303,14 @@ pub fn weight_of_vertices_connected<F: Real>(sensor: End<F>, light: End<F>, inve
 pub fn weight_of_sensor_connected<F: Real>(light: End<F>, importance: F) -> F {
     let rivals = importance * light.turn.measure * light.weights.rivals(light.turn.pdf_reverse);
     F::one() / (rivals + F::one())
+}
+
+/// What the weight of a connection is multiplied by if it crosses surfaces which paths pass with
+/// the probability `chance` only: all its rivals trace that segment. For the power heuristic, the
+/// square of that.
+#[inline(always)]
+pub fn gain_of_crossing<F: Real>(weight: F, chance: F) -> F {
+    F::one() / (chance * (F::one() - weight) + weight)
 }
 
 /// Power heuristic (Veach 1997, section 9.2.4) for an emitter that a path meets, against choosing

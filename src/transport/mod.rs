@@ -44,12 +44,14 @@
 
 pub mod bounce;
 pub mod chunk;
+pub mod crossing;
 pub mod emission;
 pub mod flight;
 pub mod light_model;
 pub mod measure;
 pub mod mis;
 pub mod sampler;
+pub mod scale;
 pub mod sides;
 pub mod stages;
 pub mod strategy;

@@ -36,6 +36,8 @@ pub enum Purpose {
     Distance,
     /// The wavelength that a path's distances and angles in media are drawn for (first number).
     Wavelength,
+    /// Whether a path passes a surface that scatters some of them (first number).
+    Passage,
 }
 
 /// Purposes per path length; a power of two that exceeds the last [`Purpose`].

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use sunstone::internals::geometry::{
-    Accelerator, RayColumns, SurfaceColumns, TraceScratch, offset_origin, reach, resolve_surfaces,
+    Accelerator, RayColumns, SurfaceColumns, TraceScratch, offset_origin, resolve_surfaces,
     trace_closest, trace_visibility,
 };
 use sunstone::internals::math::{LANES, Vector};
@@ -240,7 +240,7 @@ fn instances_do_not_meet_themselves() {
             let vector = |v: Vec3| Vector { x: v.x, y: v.y, z: v.z };
             let position = vector(at(&surfaces.position, row));
             let origin =
-                offset_origin(position, vector(normal), vector(direction), reach(&scene.bounds));
+                offset_origin(position, vector(normal), vector(direction), surfaces.offset[row]);
             let origin = Vec3::new(origin.x, origin.y, origin.z);
             let hit = accelerator.closest(origin, direction, f32::INFINITY);
             assert_eq!(hit.primitive, NONE, "{:?} {origin} {direction}", scene.instanced);

@@ -3,6 +3,7 @@
 mod fixtures;
 mod instances;
 mod leaks;
+mod next;
 mod offsets;
 mod profile;
 mod surfaces;

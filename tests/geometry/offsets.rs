@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use sunstone::internals::geometry::{Accelerator, SurfaceColumns, offset_origin, resolve_surfaces};
-use sunstone::internals::geometry::{TraceScratch, reach, trace_closest};
+use sunstone::internals::geometry::{TraceScratch, trace_closest};
 use sunstone::internals::math::Vector;
 use sunstone::internals::scene::baked::{NONE, Sphere, Triangle};
 
@@ -13,10 +13,10 @@ fn vector(columns: &[Vec<f32>; 3], row: usize) -> Vec3 {
     Vec3::new(columns[0][row], columns[1][row], columns[2][row])
 }
 
-fn leave(position: Vec3, normal: Vec3, direction: Vec3, reach: f32) -> Vec3 {
+fn leave(position: Vec3, normal: Vec3, direction: Vec3, offset: f32) -> Vec3 {
     let [position, normal, direction] =
         [position, normal, direction].map(|v| Vector { x: v.x, y: v.y, z: v.z });
-    let origin = offset_origin(position, normal, direction, reach);
+    let origin = offset_origin(position, normal, direction, offset);
     Vec3::new(origin.x, origin.y, origin.z)
 }
 
@@ -55,7 +55,7 @@ fn no_self_intersection(triangles: &[Triangle], spheres: &[Sphere], random: &mut
         }
         let outwards = triangles.is_empty() && normal.dot(direction) < 0.0;
         let direction = if outwards { -direction } else { direction };
-        let origin = leave(position, normal, direction, reach(bounds));
+        let origin = leave(position, normal, direction, surfaces.offset[row]);
         let hit = accelerator.closest(origin, direction, f32::INFINITY);
         assert_eq!(hit.primitive, NONE, "{triangles:?} {spheres:?} {origin} {direction} {hit:?}");
     }
@@ -89,7 +89,6 @@ fn spheres_do_not_meet_themselves() {
 fn walks_stay_inside(triangles: &[Triangle], spheres: &[Sphere], start: Vec3, scale: f32) -> usize {
     let scene = scene_of(triangles, spheres);
     let accelerator = Accelerator::build(triangles, spheres);
-    let reach = reach(&scene.bounds);
     let mut random = Random(33);
     let count = 20_000;
     let mut rays: Vec<_> = (0..count).map(|_| (start, random.direction())).collect();
@@ -116,7 +115,7 @@ fn walks_stay_inside(triangles: &[Triangle], spheres: &[Sphere], start: Vec3, sc
             let facing = if normal.dot(arriving) > 0.0 { -normal } else { normal };
             let direction = random.direction();
             let direction = direction * direction.dot(facing).signum();
-            next.push((leave(position, facing, direction, reach), direction));
+            next.push((leave(position, facing, direction, surfaces.offset[row]), direction));
         }
         rays = next;
     }

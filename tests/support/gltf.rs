@@ -45,6 +45,17 @@ impl Document {
         self.materials.len() - 1
     }
 
+    /// Glass as glTF has it, with the body of `KHR_materials_volume` if there is one.
+    pub fn plain_glass(&mut self, volume: Option<Value>) -> usize {
+        let mut extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
+        if let Some(volume) = volume {
+            extensions["KHR_materials_volume"] = volume;
+        }
+        self.materials.push(json!({"extensions": extensions, "doubleSided": true,
+            "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0}}));
+        self.materials.len() - 1
+    }
+
     /// A gray diffuse material.
     pub fn diffuse(&mut self, reflectance: f32) -> usize {
         self.material(json!({"bsdf": "diffuse", "reflectance": reflectance}))

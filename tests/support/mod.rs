@@ -2,6 +2,7 @@
 //! scenes built in code, and the evidence left behind by a failure.
 
 pub mod evidence;
+pub mod filters;
 pub mod gltf;
 pub mod rendering;
 pub mod scenes;

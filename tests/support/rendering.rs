@@ -12,6 +12,7 @@ use sunstone::internals::math::{F32s, LANES, Vector};
 use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::is_delta;
+use sunstone::internals::scattering::immersion::Around;
 use sunstone::internals::scene::baked::{NONE, Surface};
 use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
@@ -112,7 +113,7 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     let is_point = |model: &EmitterModel| is_delta(model) && model.is_finite();
     let mut emitters = scene.optics.emitters.iter().enumerate();
     let immersed = |(index, emitter): (usize, &Emitter<N>)| {
-        is_point(&emitter.model) && scene.medium_at_emitter(index, true) != NONE
+        is_point(&emitter.model) && scene.is_immersed(index)
     };
     if emitters.any(immersed) {
         return false;
@@ -147,7 +148,7 @@ fn is_specular<const N: usize>(scene: &Scene<N>, surface: &Surface) -> bool {
 /// direction of its own. Neighbors are asked because rays are few and edges thin. None at all
 /// for a pinhole in a medium, as connections to it from nearby have no finite variance.
 pub fn light_mask<const N: usize>(scene: &Scene<N>) -> Vec<bool> {
-    if scene.sensor_medium != NONE && scene.sensor.is_finite() {
+    if scene.sensor_medium != Around::Same(NONE) && scene.sensor.is_finite() {
         return vec![false; (scene.sensor.width * scene.sensor.height) as usize];
     }
     let [width, height] = [scene.sensor.width, scene.sensor.height].map(|size| size as i32);
@@ -190,11 +191,12 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
     })
 }
 
-/// The first primitive that a ray meets which is more than the boundary of a medium, or [`NONE`].
+/// The first primitive that a ray meets which lets not all light straight on, or [`NONE`].
 fn first_in_the_way<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
     loop {
         let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-        let passes = hit.primitive != NONE && scene.material_at(hit.primitive).kind.is_crossed();
+        let passes = scene.is_straight_on(hit.primitive)
+            && !scene.material_at(hit.primitive).kind.is_specular();
         if !passes {
             return hit.primitive;
         }

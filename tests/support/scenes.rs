@@ -50,25 +50,25 @@ const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
 const FRONT: usize = 5;
 const CEILING: usize = 1;
 
-fn v(x: f32, y: f32, z: f32) -> Vec3 {
+pub(super) fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
 /// A room without front wall, and without those in `open`.
-fn room(open: &[usize]) -> Document {
+pub(super) fn room(open: &[usize]) -> Document {
     let mut scene = Document::default();
     let walls = WALLS.map(|reflectance| scene.diffuse(reflectance));
     scene.room(walls, &[&[FRONT], open].concat());
     scene
 }
 
-fn pinhole(mut scene: Document) -> Document {
+pub(super) fn pinhole(mut scene: Document) -> Document {
     scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.62, None);
     scene
 }
 
 /// A panel that shines down from below the ceiling, of half edge `half`.
-fn add_panel(scene: &mut Document, half: f32, radiance: f32) {
+pub(super) fn add_panel(scene: &mut Document, half: f32, radiance: f32) {
     let panel = scene.material(json!({"bsdf": "absorber"}));
     let panel = scene.emits(panel, radiance);
     scene.quad(v(0.1, 0.95, 0.0), v(half, 0.0, 0.0), v(0.0, 0.0, half), panel);
@@ -137,7 +137,7 @@ fn directional_light_seen_by_pinhole() -> World {
     pinhole(sunny_room()).load("directional light, pinhole")
 }
 
-fn open_scene() -> Document {
+pub(super) fn open_scene() -> Document {
     let mut scene = room(&[CEILING, 2]);
     scene.environment(0.8);
     let ball = scene.diffuse(0.8);
@@ -311,7 +311,7 @@ fn sheets_orthographic() -> World {
 }
 
 /// Walls and air of a room that fog fills up to a handbreadth before the open front.
-fn foggy_room(fog: serde_json::Value) -> Document {
+pub(super) fn foggy_room(fog: serde_json::Value) -> Document {
     let mut scene = room(&[]);
     let fog = scene.medium(fog);
     scene.fog(fog, |scene, null| {

@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scattering::immersion::Immersion;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Directional;
 
@@ -43,7 +42,7 @@ impl Emits for Directional {
         None
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        [immersion.shapes().scene_medium; 2]
+    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
+        Vec::new()
     }
 }

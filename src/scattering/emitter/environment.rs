@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scattering::immersion::Immersion;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Environment;
 
@@ -49,7 +48,7 @@ impl Emits for Environment {
         })
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        [immersion.shapes().scene_medium; 2]
+    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
+        Vec::new()
     }
 }

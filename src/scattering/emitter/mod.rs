@@ -25,7 +25,6 @@ use crate::scene::emitter::{
 };
 
 use super::Scene;
-use super::immersion::Immersion;
 
 use self::direct::{DirectLanes, Own, OwnLanes};
 
@@ -64,8 +63,19 @@ pub trait Emits: Extent {
         direction: Vec3,
     ) -> Option<MetEmission<N>>;
 
-    /// The media before and behind the emitter: rows of the scene's media, or [`NONE`].
-    fn media(&self, immersion: &Immersion) -> [u32; 2];
+    /// The largest coordinate of the emitter's primitive; zero without one.
+    fn reach(&self, _shapes: &Shapes) -> f32 {
+        0.0
+    }
+
+    /// Its primitive, if it has one; else [`NONE`].
+    fn primitive(&self) -> u32 {
+        NONE
+    }
+
+    /// Points all over it, with its front's normals, zero if it has no surface; none if it is
+    /// infinitely far away.
+    fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)>;
 }
 
 /// An emitter without its model, and the scene around it.
@@ -210,10 +220,24 @@ macro_rules! dispatched {
             }
         }
 
-        /// [`Emits::media`].
-        pub fn media(model: &EmitterModel, immersion: &Immersion) -> [u32; 2] {
+        /// [`Emits::primitive`].
+        pub fn primitive(model: &EmitterModel) -> u32 {
             match model {
-                $(EmitterModel::$Model(model) => model.media(immersion),)*
+                $(EmitterModel::$Model(model) => Emits::primitive(model),)*
+            }
+        }
+
+        /// [`Emits::places`].
+        pub fn places(model: &EmitterModel, shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
+            match model {
+                $(EmitterModel::$Model(model) => model.places(shapes),)*
+            }
+        }
+
+        /// [`Emits::reach`].
+        pub fn reach(model: &EmitterModel, shapes: &Shapes) -> f32 {
+            match model {
+                $(EmitterModel::$Model(model) => model.reach(shapes),)*
             }
         }
 

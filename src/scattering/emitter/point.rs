@@ -5,7 +5,6 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scattering::immersion::Immersion;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Point;
 
@@ -48,8 +47,8 @@ impl Emits for Point {
         None
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        [immersion.at(self.position); 2]
+    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
+        vec![(self.position, Vec3::ZERO)]
     }
 }
 

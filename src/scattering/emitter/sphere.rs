@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scattering::immersion::Immersion;
+use crate::scattering::immersion::spread;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Sphere;
 
@@ -11,6 +11,9 @@ use super::area::{self, Area};
 use super::direct::{DirectLanes, Own, OwnLanes, own};
 use super::infinity::{any_direction, any_directions};
 use super::{EmissionSample, Emits, MetEmission, Source};
+
+/// Points on a sphere where its media are looked for.
+const PLACES: usize = 128;
 
 impl Emits for Sphere {
     const DELTA: bool = false;
@@ -63,9 +66,18 @@ impl Emits for Sphere {
         area_of(self).met(source, -direction.dot(outwards))
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        let sphere = self.shape(immersion.shapes());
-        immersion.of_sides(self.primitive, sphere.center + Vec3::X * sphere.radius, Vec3::X)
+    fn reach(&self, shapes: &Shapes) -> f32 {
+        let sphere = self.shape(shapes);
+        sphere.center.abs().max_element() + sphere.radius
+    }
+
+    fn primitive(&self) -> u32 {
+        self.primitive
+    }
+
+    fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
+        let sphere = self.shape(shapes);
+        spread(PLACES).map(|normal| (sphere.center + normal * sphere.radius, normal)).collect()
     }
 }
 

@@ -4,7 +4,6 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scattering::immersion::Immersion;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Spot;
 
@@ -64,7 +63,7 @@ impl Emits for Spot {
         None
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        [immersion.at(self.position); 2]
+    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
+        vec![(self.position, Vec3::ZERO)]
     }
 }

@@ -2,14 +2,17 @@
 
 use glam::Vec3;
 
+use crate::geometry::reach_of_triangle;
 use crate::math::{F32s, Vector, warp};
-use crate::scattering::immersion::Immersion;
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Triangle;
 
 use super::area::{self, Area};
 use super::direct::{DirectLanes, Own, OwnLanes, own};
 use super::{EmissionSample, Emits, MetEmission, Source};
+
+/// Points along its edges where a triangle's media are looked for.
+const PLACES: u32 = 12;
 
 impl Emits for Triangle {
     const DELTA: bool = false;
@@ -61,10 +64,21 @@ impl Emits for Triangle {
         area_of(self).met(source, -direction.dot(front))
     }
 
-    fn media(&self, immersion: &Immersion) -> [u32; 2] {
-        let [a, b, c] = immersion.shapes().triangles[self.primitive as usize].corners;
+    fn reach(&self, shapes: &Shapes) -> f32 {
+        reach_of_triangle(&shapes.triangles[self.primitive as usize])
+    }
+
+    fn primitive(&self) -> u32 {
+        self.primitive
+    }
+
+    fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
+        let [a, b, c] = shapes.triangles[self.primitive as usize].corners;
         let front = (b - a).cross(c - a).normalize();
-        immersion.of_sides(self.primitive, (a + b + c) / 3.0, front)
+        let at = |[u, v]: [f32; 2]| (a + (b - a) * u + (c - a) * v, front);
+        let steps = (0..=PLACES).map(|step| 0.001 + 0.998 * step as f32 / PLACES as f32);
+        let inside = steps.clone().flat_map(|u| steps.clone().map(move |v| [u, v]));
+        inside.filter(|[u, v]| u + v < 1.0).chain([[1.0 / 3.0; 2]]).map(at).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! What polarizers and retarders have in common: sheets that let light straight on and act on its
 //! polarization about an axis of their own.
 
-use super::model::{Incidence, ModelLanes, Scattered};
+use super::model::{Incidence, ModelLanes, Passage};
 use crate::math::{F32s, Vector};
 use crate::polarization::Block;
 use crate::polarization::elements::{exact_sin_cos_deg, transmission_axis};
@@ -30,14 +30,13 @@ impl Element {
         at: &Incidence<M>,
         element: impl Fn(&M) -> &Self + Copy,
         m00: F32s,
-    ) -> Scattered<N, Block<F32s>> {
-        let direction = at.direction;
-        let (block, axis) = if POLARIZED {
+    ) -> Passage<N> {
+        let (kernel, axis) = if POLARIZED {
             (Self::block(&at.models, element), Self::axis(at, element))
         } else {
-            (Block::identity(), direction)
+            (Block::identity(), at.direction)
         };
-        Scattered { direction, weight: [m00; N], kernels: [block; N], axis }
+        Passage { transmittance: [m00; N], chance: F32s::splat(1.0), kernel, axis }
     }
 
     #[inline(always)]

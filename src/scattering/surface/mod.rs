@@ -16,9 +16,10 @@ pub mod model;
 mod null;
 mod polarizer;
 mod retarder;
+mod thin_dielectric;
 
 pub use facing::Facing;
-pub use model::{Connecting, ModelLanes, Specular, Surface};
+pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 
 use absorber::Absorber;
 use conductor::Conductor;
@@ -27,6 +28,7 @@ use diffuse::Diffuse;
 use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
+use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
 use crate::scene::baked;
@@ -34,8 +36,9 @@ use crate::scene::world::SurfaceModel;
 
 /// The list: for every model, the variant of [`SurfaceModel`] with the parameters that its `of`
 /// takes, the name of its table, and its type. By sort: `ends` are models at which paths end (one
-/// event for all of them), `specular` and `connecting` the two sorts of `model`, and `crossed`
-/// what is no vertex of a path. Rows are grouped in this order.
+/// event for all of them), `specular`, `connecting` and `straight_on` the three sorts of `model`,
+/// of which the last are no vertices of a path; `either` is specular and straight on. Rows are
+/// grouped in this order.
 macro_rules! surface_models {
     ([$($then:tt)*] $arguments:tt) => {
         $($then)*! {
@@ -46,14 +49,17 @@ macro_rules! surface_models {
             specular {
                 Conductor { eta, k } => conductor: Conductor<N>,
                 Dielectric { ior, exterior_ior } => dielectric: Dielectric,
-                Polarizer { axis_deg, extinction_ratio } => polarizer: Polarizer,
-                Retarder { axis_deg, retardance_deg } => retarder: Retarder,
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
             }
-            crossed {
+            either {
+                ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric,
+            }
+            straight_on {
                 Null {} => null: Null,
+                Polarizer { axis_deg, extinction_ratio } => polarizer: Polarizer,
+                Retarder { axis_deg, retardance_deg } => retarder: Retarder,
             }
         }
     };
@@ -68,8 +74,10 @@ pub enum Sort {
     Specular,
     /// They go on in any direction, and are connected.
     Connecting,
-    /// They go on as if nothing was there.
-    Crossed,
+    /// They go straight on, and so do connections: no vertex.
+    StraightOn,
+    /// They go straight on, as connections do, or are scattered as at specular surfaces.
+    Either,
 }
 
 macro_rules! declare {
@@ -78,7 +86,10 @@ macro_rules! declare {
         ends { $($end:ident { $($end_of:ident),* } => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident { $($one_of:ident),* } => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident { $($any_of:ident),* } => $any_table:ident: $any_model:ty,)* }
-        crossed { $($null:ident { $($null_of:ident),* } => $null_table:ident: $null_model:ty,)* }
+        either { $($both:ident { $($both_of:ident),* } => $both_table:ident: $both_model:ty,)* }
+        straight_on {
+            $($pass:ident { $($pass_of:ident),* } => $pass_table:ident: $pass_model:ty,)*
+        }
     ) => {
         /// A kind of surface: which model scatters there.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,17 +97,37 @@ macro_rules! declare {
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($end), "`].")] $end,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($one), "`].")] $one,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($any), "`].")] $any,)*
-            $(#[doc = concat!("See [`SurfaceModel::", stringify!($null), "`].")] $null,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($both), "`].")] $both,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($pass), "`].")] $pass,)*
         }
 
         impl SurfaceKind {
             /// All kinds, in the order of the list.
             pub const ALL: &[Self] = &[
-                $(Self::$end,)* $(Self::$one,)* $(Self::$any,)* $(Self::$null,)*
+                $(Self::$end,)*
+                $(Self::$one,)*
+                $(Self::$both,)*
+                $(Self::$any,)*
+                $(Self::$pass,)*
             ];
 
+            /// Those that let light straight on.
+            pub const STRAIGHT_ON: &[Self] = &[$(Self::$both,)* $(Self::$pass,)*];
+
+            /// Whether, of those that let light straight on, it changes light at all.
+            #[inline(always)]
+            pub const fn acts(self) -> bool {
+                match self {
+                    $(Self::$end => false,)*
+                    $(Self::$one => false,)*
+                    $(Self::$any => false,)*
+                    $(Self::$both => <$both_model as StraightOn<1>>::ACTS,)*
+                    $(Self::$pass => <$pass_model as StraightOn<1>>::ACTS,)*
+                }
+            }
+
             /// Those with an event of their own.
-            const MET: &[Self] = &[$(Self::$one,)* $(Self::$any,)*];
+            const MET: &[Self] = &[$(Self::$one,)* $(Self::$both,)* $(Self::$any,)*];
 
             /// The kind of a model with parameters of any sort.
             pub fn of<S>(model: &SurfaceModel<S>) -> Self {
@@ -104,7 +135,8 @@ macro_rules! declare {
                     $(SurfaceModel::$end { .. } => Self::$end,)*
                     $(SurfaceModel::$one { .. } => Self::$one,)*
                     $(SurfaceModel::$any { .. } => Self::$any,)*
-                    $(SurfaceModel::$null { .. } => Self::$null,)*
+                    $(SurfaceModel::$both { .. } => Self::$both,)*
+                    $(SurfaceModel::$pass { .. } => Self::$pass,)*
                 }
             }
 
@@ -115,7 +147,8 @@ macro_rules! declare {
                     $(Self::$end => Sort::Ends,)*
                     $(Self::$one => Sort::Specular,)*
                     $(Self::$any => Sort::Connecting,)*
-                    $(Self::$null => Sort::Crossed,)*
+                    $(Self::$both => Sort::Either,)*
+                    $(Self::$pass => Sort::StraightOn,)*
                 }
             }
 
@@ -132,7 +165,11 @@ macro_rules! declare {
                         <<$any_model as Connecting<N>>::Kernel as Elements>::FORM,
                         <$any_model as Connecting<N>>::ACHROMATIC,
                     ),)*
-                    $(Self::$null => (Form::Depolarizer, true),)*
+                    $(Self::$both => (
+                        <<$both_model as Specular<N>>::Kernel as Elements>::FORM,
+                        <$both_model as Specular<N>>::ACHROMATIC,
+                    ),)*
+                    $(Self::$pass => (Form::Depolarizer, true),)*
                 }
             }
         }
@@ -144,7 +181,8 @@ macro_rules! declare {
             $($end_table: Vec<$end_model>,)*
             $($one_table: Vec<$one_model>,)*
             $($any_table: Vec<$any_model>,)*
-            $($null_table: Vec<$null_model>,)*
+            $($both_table: Vec<$both_model>,)*
+            $($pass_table: Vec<$pass_model>,)*
         }
 
         impl<const N: usize> Surfaces<N> {
@@ -160,8 +198,11 @@ macro_rules! declare {
                     $(SurfaceModel::$any { $($any_of),* } => {
                         append(&mut self.$any_table, <$any_model>::of($($any_of),*))
                     })*
-                    $(SurfaceModel::$null { $($null_of),* } => {
-                        append(&mut self.$null_table, <$null_model>::of($($null_of),*))
+                    $(SurfaceModel::$both { $($both_of),* } => {
+                        append(&mut self.$both_table, <$both_model>::of($($both_of),*))
+                    })*
+                    $(SurfaceModel::$pass { $($pass_of),* } => {
+                        append(&mut self.$pass_table, <$pass_model>::of($($pass_of),*))
                     })*
                 }
             }
@@ -178,6 +219,20 @@ macro_rules! declare {
                 #[inline(always)]
                 pub fn $any_table(&self) -> &[$any_model] {
                     &self.$any_table
+                }
+            )*
+            $(
+                /// The table of this model.
+                #[inline(always)]
+                pub fn $both_table(&self) -> &[$both_model] {
+                    &self.$both_table
+                }
+            )*
+            $(
+                /// The table of this model.
+                #[inline(always)]
+                pub fn $pass_table(&self) -> &[$pass_model] {
+                    &self.$pass_table
                 }
             )*
         }
@@ -206,11 +261,16 @@ macro_rules! dispatch_surface {
         ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
-        crossed { $($null:ident $null_of:tt => $null_table:ident: $null_model:ty,)* }
+        either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
+        straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
     ) => {
         match $kind {
             $($crate::scattering::surface::SurfaceKind::$one => {
                 let $models = $surfaces.$one_table();
+                $of_one
+            })*
+            $($crate::scattering::surface::SurfaceKind::$both => {
+                let $models = $surfaces.$both_table();
                 $of_one
             })*
             $($crate::scattering::surface::SurfaceKind::$any => {
@@ -218,22 +278,65 @@ macro_rules! dispatch_surface {
                 $of_any
             })*
             $($crate::scattering::surface::SurfaceKind::$end)|*
-            $(| $crate::scattering::surface::SurfaceKind::$null)* => $else,
+            $(| $crate::scattering::surface::SurfaceKind::$pass)* => $else,
         }
     };
 }
 
-pub(crate) use {dispatch_surface, for_scattering, surface_models};
+/// Compiles code for every model that lets light straight on, and runs that of a kind on the table
+/// of its model.
+macro_rules! for_straight_on {
+    ($surfaces:expr, $kind:expr, $models:ident => $body:expr) => {
+        $crate::scattering::surface::surface_models!([
+            $crate::scattering::surface::dispatch_straight_on
+        ]($surfaces, $kind, $models, $body))
+    };
+}
+
+macro_rules! dispatch_straight_on {
+    (
+        ($surfaces:expr, $kind:expr, $models:ident, $body:expr)
+        ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
+        specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
+        connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
+        either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
+        straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
+    ) => {
+        match $kind {
+            $($crate::scattering::surface::SurfaceKind::$both => {
+                let $models = $surfaces.$both_table();
+                $body
+            })*
+            $($crate::scattering::surface::SurfaceKind::$pass => {
+                let $models = $surfaces.$pass_table();
+                $body
+            })*
+            $($crate::scattering::surface::SurfaceKind::$end)|*
+            $(| $crate::scattering::surface::SurfaceKind::$one)*
+            $(| $crate::scattering::surface::SurfaceKind::$any)* => {}
+        }
+    };
+}
+
+pub(crate) use {
+    dispatch_straight_on, dispatch_surface, for_scattering, for_straight_on, surface_models,
+};
 
 impl SurfaceKind {
     /// How many kinds of events there are at surfaces: one for all that end paths, and none for
-    /// what is crossed.
+    /// what light passes straight on.
     pub const EVENTS: usize = 1 + Self::MET.len();
 
-    /// Whether paths cross it as if nothing was there: no vertex, and in no connection's way.
+    /// Whether paths and connections go straight on through it, if only by chance.
     #[inline(always)]
-    pub const fn is_crossed(self) -> bool {
-        matches!(self.sort(), Sort::Crossed)
+    pub const fn is_straight_on(self) -> bool {
+        matches!(self.sort(), Sort::StraightOn | Sort::Either)
+    }
+
+    /// Whether paths may be scattered there, in some way or other.
+    #[inline(always)]
+    pub const fn scatters(self) -> bool {
+        self.connects() || self.is_specular()
     }
 
     /// Whether its vertices are connected, and merged with photons.
@@ -245,10 +348,10 @@ impl SurfaceKind {
     /// Whether it sends light on, but only one way or two, which connections do not find.
     #[inline(always)]
     pub const fn is_specular(self) -> bool {
-        matches!(self.sort(), Sort::Specular)
+        matches!(self.sort(), Sort::Specular | Sort::Either)
     }
 
-    /// The place of its event among the scene's; boundaries that are crossed are never met.
+    /// The place of its event among the scene's; what is no vertex is never met.
     pub fn event(self) -> usize {
         Self::MET.iter().position(|kind| *kind == self).map_or(END, |place| 1 + place)
     }
@@ -314,9 +417,9 @@ mod tests {
 
     #[test]
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
-        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, Polarizer, Retarder};
+        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, ThinDielectric};
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
-        let expected = [Absorber, Conductor, Dielectric, Polarizer, Retarder, Diffuse];
+        let expected = [Absorber, Conductor, Dielectric, ThinDielectric, Diffuse];
         assert_eq!(met, expected.map(Met::Surface));
         let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
         assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));

@@ -1,12 +1,14 @@
 //! What a surface model is: a row of parameters, and functions of eight rows at a time.
 //!
-//! There are two sorts that paths are scattered by. A [`Specular`] model leaves light one way only
+//! There are two sorts that paths are scattered by, and a third, [`StraightOn`], that they and
+//! connections go through. A [`Specular`] model leaves light one way only
 //! (or two), so that it can be drawn and nothing else. A [`Connecting`] model has a value and a
 //! density between any two directions, so that its vertices are also connected to emitters, to
 //! other vertices and to the sensor, and keep photons and gather them.
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
+use crate::polarization::Block;
 use crate::scattering::Scene;
 use crate::scattering::event::Elements;
 use crate::scattering::side::Side;
@@ -53,6 +55,27 @@ pub struct Scattered<const N: usize, K> {
     /// Kernels; of an achromatic model, the first alone counts.
     pub kernels: [K; N],
     /// The x axis of the kernels' frames, perpendicular to both directions.
+    pub axis: Vector<F32s>,
+}
+
+/// A model that lets light straight on, so that paths and connections cross it: no vertex.
+pub trait StraightOn<const N: usize>: Surface {
+    /// Whether it changes light at all.
+    const ACTS: bool;
+
+    /// What it does to light. With `POLARIZED`, the kernel is wanted too, else it may be anything.
+    fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N>;
+}
+
+/// What a surface does to light that goes straight on.
+pub struct Passage<const N: usize> {
+    /// The share of unpolarized light that passes.
+    pub transmittance: [F32s; N],
+    /// The probability with which paths pass, the same both ways; with the rest they are scattered.
+    pub chance: F32s,
+    /// The kernel of all wavelengths.
+    pub kernel: Block<F32s>,
+    /// The x axis of the kernel's frames, perpendicular to the light.
     pub axis: Vector<F32s>,
 }
 

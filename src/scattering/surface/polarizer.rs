@@ -1,11 +1,8 @@
 //! The sheet polarizer: straight transmission through a (partial) linear polarizer.
 
 use super::element::Element;
-use super::model::{Incidence, Scattered, Specular, Surface};
-use crate::math::F32s;
-use crate::polarization::Block;
+use super::model::{Incidence, Passage, StraightOn, Surface};
 use crate::polarization::elements::polarizer_block;
-use crate::scattering::side::Side;
 
 /// A sheet.
 #[derive(Clone, Copy, Debug)]
@@ -31,24 +28,23 @@ impl Surface for Polarizer {
     }
 }
 
-impl<const N: usize> Specular<N> for Polarizer {
-    type Kernel = Block<F32s>;
-    const ACHROMATIC: bool = true;
+impl<const N: usize> StraightOn<N> for Polarizer {
+    const ACTS: bool = true;
 
     #[inline(always)]
-    fn scatter<const POLARIZED: bool>(
-        at: &Incidence<Self>,
-        _choice: impl FnOnce() -> F32s,
-        _side: Side,
-    ) -> Scattered<N, Self::Kernel> {
-        let m00 = at.models.field(|model| model.m00);
-        Element::pass::<_, N, POLARIZED>(at, |model| &model.element, m00)
+    fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N> {
+        Element::pass::<_, N, POLARIZED>(
+            at,
+            |model| &model.element,
+            at.models.field(|model| model.m00),
+        )
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polarization::Block;
 
     #[test]
     fn an_ideal_polarizer_passes_half_the_light() {

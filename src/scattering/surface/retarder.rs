@@ -1,11 +1,9 @@
 //! The linear retarder: straight transmission that delays one polarization against the other.
 
 use super::element::Element;
-use super::model::{Incidence, Scattered, Specular, Surface};
+use super::model::{Incidence, Passage, StraightOn, Surface};
 use crate::math::F32s;
-use crate::polarization::Block;
 use crate::polarization::elements::retarder_block;
-use crate::scattering::side::Side;
 
 /// A sheet; it loses no light.
 #[derive(Clone, Copy, Debug)]
@@ -27,16 +25,11 @@ impl Surface for Retarder {
     }
 }
 
-impl<const N: usize> Specular<N> for Retarder {
-    type Kernel = Block<F32s>;
-    const ACHROMATIC: bool = true;
+impl<const N: usize> StraightOn<N> for Retarder {
+    const ACTS: bool = true;
 
     #[inline(always)]
-    fn scatter<const POLARIZED: bool>(
-        at: &Incidence<Self>,
-        _choice: impl FnOnce() -> F32s,
-        _side: Side,
-    ) -> Scattered<N, Self::Kernel> {
+    fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N> {
         Element::pass::<_, N, POLARIZED>(at, |model| &model.element, F32s::splat(1.0))
     }
 }
@@ -44,6 +37,7 @@ impl<const N: usize> Specular<N> for Retarder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polarization::Block;
 
     #[test]
     fn a_quarter_wave_is_exact() {

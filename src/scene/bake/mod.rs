@@ -138,8 +138,10 @@ fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>
         let black = Spectrum::Constant(0.0);
         let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
         let model = bsdf.sampled(|spectrum| spectrum.sample(color));
-        let row =
-            model.and_then(|model| Ok((Material { model, two_sided: sides.two_sided }, radiance?)));
+        let row = model.and_then(|model| {
+            let model = model.simplified();
+            Ok((Material { model, two_sided: sides.two_sided }, radiance?))
+        });
         row.map_err(|error| outside_table(&name.0, error))
     });
     for row in rows {

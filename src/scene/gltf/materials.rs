@@ -5,6 +5,8 @@
 //! - metallic 1, roughness 0: a conductor with eta = 1 and k = 2 sqrt(F0 / (1 - F0)), which has
 //!   the reflectance F0 = baseColor at normal incidence (F0 is capped at 0.999);
 //! - metallic 0, transmission 1, roughness 0: a dielectric of KHR_materials_ior, 1.5 if not given;
+//!   thin-walled, unless KHR_materials_volume gives it a thickness: then a solid, whose attenuation
+//!   is absorption;
 //! - metallic 0, no transmission: Lambertian of baseColor, without glTF's dielectric coat;
 //! - no material: Lambertian of reflectance 0.8.
 
@@ -14,9 +16,10 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::volume::Volume;
 use crate::math::Range;
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Bsdf, Emission, Material, Name, Sides};
+use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin};
 use crate::spectrum::{Spectrum, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
@@ -38,7 +41,7 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 7] = [
+const MODELS: [Model; 8] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
@@ -46,6 +49,7 @@ const MODELS: [Model; 7] = [
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
+    Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Values of `bsdf` that later versions will know.
 const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectric"];
@@ -85,6 +89,19 @@ impl Import<'_> {
         put.map_err(|fault| SceneError::at(&label, fault))
     }
 
+    /// A material with what is on the two sides; the node's word counts before the material's.
+    pub fn skin(
+        &mut self,
+        material: Option<usize>,
+        mut boundary: Boundary,
+        user: &str,
+    ) -> Result<Skin, SceneError> {
+        let entity = self.material(material, user)?;
+        let volume = material.and_then(|index| self.volumes.get(&index));
+        boundary.interior = boundary.interior.or(volume.copied());
+        Ok(Skin { material: entity, boundary })
+    }
+
     fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
         let document = self.document;
         let value = &document.value["materials"][index];
@@ -103,12 +120,18 @@ impl Import<'_> {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));
         }
-        self.metallic_roughness(material, label)
+        let volume = Volume::of(value, label)?;
+        let bsdf = self.metallic_roughness(material, volume.is_solid, label)?;
+        if bsdf.transmits() {
+            self.add_volume(index, volume, label)?;
+        }
+        Ok(bsdf)
     }
 
     fn metallic_roughness(
         &mut self,
         material: &json::Material,
+        is_solid: bool,
         label: &str,
     ) -> Result<Bsdf, SceneError> {
         const ADVICE: &str = "use factors of 0 or 1, or SUNSTONE_polarization with a `bsdf`";
@@ -140,7 +163,9 @@ impl Import<'_> {
                 if [red, green, blue] != [1.0; 3] {
                     self.warnings.add(label, "the color of the glass is ignored");
                 }
-                let bsdf = Bsdf::dielectric(khr_ior(material));
+                let ior = khr_ior(material);
+                let bsdf =
+                    if is_solid { Bsdf::dielectric(ior) } else { Bsdf::thin_dielectric(ior) };
                 bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_IOR)))?;
                 Ok(bsdf)
             }
@@ -195,9 +220,19 @@ fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
 }
 
 fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
-    let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
-    let exterior_ior = body.number("exterior_ior")?.unwrap_or(1.0) as f32;
+    let [ior, exterior_ior] = indices(body, material)?;
     Ok(Bsdf::Dielectric { ior, exterior_ior })
+}
+
+fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let [ior, exterior_ior] = indices(body, material)?;
+    Ok(Bsdf::ThinDielectric { ior, exterior_ior })
+}
+
+/// `ior` and `exterior_ior`.
+fn indices(body: &Body, material: &json::Material) -> Result<[f32; 2], SceneError> {
+    let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
+    Ok([ior, body.number("exterior_ior")?.unwrap_or(1.0) as f32])
 }
 
 fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {

@@ -7,7 +7,7 @@ use gltf::json::validation::Checked;
 use super::extension::{Body, MESH};
 use super::{Import, Part, accessors};
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Boundary, Geometry, Mesh, Name, Skin, Transform};
+use crate::scene::world::{Boundary, Geometry, Mesh, Name, Transform};
 
 /// Most vertices and corners that the meshes of a scene may have together: what a file of a few
 /// kilobytes can ask for must not fill the memory. (Copies of a mesh are counted where they are
@@ -39,11 +39,10 @@ impl Import<'_> {
             if let Ok(None) = geometry {
                 continue;
             }
-            let material = self.material(primitive.material.map(|m| m.value()), &part);
-            let (geometry, material) = (findings.note(geometry), findings.note(material));
-            if let (Some(Some(geometry)), Some(material)) = (geometry, material) {
+            let skin = self.skin(primitive.material.map(|m| m.value()), boundary, &part);
+            let (geometry, skin) = (findings.note(geometry), findings.note(skin));
+            if let (Some(Some(geometry)), Some(skin)) = (geometry, skin) {
                 let name = Name(format!("{}, {part}", node.label()));
-                let skin = Skin { material, boundary };
                 let put = self.world.put_mesh(name, Mesh(geometry), skin, place);
                 findings.note(put.map_err(|fault| node.place(fault)));
             }

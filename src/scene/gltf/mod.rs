@@ -16,6 +16,7 @@ mod meshes;
 mod particles;
 mod phase_matrix;
 mod validate;
+mod volume;
 mod warnings;
 
 use std::collections::BTreeMap;
@@ -30,7 +31,7 @@ use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::warnings::Warnings;
 use super::error::{Findings, SceneError};
-use super::world::{Ball, Boundary, Environment, Geometry, Name, Skin, World};
+use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
 use crate::math::text::listed;
 
 /// How a scene file is read.
@@ -109,6 +110,8 @@ struct Import<'a> {
     /// Material entities or what is wrong with them, by index in the file; `None` is the material
     /// of what has none.
     materials: BTreeMap<Option<usize>, Result<Entity, SceneError>>,
+    /// What bodies absorb whose materials say so, by index in the file.
+    volumes: BTreeMap<usize, Filling>,
     /// Triangles or what is wrong with them, by mesh and primitive.
     geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
@@ -132,6 +135,7 @@ impl<'a> Import<'a> {
             warnings,
             media: Vec::new(),
             materials: BTreeMap::new(),
+            volumes: BTreeMap::new(),
             geometries: BTreeMap::new(),
             elements: 0,
         }
@@ -216,7 +220,7 @@ impl<'a> Import<'a> {
             }
             _ => own.or(stand_in),
         };
-        let skin = Skin { material: self.material(material, body.label())?, boundary };
+        let skin = self.skin(material, boundary, body.label())?;
         let name = Name(format!("{}, sphere", body.label()));
         let put = self.world.put_ball(name, ball, skin, placed.to_world);
         put.map(|_| ()).map_err(|fault| body.place(fault))

@@ -90,6 +90,12 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Conductor { eta, k } => {
             format!("smooth conductor, eta {}, k {}", spectrum(eta), spectrum(k))
         }
+        Bsdf::ThinDielectric { ior, exterior_ior: 1.0 } => {
+            format!("thin dielectric, ior {ior}")
+        }
+        Bsdf::ThinDielectric { ior, exterior_ior } => {
+            format!("thin dielectric, ior {ior} between {exterior_ior}")
+        }
         Bsdf::Dielectric { ior, exterior_ior: 1.0 } => format!("smooth dielectric, ior {ior}"),
         Bsdf::Dielectric { ior, exterior_ior } => {
             format!("smooth dielectric, ior {ior} behind and {exterior_ior} before it")

@@ -32,6 +32,14 @@ pub enum SurfaceModel<S> {
         /// Index of refraction before the front, greater than zero; 1 in vacuum.
         exterior_ior: f32,
     },
+    /// Pane of a dielectric, thin beside the scene but thick beside the wavelength: all reflections
+    /// within it add up, without interference, and light goes straight on.
+    ThinDielectric {
+        /// Index of refraction of the pane, greater than zero.
+        ior: f32,
+        /// Index of refraction on both sides, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
+    },
     /// Sheet polarizer.
     Polarizer {
         /// Transmission axis from the node's x axis, counter-clockwise about the front's normal.
@@ -69,6 +77,11 @@ impl Bsdf {
         Self::Dielectric { ior, exterior_ior: 1.0 }
     }
 
+    /// A thin pane of an index of refraction, in vacuum; see [`Bsdf::ThinDielectric`].
+    pub fn thin_dielectric(ior: f32) -> Self {
+        Self::ThinDielectric { ior, exterior_ior: 1.0 }
+    }
+
     /// An ideal sheet polarizer; see [`Bsdf::Polarizer`].
     pub fn polarizer(axis_deg: f64) -> Self {
         Self::Polarizer { axis_deg, extinction_ratio: f64::INFINITY }
@@ -101,7 +114,7 @@ impl Bsdf {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)
             }
-            Self::Dielectric { ior, exterior_ior } => {
+            Self::Dielectric { ior, exterior_ior } | Self::ThinDielectric { ior, exterior_ior } => {
                 Range::POSITIVE.check("ior", *ior)?;
                 Range::POSITIVE.check("exterior_ior", *exterior_ior)?;
                 Range::POSITIVE.check("ior over exterior_ior", ior / exterior_ior)
@@ -151,6 +164,9 @@ impl<S> SurfaceModel<S> {
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
+            &Self::ThinDielectric { ior, exterior_ior } => {
+                SurfaceModel::ThinDielectric { ior, exterior_ior }
+            }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
                 SurfaceModel::Polarizer { axis_deg, extinction_ratio }
             }
@@ -161,12 +177,33 @@ impl<S> SurfaceModel<S> {
         })
     }
 
+    /// What paths make of it: a boundary between equal indices of refraction is none to them.
+    pub fn simplified(self) -> Self {
+        match self {
+            Self::Dielectric { ior, exterior_ior } | Self::ThinDielectric { ior, exterior_ior }
+                if ior == exterior_ior =>
+            {
+                Self::Null
+            }
+            Self::Absorber
+            | Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Null => self,
+        }
+    }
+
     /// Where light that goes through gets to.
     pub fn passage(&self) -> Passage {
         match self {
             Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => Passage::Closed,
             Self::Dielectric { .. } => Passage::Body,
-            Self::Polarizer { .. } | Self::Retarder { .. } => Passage::Sheet,
+            Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
+                Passage::Sheet
+            }
             Self::Null => Passage::Boundary,
         }
     }

@@ -144,6 +144,8 @@ struct Path {
     vertices: Vec<Vertex>,
     /// Squared lengths of the segments, that from the sensor first.
     distance2: Vec<f64>,
+    /// Probabilities with which paths pass what they cross on the segments.
+    chances: Vec<f64>,
     /// Of the sensor's ray: per steradian, or per area where projection is parallel.
     sensor_pdf: f64,
     /// Of the point on the lens, which every strategy draws alike.
@@ -165,6 +167,7 @@ impl Path {
             sensor,
             vertices: (1..segments).map(|_| Vertex::random(random)).collect(),
             distance2: (0..segments).map(|_| random.density()).collect(),
+            chances: (0..segments).map(|_| 0.1 + random.up_to(0.9)).collect(),
             sensor_pdf: random.density(),
             lens_pdf: if sensor == SensorKind::Lens { random.density() } else { 1.0 },
             light_paths: random.density(),
@@ -193,10 +196,11 @@ impl Path {
     /// volume each.
     fn of_sensor_side(&self, last: usize) -> f64 {
         let first = self.vertices[0].measure_to_sensor / self.sensor_distance2();
-        let mut density = self.lens_pdf * self.sensor_pdf * first;
+        let mut density = self.lens_pdf * self.sensor_pdf * first * self.chances[0];
         for index in 1..=last {
             let [from, to] = [self.vertices[index - 1], self.vertices[index]];
             density *= from.pdf_to_light * to.measure_to_sensor / self.distance2[index];
+            density *= self.chances[index];
         }
         density
     }
@@ -207,9 +211,11 @@ impl Path {
         let end = self.vertices.len() - 1;
         let measure = self.vertices[end].measure_to_light;
         let mut density = self.emission_pdf * measure / self.emitter_distance2();
+        density *= self.chances[end + 1];
         for index in (last..end).rev() {
             let [from, to] = [self.vertices[index + 1], self.vertices[index]];
             density *= from.pdf_to_sensor * to.measure_to_light / self.distance2[index + 1];
+            density *= self.chances[index + 1];
         }
         density
     }
@@ -222,6 +228,7 @@ impl Path {
             Way::Meet if self.emitter.delta() => 0.0,
             Way::Meet => {
                 let pdf = self.vertices[end].pdf_to_light;
+                let pdf = pdf * self.chances[end + 1];
                 self.of_sensor_side(end) * pdf * self.cos_at_light / self.emitter_distance2()
             }
             Way::ConnectEmitter if connects(end) => self.of_sensor_side(end) * self.direct_pdf,
@@ -264,9 +271,11 @@ impl Path {
     /// Partial weights on arrival, as the integrators have them that merge nothing.
     fn sensor_weights(&self, last: usize) -> PartialWeights<f64> {
         let start = PartialWeights::from_sensor(self.sensor_pdf, self.light_paths);
+        let start = start.pass(self.chances[0]);
         let first = start.arrive(self.sensor_distance2(), self.vertices[0].measure_to_sensor);
         (1..=last).fold(first, |weights, index| {
             let departed = depart(weights, &self.vertices[index - 1], Vertex::to_light);
+            let departed = departed.pass(self.chances[index]);
             departed.arrive(self.distance2[index], self.vertices[index].measure_to_sensor)
         })
     }
@@ -274,9 +283,11 @@ impl Path {
     fn light_weights(&self, last: usize) -> PartialWeights<f64> {
         let end = self.vertices.len() - 1;
         let start = PartialWeights::from_emitter(self.emitter_densities(), self.emitter.delta());
+        let start = start.pass(self.chances[end + 1]);
         let first = start.arrive(self.emitter_distance2(), self.vertices[end].measure_to_light);
         (last..end).rev().fold(first, |weights, index| {
             let departed = depart(weights, &self.vertices[index + 1], Vertex::to_sensor);
+            let departed = departed.pass(self.chances[index + 1]);
             departed.arrive(self.distance2[index + 1], self.vertices[index].measure_to_light)
         })
     }
@@ -284,10 +295,12 @@ impl Path {
     /// The same where photons are merged.
     fn sensor_merging(&self, last: usize, factors: MergingFactors<f64>) -> MergingWeights<f64> {
         let start = MergingWeights::from_sensor(self.sensor_pdf, self.light_paths);
+        let start = start.pass(self.chances[0]);
         let first = start.arrive(self.sensor_distance2(), self.vertices[0].measure_to_sensor);
         (1..=last).fold(first, |weights, index| {
             let departed =
                 depart_merging(weights, &self.vertices[index - 1], Vertex::to_light, factors);
+            let departed = departed.pass(self.chances[index]);
             departed.arrive(self.distance2[index], self.vertices[index].measure_to_sensor)
         })
     }
@@ -296,10 +309,12 @@ impl Path {
         let end = self.vertices.len() - 1;
         let (emitter, delta) = (self.emitter_densities(), self.emitter.delta());
         let start = MergingWeights::from_emitter(emitter, delta, factors);
+        let start = start.pass(self.chances[end + 1]);
         let first = start.arrive(self.emitter_distance2(), self.vertices[end].measure_to_light);
         (last..end).rev().fold(first, |weights, index| {
             let departed =
                 depart_merging(weights, &self.vertices[index + 1], Vertex::to_sensor, factors);
+            let departed = departed.pass(self.chances[index + 1]);
             departed.arrive(self.distance2[index + 1], self.vertices[index].measure_to_light)
         })
     }
@@ -332,6 +347,7 @@ impl Path {
                     }
                 };
                 let distance2 = self.emitter_distance2();
+                let departed = departed.pass(self.chances[end + 1]);
                 weight_of_emission_met(departed, self.emitter_densities(), distance2)
             }
             Way::ConnectEmitter => {
@@ -339,16 +355,19 @@ impl Path {
                 let reachable = if self.emitter.delta() { 0.0 } else { 1.0 };
                 let pdf = self.vertices[end].pdf_to_light;
                 let chance = chance_over_choice(pdf, reachable, emitter.direct_pdf);
-                weight_of_emitter_connected(sensor_end(end), emitter, chance)
+                let weight = weight_of_emitter_connected(sensor_end(end), emitter, chance);
+                weight * gain_of_crossing(weight, self.chances[end + 1])
             }
             Way::Connect(index) => {
                 let inverse2 = 1.0 / self.distance2[index + 1];
                 let ends = (sensor_end(index), light_end(index + 1));
-                weight_of_vertices_connected(ends.0, ends.1, inverse2) / inverse2
+                let weight = weight_of_vertices_connected(ends.0, ends.1, inverse2) / inverse2;
+                weight * gain_of_crossing(weight, self.chances[index + 1])
             }
             Way::ConnectSensor => {
                 let importance = self.sensor_pdf / self.sensor_distance2() / self.light_paths;
-                weight_of_sensor_connected(light_end(0), importance)
+                let weight = weight_of_sensor_connected(light_end(0), importance);
+                weight * gain_of_crossing(weight, self.chances[0])
             }
             Way::Merge(index) => {
                 let factors = factors.expect("photons are merged");
@@ -470,11 +489,14 @@ fn the_power_heuristic_weighs_chance_against_choice() {
         let [meet, connect] = [Way::Meet, Way::ConnectEmitter].map(|way| path.density(way));
         let pdf_w = if vertex.connects() { vertex.pdf_to_light } else { f64::INFINITY };
         let distance2 = path.emitter_distance2();
+        let crossed = path.chances[path.vertices.len()];
+        let pdf_w = pdf_w * crossed;
         let met = power_of_emission_met(pdf_w, path.emitter_densities(), distance2);
         let reachable = if path.emitter.delta() { 0.0 } else { 1.0 };
         let direct_pdf_w = path.emitter_per_steradian().direct_pdf;
         let chance = chance_over_choice(vertex.pdf_to_light, reachable, direct_pdf_w);
-        let connected = power_of_emitter_connected(chance);
+        let weight = power_of_emitter_connected(chance);
+        let connected = weight * gain_of_crossing(weight, crossed * crossed);
         let all = meet * meet + connect * connect;
         let mut sum = 0.0;
         for (density, found) in [(meet, met), (connect, connected)] {

@@ -2,10 +2,10 @@
 
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::columns::Column;
-use crate::math::{F32s, LANES, Vector};
+use crate::math::{LANES, Vector, lanes};
 use crate::transport::tables::paths::PathTable;
 
-/// Starts the next segment of every row off its surface. `reach` bounds the scene's coordinates.
+/// Starts the next segment of every row off its surface.
 ///
 /// From: scatter_surfaces, collect_sensor, scatter_light. To: trace_closest.
 /// Writes: paths (rays). Reads: directions, surfaces.
@@ -13,13 +13,13 @@ pub fn advance_paths<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     directions: &[Column; 3],
     surfaces: &SurfaceColumns,
-    reach: f32,
 ) {
     for row in (0..paths.len).step_by(LANES) {
         let direction = Vector::load(directions, row);
         let position = Vector::load(&surfaces.position, row);
         let normal = Vector::load(&surfaces.geometric_normal, row);
-        let origin = offset_origin(position, normal, direction, F32s::splat(reach));
+        let offset = lanes::load(&surfaces.offset, row);
+        let origin = offset_origin(position, normal, direction, offset);
         origin.store(&mut paths.rays.origin, row, paths.len);
         direction.store(&mut paths.rays.direction, row, paths.len);
     }

@@ -16,7 +16,8 @@ use crate::transport::tables::partition::{Part, Partition};
 /// Extends the rows that meet polarizing events. `direction` is that of the sensor's ray before
 /// the event, against the light; `film_up` fixes the film's frame.
 ///
-/// From: scatter_surfaces, scatter_medium. To: advance_paths.
+/// From: scatter_surfaces, scatter_medium, cross_surfaces, rescale_sensor. To: advance_paths,
+/// rescale_sensor.
 /// Writes: carriers. Reads: kernels, direction, film_up, partition.
 pub fn collect_sensor<const N: usize, C: SensorSide<N>>(
     carriers: &mut C,

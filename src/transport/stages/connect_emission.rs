@@ -1,14 +1,13 @@
 //! Connects points of emitters straight to the sensor: what is seen directly, where no sensor
 //! path is traced.
 
-use crate::geometry::offset_point;
 use crate::math::{LANES, lanes};
-use crate::scattering::Scene;
 use crate::scattering::emitter::EmissionSample;
+use crate::scattering::{Scene, Side};
 use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::connections::{ConnectionTable, Segment};
+use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 
 /// Connects the start of every light path to the pixel that sees it; emitters without area are
@@ -60,13 +59,13 @@ fn connect<const N: usize>(
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
     let segment = if sample.finite {
-        let origin = offset_point(sample.position, sample.normal, found.direction, scene.reach);
-        let front = found.direction.dot(sample.normal) >= 0.0;
-        let inside = scene.medium_at_emitter(sample.emitter, front);
-        Segment::between(origin.to_array(), lens, inside)
+        let origin = scene.off_emitter(sample, found.direction);
+        let inside = scene.medium_at_emitter(sample, found.direction);
+        Segment::between(Side::Light, origin.to_array(), lens, inside)
     } else {
         let direction = (-found.direction).to_array();
-        Segment { origin: lens, direction, t_max: f32::INFINITY, inside: scene.sensor_medium }
+        let inside = scene.medium_at_sensor(found.lens);
+        Segment { origin: lens, direction, t_max: f32::INFINITY, inside, from: Side::Sensor }
     };
-    connections.push(segment, value, found.pixel);
+    connections.push(segment, Cargo { value, weight: 1.0 }, found.pixel);
 }

@@ -1,14 +1,14 @@
 //! Next-event estimation: connects vertices of sensor paths to emitters.
 
-use crate::geometry::{SurfaceColumns, offset_origin};
+use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scattering::Scene;
 use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
+use crate::scattering::{Scene, Side};
 use crate::scene::baked::NONE;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::connections::{ConnectionTable, Segment};
+use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Arrived, Strategy};
 
@@ -37,7 +37,7 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
     let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let chosen = choose(paths, surfaces, scene, row, path_length);
+        let Chosen { lanes: chosen, offset } = choose(paths, surfaces, scene, row, path_length);
         let vertices = all.at(surfaces, Consecutive(row, live));
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
@@ -54,11 +54,13 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
             let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
             *values = (beta * chosen.radiance[n] * factor).to_array();
         }
-        let segments = segments(paths, surfaces, scene.reach, &chosen, row, live);
+        let weight = weight.to_array();
+        let segments = segments(paths, surfaces, (&chosen, offset), row, live);
         for (lane, &segment) in segments.iter().enumerate().take(live) {
             let value = lanes::row_of_lanes(&values, lane);
             if value.iter().any(|&value| value > 0.0) {
-                connections.push(segment, value, (row + lane) as u32);
+                let cargo = Cargo { value, weight: weight[lane] };
+                connections.push(segment, cargo, (row + lane) as u32);
             }
         }
     }
@@ -86,13 +88,22 @@ fn choose<const N: usize, C>(
     scene: &Scene<N>,
     row: usize,
     path_length: u32,
-) -> DirectLanes<N> {
+) -> Chosen<N> {
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
     let [choice, _] = draw(seed, iteration, path_length, Purpose::Emitter);
     let chosen = choice.to_array().map(|u| scene.choose_emitter(u));
     let u = draw(seed, iteration, path_length, Purpose::EmitterPosition);
-    scene.direct.sample(chosen, Vector::load(&surfaces.position, row), u)
+    let offset = F32s::from(chosen.map(|emitter| scene.emitter_offset(emitter)));
+    let lanes = scene.direct.sample(chosen, Vector::load(&surfaces.position, row), u);
+    Chosen { lanes, offset }
+}
+
+/// Points of emitters, or directions to them.
+struct Chosen<const N: usize> {
+    lanes: DirectLanes<N>,
+    /// How far before the emitters segments end.
+    offset: F32s,
 }
 
 /// Eight segments to be tested, off the surfaces at both ends.
@@ -100,23 +111,30 @@ fn choose<const N: usize, C>(
 fn segments<const N: usize, C>(
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
-    reach: f32,
-    chosen: &DirectLanes<N>,
+    (chosen, offset): (&DirectLanes<N>, F32s),
     row: usize,
     live: usize,
 ) -> [Segment; LANES] {
-    let reach = F32s::splat(reach);
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
-    let origin = offset_origin(position, normal, chosen.direction, reach);
-    let end = offset_origin(chosen.point, chosen.normal, -chosen.direction, reach);
+    let start = lanes::load(&surfaces.offset, row);
+    let origin = offset_origin(position, normal, chosen.direction, start);
+    // The distances that its test computes have errors of where the ray comes from, too.
+    let before = offset.max(offset_distance(reach(position)));
+    let end = offset_origin(chosen.point, chosen.normal, -chosen.direction, before);
     let offset = end - origin;
     let length = offset.length();
     let towards = offset * (F32s::splat(1.0) / length);
     let origin = origin.to_rows();
     let direction = Vector::select(chosen.finite, towards, chosen.direction).to_rows();
     let t_max = Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array();
-    let none = Segment { origin: [0.0; 3], direction: [0.0; 3], t_max: 0.0, inside: NONE };
+    let none = Segment {
+        origin: [0.0; 3],
+        direction: [0.0; 3],
+        t_max: 0.0,
+        inside: NONE,
+        from: Side::Sensor,
+    };
     let mut segments = [none; LANES];
     for lane in 0..live {
         segments[lane] = Segment {
@@ -124,6 +142,7 @@ fn segments<const N: usize, C>(
             direction: direction[lane],
             t_max: t_max[lane],
             inside: paths.media.inside(row + lane),
+            from: Side::Sensor,
         };
     }
     segments

@@ -1,17 +1,13 @@
 //! Connects light vertices to the sensor.
 
-use glam::Vec3;
-
 use crate::geometry::offset_origin;
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
-use crate::polarization::film_axis;
-use crate::scattering::Scene;
 use crate::scattering::sensor::SensorConnection;
 use crate::scattering::vertex::Turn;
+use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End};
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
-use crate::transport::tables::connections::{ConnectionTable, Segment};
-use crate::transport::tables::states::LightState;
+use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::vertices::VertexTable;
 use crate::transport::vertex::{departing_states, turn_of_light};
 use crate::transport::{Chunk, LightModel, Strategy};
@@ -48,11 +44,12 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
         });
         let turn = turn_of_light(vertices, scene, direction, (row, live));
         let importance = field(|found| found.pdf_area) * F32s::splat(1.0 / light_paths);
-        let factor = importance * weight(vertices, &turn, importance, strategy, row);
+        let weight = weight(vertices, &turn, importance, strategy, row);
+        let (factor, weights) = (importance * weight, weight.to_array());
         let position = Vector::load(&vertices.position, row);
         let normal = Vector::load(&vertices.geometric_normal, row);
-        let reach = F32s::splat(scene.reach);
-        let origin = offset_origin(position, normal, direction, reach).to_rows();
+        let offset = lanes::load(&vertices.offset, row);
+        let origin = offset_origin(position, normal, direction, offset).to_rows();
         let mut values = [[0.0; LANES]; N];
         for (n, values) in values.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], row);
@@ -65,13 +62,12 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
                 continue;
             };
             let inside = vertices.inside[row + lane];
-            let segment = Segment::between(origin[lane], found.lens.to_array(), inside);
+            let segment =
+                Segment::between(Side::Light, origin[lane], found.lens.to_array(), inside);
+            let cargo = Cargo { value, weight: weights[lane] };
             match states[lane] {
-                Some(state) => {
-                    let state = in_film_frame(&state, found.direction, scene.sensor.up());
-                    connections.push_polarized(segment, value, found.pixel, state);
-                }
-                None => connections.push(segment, value, found.pixel),
+                Some(state) => connections.push_polarized(segment, cargo, found.pixel, state),
+                None => connections.push(segment, cargo, found.pixel),
             }
         }
     }
@@ -111,14 +107,4 @@ fn weight<const N: usize>(
     }
     let light = End { weights: vertices.weights(row), turn: turn.into() };
     mis::weight_of_sensor_connected(light, importance)
-}
-
-/// Stokes vectors for the axis of the film; `direction` is where the light travels.
-fn in_film_frame<const N: usize>(
-    state: &LightState<N>,
-    direction: Vec3,
-    film_up: Vec3,
-) -> LightState<N> {
-    let direction = Vector::from(direction.to_array());
-    state.turned(film_axis(-direction, film_up.to_array().into()), direction)
 }

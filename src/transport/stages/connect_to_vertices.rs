@@ -1,13 +1,13 @@
 //! Connects vertices of sensor paths to those of the light path they are paired with (paper,
 //! equation 12).
 
-use crate::geometry::{SurfaceColumns, offset_origin};
+use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scattering::Scene;
 use crate::scattering::event::Form;
 use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
+use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End, PartialWeights};
-use crate::transport::tables::connections::{ConnectionTable, Segment};
+use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 use crate::transport::vertex::{departing_states, turn_of_light};
@@ -51,6 +51,7 @@ struct SensorVertex<V, const N: usize> {
     inside: u32,
     position: Vector<F32s>,
     normal: Vector<F32s>,
+    offset: F32s,
     given: Vector<F32s>,
     scatters: V,
     depolarizes: bool,
@@ -76,6 +77,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             inside: paths.media.inside(row),
             position: Vector::splat(lanes::row_of(&surfaces.position, row)),
             normal: Vector::splat(lanes::row_of(&surfaces.geometric_normal, row)),
+            offset: F32s::splat(surfaces.offset[row]),
             given: -Vector::splat(lanes::row_of(&paths.rays.direction, row)),
             scatters: all.at(surfaces, Same(row)),
             depolarizes,
@@ -104,15 +106,17 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
         let inverse2 = F32s::splat(1.0) / distance2;
         let factor = mis::weight_of_vertices_connected(sensor_end, light_end, inverse2);
+        let weights = (factor * distance2).to_array();
         let mut values = [[0.0; LANES]; N];
         for (n, values) in values.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], first) * light.value[n];
             *values = (self.beta[n] * turn.value[n] * power * factor).to_array();
         }
         let normal = Vector::load(&vertices.geometric_normal, first);
-        let reach = F32s::splat(scene.reach);
-        let from = offset_origin(self.position, self.normal, direction, reach).to_rows();
-        let to = offset_origin(position, normal, -direction, reach).to_rows();
+        let from = offset_origin(self.position, self.normal, direction, self.offset).to_rows();
+        // The distances that its test computes have errors of where the ray comes from, too.
+        let end = lanes::load(&vertices.offset, first).max(offset_distance(reach(self.position)));
+        let to = offset_origin(position, normal, -direction, end).to_rows();
         let states = departing_states::<N, M>(vertices, scene, -direction, (first, live));
         for lane in 0..live {
             let mut value = lanes::row_of_lanes(&values, lane);
@@ -120,10 +124,11 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             if !fits || !value.iter().any(|&value| value > 0.0) {
                 continue;
             }
-            let segment = Segment::between(from[lane], to[lane], self.inside);
+            let segment = Segment::between(Side::Sensor, from[lane], to[lane], self.inside);
             match &states[lane] {
-                Some(state) if !self.depolarizes => {
-                    connections.push_polarized(segment, value, self.row, *state);
+                Some(state) if !self.depolarizes || scene.has_straight_on => {
+                    let cargo = Cargo { value, weight: weights[lane] };
+                    connections.push_polarized(segment, cargo, self.row, *state);
                     continue;
                 }
                 Some(state) => {
@@ -133,7 +138,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
                 }
                 None => {}
             }
-            connections.push(segment, value, self.row);
+            connections.push(segment, Cargo { value, weight: weights[lane] }, self.row);
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Starts one light path a slot.
 
-use crate::geometry::offset_point;
 use crate::math::LANES;
 use crate::scattering::Scene;
 use crate::scattering::emitter::EmissionSample;
@@ -50,10 +49,9 @@ fn start_row<const N: usize, C>(
     sample: &EmissionSample<N>,
     scene: &Scene<N>,
 ) {
-    let origin = offset_point(sample.position, sample.normal, sample.direction, scene.reach);
+    let origin = scene.off_emitter(sample, sample.direction);
     if paths.media.present() {
-        let front = sample.direction.dot(sample.normal) >= 0.0;
-        paths.media.inside[row] = scene.medium_at_emitter(sample.emitter, front);
+        paths.media.inside[row] = scene.medium_at_emitter(sample, sample.direction);
     }
     for axis in 0..3 {
         paths.rays.origin[axis][row] = origin[axis];

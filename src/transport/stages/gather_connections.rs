@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
+use crate::polarization::film_axis;
 use crate::scattering::event::Form;
 use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
@@ -21,7 +22,7 @@ use crate::transport::tables::states::{LightState, kernels_of_lanes};
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
 ///
-/// From: trace_connections. To: the film.
+/// From: trace_connections, cross_connections. To: the film.
 /// Writes: measured. Reads: connections, paths, surfaces, scene.
 pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
@@ -41,7 +42,12 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
         if connections.blocked[index] == 0 {
             let row = connections.target[index] as usize;
             let slot = paths.identity.slot[row] as usize;
-            let value = connections.value[index];
+            let mut value = connections.value[index];
+            if let Some(state) = connections.states.get(connections.state[index] as usize) {
+                for (n, value) in value.iter_mut().enumerate() {
+                    *value *= state.at(n).depolarized();
+                }
+            }
             measure_unpolarized(measured, &paths.carriers, (row, slot), value);
         }
     }
@@ -100,17 +106,24 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     }
 }
 
-/// Appends open connections to the sensor to the lists of splats, in their order.
+/// Appends open connections to the sensor to the lists of splats, in their order, polarized light
+/// in the film's frame.
 ///
-/// From: trace_connections. To: the film.
-/// Writes: splats. Reads: connections.
-pub fn splat_connections<const N: usize>(splats: &mut Splats<N>, connections: &ConnectionTable<N>) {
+/// From: trace_connections, cross_connections. To: the film.
+/// Writes: splats. Reads: connections, film_up.
+pub fn splat_connections<const N: usize>(
+    splats: &mut Splats<N>,
+    connections: &ConnectionTable<N>,
+    film_up: Vec3,
+) {
     for index in (0..connections.len).filter(|&index| connections.blocked[index] == 0) {
         let (pixel, value) = (connections.target[index], connections.value[index]);
         match connections.state[index] {
             NONE => splats.push(pixel, value),
             state => {
-                let light = &connections.states[state as usize];
+                let k = connections.along_light(index);
+                let film_x = film_axis(-k, film_up.to_array().into());
+                let light = connections.states[state as usize].turned(film_x, k);
                 let mut stokes = [[0.0; N]; 4];
                 for (n, &value) in value.iter().enumerate() {
                     for (stokes, component) in

@@ -32,7 +32,6 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     }
     paths.mis.pdf_w[..slots].fill(f32::INFINITY);
     if paths.media.present() {
-        paths.media.inside[..slots].fill(scene.sensor_medium);
         paths.media.start(slots);
     }
     let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
@@ -54,6 +53,12 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
             sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
         origin.store(&mut paths.rays.origin, row, slots);
         direction.store(&mut paths.rays.direction, row, slots);
+        if paths.media.present() {
+            let origins = origin.to_rows();
+            for (inside, origin) in paths.media.inside[row..end].iter_mut().zip(origins) {
+                *inside = scene.medium_at_sensor(origin.into());
+            }
+        }
         let weights = PartialWeights::from_sensor(pdf, F32s::splat(light_paths));
         paths.mis.store(row, slots, weights);
     }

@@ -1,21 +1,32 @@
 //! The systems, one a file, named as the file.
 
 pub mod advance_paths;
+pub mod choose_passage;
+pub mod collect_crossed_emission;
 pub mod collect_emission;
 pub mod collect_sensor;
 pub mod connect_emission;
 pub mod connect_to_emitters;
 pub mod connect_to_sensor;
 pub mod connect_to_vertices;
+pub mod cross_connections;
+pub mod cross_surfaces;
 pub mod depolarize_light;
 pub mod depolarize_sensor;
+pub mod draw_distances;
 pub mod emit_light_paths;
 pub mod fly_through_media;
+pub mod fly_to_crossings;
+pub mod follow_connections;
+pub mod follow_paths;
 pub mod gather_connections;
 pub mod generate_sensor_paths;
 pub mod merge_photons;
 pub mod partition_paths;
+pub mod pass_surfaces;
 pub mod play_roulette;
+pub mod rescale_light;
+pub mod rescale_sensor;
 pub mod scatter_light;
 pub mod scatter_medium;
 pub mod scatter_surfaces;

@@ -13,7 +13,8 @@ use crate::transport::tables::partition::{Part, Partition};
 
 /// Extends the rows that meet polarizing events. `direction` is that of the arriving light.
 ///
-/// From: scatter_surfaces, scatter_medium. To: advance_paths.
+/// From: scatter_surfaces, scatter_medium, cross_surfaces, rescale_light. To: advance_paths,
+/// rescale_light.
 /// Writes: carriers. Reads: kernels, direction, partition.
 pub fn scatter_light<const N: usize, C: LightSide<N>>(
     carriers: &mut C,

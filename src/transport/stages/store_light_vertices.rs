@@ -53,6 +53,8 @@ fn store_lanes<const N: usize, C, S: Scatterer<N>>(
         let some = all.at(surfaces, Consecutive(row, live));
         let KeptLanes { facing, rows: of_model } = some.keep();
         Vector::load(&surfaces.position, row).store(&mut vertices.position, to, end);
+        let offset = lanes::load(&surfaces.offset, row);
+        lanes::store(&mut vertices.offset, to, end, offset);
         facing.geometric.store(&mut vertices.geometric_normal, to, end);
         facing.shading.store(&mut vertices.shading_normal, to, end);
         lanes::store(&mut vertices.two_sided, to, end, facing.two_sided & F32s::splat(1.0));

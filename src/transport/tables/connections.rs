@@ -2,6 +2,8 @@
 
 use crate::geometry::{Ray, RayColumns};
 use crate::math::columns::{Column, columns};
+use crate::math::{Vector, lanes};
+use crate::scattering::Side;
 use crate::scene::baked::NONE;
 
 use super::states::LightState;
@@ -17,12 +19,24 @@ pub struct Segment {
     pub t_max: f32,
     /// The medium around its origin, a row of the scene's media or `NONE`.
     pub inside: u32,
+    /// Which end is its origin.
+    pub from: Side,
+}
+
+/// What a connection would carry.
+#[derive(Clone, Copy, Debug)]
+pub struct Cargo<const N: usize> {
+    /// Intensity, weight included.
+    pub value: [f32; N],
+    /// The weight among all strategies.
+    pub weight: f32,
 }
 
 impl Segment {
-    /// Between two points that are off their surfaces; `inside` is the medium around the first.
+    /// Between two points that are off their surfaces; `inside` is the medium around the first,
+    /// which belongs to the subpath of `side`.
     #[inline(always)]
-    pub fn between(from: [f32; 3], to: [f32; 3], inside: u32) -> Self {
+    pub fn between(side: Side, from: [f32; 3], to: [f32; 3], inside: u32) -> Self {
         let mut offset = [0.0; 3];
         for axis in 0..3 {
             offset[axis] = to[axis] - from[axis];
@@ -30,15 +44,23 @@ impl Segment {
         let [x, y, z] = offset;
         let t_max = (x * x + y * y + z * z).sqrt();
         let inverse = 1.0 / t_max;
-        Self { origin: from, direction: [x * inverse, y * inverse, z * inverse], t_max, inside }
+        Self {
+            origin: from,
+            direction: [x * inverse, y * inverse, z * inverse],
+            t_max,
+            inside,
+            from: side,
+        }
     }
 
     /// The row of a connection that has not been traced.
     #[inline(always)]
-    fn carrying<const N: usize>(self, value: [f32; N], target: u32, state: u32) -> Connection<N> {
-        let Self { origin, direction, t_max, inside } = self;
+    fn carrying<const N: usize>(self, cargo: Cargo<N>, target: u32, state: u32) -> Connection<N> {
+        let Cargo { value, weight } = cargo;
+        let Self { origin, direction, t_max, inside, from } = self;
         let rays = Ray { origin, direction };
-        Connection { rays, t_max, value, target, inside, state, blocked: 0 }
+        let from_sensor = u32::from(from == Side::Sensor);
+        Connection { rays, t_max, value, weight, target, inside, state, blocked: 0, from_sensor }
     }
 }
 
@@ -51,13 +73,18 @@ columns! {
         pub t_max: Column,
         /// Intensity carried if nothing is in the way; weight included.
         pub value: Vec<[f32; N]>,
+        /// The weight among all strategies that is part of that.
+        pub weight: Column,
         /// Where it goes: the row of the sensor path, or the pixel.
         pub target: Vec<u32>,
         /// The medium around the ray's origin: a row of the scene's media, or `NONE`.
         pub inside: Vec<u32> = NONE,
+        /// 1 where the ray starts at the sensor's end, against the light; else 0.
+        pub from_sensor: Vec<u32>,
         /// Polarization of the light that is carried: a row of `states`, or `NONE`.
         pub state: Vec<u32> = NONE,
-        /// After tracing: not 0 if something is in the way.
+        /// After tracing: not 0 if something is in the way, [`crate::geometry::CROSSES`] where that
+        /// lets the connection pass.
         pub blocked: Vec<u32>,
     } beside {
         /// Polarized light, along the connection towards the sensor's side.
@@ -72,21 +99,28 @@ impl<const N: usize> ConnectionTable<N> {
         self.states.clear();
     }
 
+    /// Where the light of a row travels.
+    #[inline(always)]
+    pub fn along_light(&self, row: usize) -> Vector<f32> {
+        let ray: Vector<f32> = lanes::row_of(&self.rays.direction, row).into();
+        if self.from_sensor[row] == 1 { -ray } else { ray }
+    }
+
     /// Appends a row of unpolarized light.
     #[inline(always)]
-    pub fn push(&mut self, segment: Segment, value: [f32; N], target: u32) {
-        self.push_row(segment.carrying(value, target, NONE));
+    pub fn push(&mut self, segment: Segment, cargo: Cargo<N>, target: u32) {
+        self.push_row(segment.carrying(cargo, target, NONE));
     }
 
     /// Appends a row of light in a state of polarization.
     pub fn push_polarized(
         &mut self,
         segment: Segment,
-        value: [f32; N],
+        cargo: Cargo<N>,
         target: u32,
         state: LightState<N>,
     ) {
-        self.push_row(segment.carrying(value, target, self.states.len() as u32));
+        self.push_row(segment.carrying(cargo, target, self.states.len() as u32));
         self.states.push(state);
     }
 }

@@ -1,38 +1,52 @@
-//! Rays that cross boundaries between media which do not bend them, one piece after the other.
+//! Segments on their way: through media, and through surfaces that let light straight on.
 
 use crate::geometry::{HitColumns, RayColumns};
 use crate::math::LANES;
 use crate::math::columns::{Column, columns};
 
 columns! {
-    /// Rows on their way through a piece of their segment; those that arrive drop out.
+    /// Segments that are followed through surfaces; those that arrive drop out.
     pub table FlightTable<const N: usize> of Flight {
         /// The row of the table that the flight is made for.
         pub row: Vec<u32>,
-        /// The current piece.
+        /// From the segment's start.
         pub rays: RayColumns,
-        /// What it meets, once traced.
+        /// What it has met last.
         pub hits: HitColumns,
-        /// The medium in which it lies.
-        pub inside: Vec<u32>,
-        /// Distance from the segment's start to the piece's.
-        pub travelled: Column,
+        /// Where it ends.
+        pub t_max: Column,
     } beside {
-        /// Optical depth so far, by the row that the flight is made for.
-        pub depth: Vec<[f32; N]> = Vec::new(),
-        /// Optical depth, at the wavelength that distances are drawn for, left until the path meets
-        /// a particle; by the row that the flight is made for.
-        pub left: Vec<f32> = Vec::new(),
+        /// Of all segments, by the row that they are made for.
+        pub progress: Vec<Progress<N>> = Vec::new(),
     }
 }
 
+/// How far a segment has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<const N: usize> {
+    /// Distance from its start.
+    pub travelled: f32,
+    /// Optical depth so far.
+    pub depth: [f32; N],
+    /// Optical depth, at the wavelength that distances are drawn for, left until the path meets a
+    /// particle.
+    pub left: f32,
+    /// Surfaces so far that might have scattered it.
+    pub crossed: u32,
+    /// The probability with which paths pass what it has crossed.
+    pub chance: f32,
+    /// Whether it has ended.
+    pub is_over: bool,
+}
+
 impl<const N: usize> FlightTable<N> {
-    /// Removes all rows, makes room for `rows`, and starts as many optical depths at zero.
-    pub fn clear(&mut self, rows: usize) {
+    /// Removes all rows, makes room for `rows`, and starts as many segments.
+    pub fn start(&mut self, rows: usize) {
         self.len = 0;
-        self.reserve(rows);
-        self.depth.clear();
-        self.depth.resize(rows, [0.0; N]);
-        self.left.resize(rows + LANES, 0.0);
+        self.reserve(rows + LANES);
+        self.progress.clear();
+        let (travelled, depth, left, crossed) = (0.0, [0.0; N], 0.0, 0);
+        let start = Progress { travelled, depth, left, crossed, chance: 1.0, is_over: false };
+        self.progress.resize(rows, start);
     }
 }

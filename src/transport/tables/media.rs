@@ -38,6 +38,20 @@ impl<const N: usize> MediaColumns<N> {
         self.inside.get(row).copied().unwrap_or(NONE)
     }
 
+    /// What the throughput of a row is multiplied by where it has come through the optical depth
+    /// `depth` without meeting a particle: transmittance over density.
+    pub fn reaching(&self, row: usize, depth: &[f32; N]) -> [f32; N] {
+        // Only ratios matter: the least depth is taken out, so that nothing underflows.
+        let least = depth.iter().copied().fold(f32::INFINITY, f32::min);
+        let transmittance = depth.map(|depth| (least - depth).exp());
+        if N == 1 || !self.present() {
+            return transmittance;
+        }
+        let shares = self.share.iter().map(|share| share[row]);
+        let density: f32 = shares.zip(transmittance).map(|(share, of)| share * of).sum();
+        transmittance.map(|of| of / density)
+    }
+
     /// Starts the rows `0..rows`; `inside` has been written.
     pub fn start(&mut self, rows: usize) {
         for share in self.share.iter_mut().filter(|share| !share.is_empty()) {

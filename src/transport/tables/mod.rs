@@ -4,6 +4,7 @@
 pub mod carriers;
 pub mod classes;
 pub mod connections;
+pub mod crossings;
 pub mod flights;
 pub mod kernels;
 pub mod measured;

@@ -111,10 +111,10 @@ mod tests {
 
     #[test]
     fn groups_are_stable_and_drop_the_dead() {
-        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, Retarder};
+        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, ThinDielectric};
         let event = |met, form| Event { met, form, achromatic: true };
         let surface = |kind| event(Met::Surface(kind), Form::Block);
-        let kinds = [Absorber, Conductor, Dielectric, Retarder, Diffuse].map(surface);
+        let kinds = [Absorber, Conductor, Dielectric, ThinDielectric, Diffuse].map(surface);
         let media = [0, 1].map(|row| event(Met::Medium(row), Form::Depolarizer));
         let events = [&kinds[..], &media[..]].concat();
         let rows = [(2, 1), (4, 0), (0, 1), (6, 1), (3, 1), (0, 0), (4, 0), (2, 0), (2, 1), (5, 0)];
@@ -124,7 +124,10 @@ mod tests {
         assert_eq!(partition.parts.len(), 6);
         let specular: Vec<_> =
             partition.events().map(|(event, rows)| (event.met, rows)).take(2).collect();
-        assert_eq!(specular, [(Met::Surface(Dielectric), 0..3), (Met::Surface(Retarder), 3..4)]);
+        assert_eq!(
+            specular,
+            [(Met::Surface(Dielectric), 0..3), (Met::Surface(ThinDielectric), 3..4)]
+        );
         let found: Vec<_> =
             partition.connectable().map(|(event, rows)| (event.met, rows)).collect();
         let expected =

@@ -110,6 +110,13 @@ impl MisColumns {
         self.d_vc[row] = weights.d_vc;
     }
 
+    /// Takes one row through a surface that it passes with the probability `chance`.
+    #[inline(always)]
+    pub fn pass(&mut self, row: usize, chance: f32) {
+        self.set_row(row, self.row(row).pass(chance));
+        self.pdf_w[row] *= chance;
+    }
+
     /// Sends eight rows on from vertices that connect.
     #[inline(always)]
     pub fn depart(&mut self, row: usize, end: usize, turn: TurnDensities<F32s>) {

@@ -17,6 +17,8 @@ columns! {
         pub geometric_normal: [Column; 3],
         /// Shading normal.
         pub shading_normal: [Column; 3],
+        /// How far off the surface rays start and end; zero in a medium.
+        pub offset: Column,
         /// Where the light came from: away from the surface, unit length.
         pub given: [Column; 3],
         /// Throughput times what of the scattering function no direction changes.

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use sunstone::internals::geometry::{
-    Accelerator, HitColumns, RayColumns, TraceScratch, offset_origin, trace_closest,
+    Accelerator, HitColumns, RayColumns, TraceScratch, offset_distance, offset_origin,
+    trace_closest,
 };
 use sunstone::internals::math::Vector;
 use sunstone::internals::scene::baked::{NONE, Triangle};
@@ -153,10 +154,10 @@ fn reach(scene: &Scene) -> f32 {
     corners.map(|corner| corner.abs().max_element()).fold(0.0, f32::max)
 }
 
-/// Where a ray along `direction` starts.
+/// Where a ray along `direction` starts, in a scene of coordinates up to `reach`.
 fn leave(vertex: &Vertex, direction: Vec3, reach: f32) -> Vec3 {
     let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
     let [position, normal] = [vertex.position, vertex.normal].map(vector);
-    let origin = offset_origin(position, normal, vector(direction), reach);
+    let origin = offset_origin(position, normal, vector(direction), offset_distance(reach));
     Vec3::new(origin.x, origin.y, origin.z)
 }

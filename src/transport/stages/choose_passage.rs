@@ -1,0 +1,44 @@
+//! Decides which paths pass surfaces that scatter some.
+
+use crate::geometry::HitColumns;
+use crate::math::U32s;
+use crate::math::columns::Rows;
+use crate::math::hash::combine;
+use crate::transport::sampler::{Purpose, draw};
+use crate::transport::tables::crossings::Crossing;
+use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::paths::PathTable;
+
+/// Ends the segments of those rows of a part which do not pass: they are scattered there.
+///
+/// From: pass_surfaces, fly_to_crossings, collect_crossed_emission. To: cross_surfaces,
+/// collect_emission.
+/// Writes: hits, flights. Reads: paths, crossing.
+pub fn choose_passage<const N: usize, C>(
+    hits: &mut HitColumns,
+    flights: &mut FlightTable<N>,
+    paths: &PathTable<N, C>,
+    crossing: &Crossing<N>,
+    path_length: u32,
+) {
+    let &Crossing { crossings, part } = crossing;
+    if !part.kind.scatters() {
+        return;
+    }
+    for index in part.rows.clone() {
+        let row = crossings.row[index] as usize;
+        let progress = &mut flights.progress[row];
+        if progress.is_over {
+            continue;
+        }
+        // Every crossing of a segment has a sequence of its own.
+        let seed = combine(paths.identity.seed[row], progress.crossed);
+        progress.crossed += 1;
+        let [seed, iteration] = [seed, paths.identity.iteration[row]].map(U32s::splat);
+        let [u, _] = draw(seed, iteration, path_length, Purpose::Passage);
+        if u.to_array()[0] >= crossings.chance[index] {
+            progress.is_over = true;
+            hits.set(row, crossings.hits.get(index));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Takes paths through surfaces that let them straight on.
+
+use crate::math::{F32s, Vector, lanes};
+use crate::polarization::SpheroidBlock;
+use crate::scattering::event::{Event, Form};
+use crate::scattering::{Met, Scene};
+use crate::transport::tables::carriers::CarrierTable;
+use crate::transport::tables::crossings::Crossing;
+use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::kernels::KernelColumns;
+use crate::transport::tables::partition::{Part, Partition};
+use crate::transport::tables::paths::PathTable;
+
+/// Takes the rows of a part that pass to the other side. With `POLARIZED`, leaves their kernels,
+/// and lists them, for the carriers.
+///
+/// From: pass_surfaces, choose_passage. To: collect_sensor, scatter_light, fly_to_crossings,
+/// fly_through_media.
+/// Writes: paths (beta, mis, media), kernels, partition. Reads: crossing, flights, scene.
+pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
+    paths: &mut PathTable<N, C>,
+    (kernels, partition): (&mut KernelColumns<N>, &mut Partition),
+    crossing: &Crossing<N>,
+    flights: &FlightTable<N>,
+    scene: &Scene<N>,
+) {
+    let &Crossing { crossings, part } = crossing;
+    partition.parts.clear();
+    let event = Event { met: Met::Surface(part.kind), form: Form::Block, achromatic: true };
+    for index in part.rows.clone() {
+        let row = crossings.row[index] as usize;
+        if flights.progress[row].is_over {
+            continue;
+        }
+        if paths.media.present() {
+            let inside = &mut paths.media.inside[row];
+            *inside = scene.medium_behind(&crossings.surfaces, &crossings.rays, index, *inside);
+        }
+        if !part.kind.acts() {
+            continue;
+        }
+        let chance = crossings.chance[index];
+        paths.mis.pass(row, chance);
+        for (beta, transmittance) in paths.beta.iter_mut().zip(crossings.transmittance[index]) {
+            beta[row] *= transmittance / chance;
+        }
+        if POLARIZED {
+            let class = paths.carriers.place_of_class(row);
+            match partition.parts.last_mut() {
+                Some(part) if part.rows.end == row && part.class == class => part.rows.end += 1,
+                Some(_) | None => {
+                    partition.parts.push(Part { event, class, rows: row..row + 1 });
+                }
+            }
+            let block = crossings.kernel(index);
+            let [a, c, s] = [block.a, block.c, block.s].map(F32s::splat);
+            let block = SpheroidBlock { a, b: F32s::splat(1.0), c, d: c, s };
+            let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
+            kernels.store_events((event.form, true), &([block; N], axis), (row, row + 1));
+        }
+    }
+}

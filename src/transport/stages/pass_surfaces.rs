@@ -1,0 +1,58 @@
+//! What surfaces do to light that goes straight on.
+
+use std::ops::Range;
+
+use crate::geometry::resolve_surfaces;
+use crate::math::{F32s, LANES, Vector, lanes};
+use crate::scattering::Scene;
+use crate::scattering::surface::model::{Incidence, Passage};
+use crate::scattering::surface::{StraightOn, for_straight_on};
+use crate::transport::tables::crossings::CrossingTable;
+
+/// Finds the surfaces of all crossings, and their transmittance. With `POLARIZED`, also their
+/// kernels.
+///
+/// From: follow_paths, follow_connections. To: choose_passage, cross_surfaces, cross_connections.
+/// Writes: crossings. Reads: scene.
+pub fn pass_surfaces<const N: usize, const POLARIZED: bool>(
+    crossings: &mut CrossingTable<N>,
+    scene: &Scene<N>,
+) {
+    let CrossingTable { surfaces, hits, rays, len, .. } = &mut *crossings;
+    resolve_surfaces(surfaces, hits, rays, 0..*len, &scene.shapes);
+    for part in 0..crossings.parts.len() {
+        let (kind, rows) = (crossings.parts[part].kind, crossings.parts[part].rows.clone());
+        for_straight_on!(scene.surfaces, kind, models => {
+            pass::<N, POLARIZED, _>(crossings, (scene, models), rows);
+        });
+    }
+}
+
+/// Rows of one model.
+fn pass<const N: usize, const POLARIZED: bool, M: StraightOn<N>>(
+    crossings: &mut CrossingTable<N>,
+    (scene, models): (&Scene<N>, &[M]),
+    rows: Range<usize>,
+) {
+    if !M::ACTS {
+        return;
+    }
+    for row in rows.clone().step_by(LANES) {
+        let live = LANES.min(rows.end - row);
+        let direction = Vector::load(&crossings.rays.direction, row);
+        let at = Incidence::load(scene, models, &crossings.surfaces, direction, (row, live));
+        let Passage { transmittance, chance, kernel, axis } = M::pass::<POLARIZED>(&at);
+        let transmittance = transmittance.map(F32s::to_array);
+        for (lane, to) in crossings.transmittance[row..row + live].iter_mut().enumerate() {
+            *to = lanes::row_of_lanes(&transmittance, lane);
+        }
+        lanes::store(&mut crossings.chance, row, rows.end, chance);
+        if POLARIZED {
+            let elements = [kernel.a, kernel.c, kernel.s];
+            for (column, element) in crossings.kernel.iter_mut().zip(elements) {
+                lanes::store(column, row, rows.end, element);
+            }
+            axis.store(&mut crossings.axis, row, rows.end);
+        }
+    }
+}
