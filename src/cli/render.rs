@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::image::StokesImage;
 use crate::integrators::Integrator;
-use crate::integrators::profile::STAGES;
+use crate::integrators::profile::{Cut, STAGES};
 use crate::math::text::counted;
 use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
 use crate::render::threads::Threads;
@@ -19,7 +19,7 @@ use super::args::{RenderArguments, StatsFormat};
 use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
-use super::{job, rescue};
+use super::{job, notes, rescue};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
@@ -71,6 +71,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let times = Times { seconds, cpu_seconds, threads: threads.count() };
     let statistics = statistics(arguments, &renderer, times);
     let (samples, is_done) = (renderer.samples(), renderer.is_done());
+    let cut = renderer.profile().cut.iter().map(Cut::share).fold(0.0, f64::max);
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
@@ -78,6 +79,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let interrupted = interrupt.signal().filter(|_| !is_done);
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
+    notes::doubts(&image, &settings, cut).iter().for_each(say);
     report(arguments, &statistics, &image)?;
     match interrupted {
         Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
@@ -141,7 +143,7 @@ impl Updates {
 
 /// Which images particle tracing can make.
 const LIGHT_NOTE: &str = "\
-note: the integrator `light` cannot see through glass and polarizers or into mirrors, so these \
+note: the integrator `light` cannot see through solid glass or into mirrors, so these \
       are black in its image; `bdpt`, `path` and `ppm` show them";
 
 fn progress_of(arguments: &RenderArguments, settings: &Settings) -> Progress {

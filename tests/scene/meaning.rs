@@ -190,12 +190,21 @@ fn metallic_roughness() {
         let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
         assert!((found - f0).abs() < 1e-5, "{found} {f0}");
     }
-    let glass = with(json!({
+    let mut glass = json!({
         "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0},
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
-                       "KHR_materials_ior": {"ior": 1.33}}}));
-    let row = baked(&glass).optics.materials[0];
-    assert_eq!(row.model, SurfaceModel::Dielectric { ior: 1.33, exterior_ior: 1.0 });
+                       "KHR_materials_ior": {"ior": 1.33}}});
+    let row = baked(&with(glass.clone())).optics.materials[0];
+    assert_eq!(row.model, SurfaceModel::ThinDielectric { ior: 1.33, exterior_ior: 1.0 });
+    glass["extensions"]["KHR_materials_volume"] = json!({"thicknessFactor": 0.5,
+        "attenuationDistance": 2.0, "attenuationColor": [1.0, 0.5, 0.25]});
+    let solid = baked(&with(glass)).optics;
+    let model = SurfaceModel::Dielectric { ior: 1.33, exterior_ior: 1.0 };
+    assert_eq!(solid.materials[0].model, model);
+    let absorbed = solid.media[0].sigma_a.map(|sigma| (-2.0 * sigma).exp());
+    for (found, color) in absorbed.into_iter().zip([1.0_f32, 0.5, 0.25]) {
+        assert!((found - color).abs() < 1e-6, "{absorbed:?}");
+    }
     let matte = with(json!({"doubleSided": true, "pbrMetallicRoughness":
         {"metallicFactor": 0.0, "baseColorFactor": [0.1, 0.2, 0.3, 1.0]}}));
     let row = baked(&matte).optics.materials[0];
