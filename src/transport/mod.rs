@@ -35,10 +35,14 @@
 //! - **splat**: light that a connection to the sensor brings to any pixel.
 //! - **merge**: to take vertices of two subpaths for one because they are near.
 //! - **measure**: to add light to the film's side, through the carrier of a sensor row.
-//! - **flight, piece**: a segment that crosses boundaries of media, and what lies between two of
-//!   them.
+//! - **straight on**: how light goes through polarizers, retarders, thin panes and boundaries of
+//!   media: what is there is no vertex.
+//! - **crossing**: where a segment goes straight on through a surface; **part** of crossings: those
+//!   of surfaces of one kind, one of each segment.
+//! - **flight**: a segment on its way through crossings and the media between them.
 //! - **inside**: the medium around a vertex.
-//! - **reach**: the bound of the scene's coordinates, from which the offsets of rays follow.
+//! - **reach**: the largest coordinate of a primitive, from which the offset follows at which rays
+//!   leave it.
 //! - **`pdf_w`, `pdf_a`**: densities per steradian, per area.
 //! - **`d_vcm`, `d_vc`**: partial weights of strategies, after Georgiev's technical report.
 
