@@ -3,7 +3,8 @@
 //! ```text
 //! triangles, spheres, instances -> obvhs (binary tree) -> collapse -> Accelerator
 //! RayColumns -> trace_closest -> HitColumns -> resolve_surfaces -> SurfaceColumns
-//! RayColumns, t_max -> trace_visibility -> blocked
+//! RayColumns, t_max -> trace_visibility, or past what lets rays through -> blocked
+//! RayColumns, HitColumns -> trace_next -> the hits behind those, of the same rays
 //! ```
 //!
 //! Four ways to trace, with the same kernels and the same bits: a scene of at most

@@ -15,7 +15,7 @@ pub struct Light;
 impl Schedule for Light {
     const NAME: &str = "light";
     const SUMMARY: &str =
-        "From the emitters, connected to the sensor; sees nothing behind glass or in mirrors";
+        "From the emitters, connected to the sensor; sees nothing behind solid glass or in mirrors";
     const MEASURES: bool = false;
     const SPLATS: bool = true;
     const PHOTONS: bool = false;
