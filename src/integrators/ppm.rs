@@ -31,7 +31,7 @@ pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
     SensorWalk::start(workspace, scene, chunk, 0.0);
     walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {
         visit(workspace, path_length);
-        workspace.sensor[1].len = workspace.walk.partition.keep_specular();
+        workspace.walk.partition.end_at_connections();
     });
 }
 

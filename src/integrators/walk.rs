@@ -16,7 +16,7 @@ use crate::transport::stages::fly_to_crossings::fly_to_crossings;
 use crate::transport::stages::follow_paths::follow_paths;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::pass_surfaces::pass_surfaces;
-use crate::transport::stages::play_roulette::play_roulette;
+use crate::transport::stages::play_roulette::{pay_out, play_roulette};
 use crate::transport::stages::scatter_medium::scatter_medium;
 use crate::transport::stages::scatter_surfaces::scatter_surfaces;
 use crate::transport::stages::weigh_arrival::weigh_arrival;
@@ -105,11 +105,9 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         }
         arrive::<S, N, M>(w, scene, chunk, path_length, strategy);
         visit(w, path_length);
-        let ([_, sorted], ..) = S::tables(w);
-        if path_length == segments || sorted.len == 0 {
+        if path_length == segments || !depart::<S, N, M>(w, scene, path_length) {
             break;
         }
-        depart::<S, N, M>(w, scene, path_length);
     }
 }
 
@@ -207,7 +205,7 @@ pub fn pass_surfaces_of<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Plays roulette, groups the paths that go on by what they have hit and brings them there.
+/// Plays roulette, groups the paths by what they have hit and brings them there.
 fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
@@ -216,12 +214,16 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     strategy: Strategy,
 ) {
     let ([paths, sorted], tables, profile) = S::tables(w);
-    let WalkTables { hits: [hits, sorted_hits], surfaces, partition, .. } = tables;
+    let WalkTables { hits: [hits, sorted_hits], odds: [odds, sorted_odds], .. } = tables;
+    let WalkTables { surfaces, partition, .. } = tables;
     profile.time(Stage::Sort, || {
         if chunk.plays_roulette(path_length) {
-            play_roulette(paths, hits, scene, path_length);
+            play_roulette(odds, &paths.identity, hits, paths.len, scene, path_length);
+        } else {
+            odds[..paths.len].fill(1.0);
         }
-        partition_paths(sorted, sorted_hits, partition, paths, hits, scene);
+        let to = (&mut *sorted_hits, sorted_odds);
+        partition_paths(sorted, to, partition, paths, (hits, odds), scene);
         resolve_surfaces(surfaces, sorted_hits, &sorted.rays, 0..sorted.len, &scene.shapes);
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
@@ -231,21 +233,29 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     profile.time(Stage::Mueller, || S::depolarize(sorted, partition));
 }
 
-/// Sends the sorted paths on in new directions.
+/// Sends the sorted paths that go on on in new directions; false if there are none.
 fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     path_length: u32,
-) {
+) -> bool {
     let (tables, walk, profile) = S::tables(w);
     let sorted = &mut tables[1];
+    sorted.len = walk.partition.keep_going_on();
+    if sorted.len == 0 {
+        return false;
+    }
     let bounce = Bounce { path_length, side: S::SIDE };
-    profile.time(Stage::Scatter, || scatter::<N, M, _>(sorted, walk, scene, bounce));
+    profile.time(Stage::Scatter, || {
+        pay_out(sorted, &walk.odds[1]);
+        scatter::<N, M, _>(sorted, walk, scene, bounce);
+    });
     let WalkTables { surfaces, partition, departures, .. } = walk;
     let DepartureColumns { direction, kernels } = departures;
     profile.time(Stage::Mueller, || S::apply_kernels(sorted, kernels, partition, scene));
     profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces));
     tables.swap(0, 1);
+    true
 }
 
 /// Draws a new direction for every row, with its kernel where the mode asks for one.

@@ -1,24 +1,24 @@
 //! Groups rows by what they have met and carrier class, and drops those that end.
 
 use crate::geometry::HitColumns;
-use crate::math::columns::Columns;
+use crate::math::columns::{Column, Columns};
 use crate::scattering::Scene;
 use crate::scattering::event::END;
 use crate::transport::tables::carriers::CarrierTable;
-use crate::transport::tables::partition::Partition;
+use crate::transport::tables::partition::{Next, Partition};
 use crate::transport::tables::paths::PathTable;
 
-/// Moves the rows that go on to `sorted`, grouped; rows that hit nothing, an absorber, or carry
-/// nothing stay behind.
+/// Moves the rows that have arrived at vertices to `sorted`, grouped, with their odds, those that
+/// have lost behind the others; rows that hit nothing, an absorber, or carry nothing stay behind.
 ///
 /// From: trace_closest, fly_through_media, collect_emission, play_roulette. To: resolve_surfaces.
-/// Writes: sorted, sorted_hits, partition. Reads: paths, hits, scene.
+/// Writes: sorted, sorted_hits, sorted odds, partition. Reads: paths, hits, odds, scene.
 pub fn partition_paths<const N: usize, C: CarrierTable>(
     sorted: &mut PathTable<N, C>,
-    sorted_hits: &mut HitColumns,
+    (sorted_hits, sorted_odds): (&mut HitColumns, &mut Column),
     partition: &mut Partition,
     paths: &PathTable<N, C>,
-    hits: &HitColumns,
+    (hits, odds): (&HitColumns, &Column),
     scene: &Scene<N>,
 ) {
     partition.group(paths.len, &scene.events, C::CLASSES, |row| {
@@ -26,8 +26,9 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
         let bits = paths.beta.iter().fold(0, |bits, beta| bits | (beta[row].to_bits() << 1));
         let event = scene.event_hit(hits.primitive[row]);
         let event = if bits == 0 { END } else { event };
-        (event, paths.carriers.place_of_class(row))
+        Next { event, class: paths.carriers.place_of_class(row), goes_on: odds[row] > 0.0 }
     });
     sorted.take(paths, partition);
     sorted_hits.take_rows(hits, &partition.order, 0);
+    sorted_odds.take_rows(odds, &partition.order, 0);
 }

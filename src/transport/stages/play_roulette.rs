@@ -1,38 +1,59 @@
-//! Ends paths at random, by what they have met scatters and nothing else.
+//! Ends paths at random, by what they have met scatters and by how far they have come.
 
 use crate::geometry::HitColumns;
-use crate::math::{LANES, lanes};
+use crate::math::columns::Column;
+use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::{IdentityColumns, PathTable};
 
-/// Rows that lose become rows that hit nothing; the others gain what those lose. The probability
-/// is local to the event, so both modes play alike; strategies are weighed without it.
+/// Segments after which even paths that lose nothing are played for.
+const PATIENCE: u32 = 128;
+
+/// Draws which paths go on behind the vertices that they have come to: their odds become the
+/// probability of that, or 0 for those that lose, which have their vertices still, with all that
+/// is measured and stored there. The probability is local to the event, so both modes play alike;
+/// strategies are weighed without it.
 ///
-/// From: trace_closest, fly_through_media, collect_emission. To: partition_paths.
-/// Writes: paths (beta), hits. Reads: paths (identity), scene.
-pub fn play_roulette<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
-    hits: &mut HitColumns,
+/// Beyond [`PATIENCE`] segments it is at most 1 - 1/n after n of them, so that a share of about
+/// 1/n is left of any paths: neither light in a closed white room nor light caught in clear glass
+/// keeps a render from ending, and a path of a length that is not extreme weighs a few times more.
+///
+/// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, follow_winners.
+/// Writes: odds. Reads: identity, hits, scene.
+pub fn play_roulette<const N: usize>(
+    odds: &mut Column,
+    identity: &IdentityColumns,
+    hits: &HitColumns,
+    rows: usize,
     scene: &Scene<N>,
     path_length: u32,
 ) {
-    for row in (0..paths.len).step_by(LANES) {
-        let seed = lanes::load_u32(&paths.identity.seed, row);
-        let iteration = lanes::load_u32(&paths.identity.iteration, row);
+    let longest = if path_length < PATIENCE { 1.0 } else { 1.0 - 1.0 / path_length as f32 };
+    for row in (0..rows).step_by(LANES) {
+        let seed = lanes::load_u32(&identity.seed, row);
+        let iteration = lanes::load_u32(&identity.iteration, row);
         let [_, u] = draw(seed, iteration, path_length, Purpose::Decision);
-        for (lane, u) in u.to_array().into_iter().enumerate().take(paths.len - row) {
+        for (lane, u) in u.to_array().into_iter().enumerate().take(rows - row) {
             let primitive = hits.primitive[row + lane];
-            if primitive == NONE {
-                continue;
-            }
-            let survival = scene.survival(primitive);
-            if u >= survival {
-                hits.primitive[row + lane] = NONE;
-            } else {
-                paths.beta.iter_mut().for_each(|beta| beta[row + lane] /= survival);
-            }
+            let survival = if primitive == NONE { 0.0 } else { scene.survival(primitive) };
+            let survival = survival.min(longest);
+            odds[row + lane] = if u < survival { survival } else { 0.0 };
+        }
+    }
+}
+
+/// Gives the paths that go on what those that have lost would have carried.
+///
+/// From: partition_paths, play_roulette. To: scatter_surfaces, scatter_medium.
+/// Writes: paths (beta). Reads: odds.
+pub fn pay_out<const N: usize, C>(paths: &mut PathTable<N, C>, odds: &Column) {
+    for row in (0..paths.len).step_by(LANES) {
+        let inverse = F32s::splat(1.0) / lanes::load(odds, row);
+        for beta in &mut paths.beta {
+            let paid = lanes::load(beta, row) * inverse;
+            lanes::store(beta, row, paths.len, paid);
         }
     }
 }

@@ -22,13 +22,27 @@ impl Part {
     }
 }
 
-/// A stable grouping of rows by event, then carrier class.
+/// What becomes of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Next {
+    /// The place of what it has met among the scene's events; at [`END`] it ends.
+    pub event: usize,
+    /// The place of its carrier's class.
+    pub class: usize,
+    /// Whether it goes on from there, or has its last vertex.
+    pub goes_on: bool,
+}
+
+/// A stable grouping of rows: first those that go on, by event, then carrier class; then those
+/// that have their last vertex, likewise.
 #[derive(Default)]
 pub struct Partition {
     /// For every new row, the old one; rows that end here are missing.
     pub order: Vec<u32>,
     /// The groups, in the order of the new rows; none is empty.
     pub parts: Vec<Part>,
+    /// How many of the parts hold rows that go on.
+    going_on: usize,
     keys: Vec<u16>,
     counts: Vec<u32>,
 }
@@ -40,17 +54,18 @@ impl Partition {
         rows: usize,
         events: &[Event],
         classes: usize,
-        event_and_class: impl Fn(usize) -> (usize, usize),
+        next: impl Fn(usize) -> Next,
     ) {
         // Key 0 is that of the rows that end: they are sorted like the others, without a branch
         // that would be guessed wrong, and cut off in the end.
-        let keys = (events.len() - 1) * classes + 1;
+        let of_kind = (events.len() - 1) * classes;
         self.keys.clear();
         self.counts.clear();
-        self.counts.resize(keys, 0);
+        self.counts.resize(2 * of_kind + 1, 0);
         for row in 0..rows {
-            let (event, class) = event_and_class(row);
+            let Next { event, class, goes_on } = next(row);
             let key = event.wrapping_sub(1).wrapping_mul(classes).wrapping_add(class + 1);
+            let key = key.wrapping_add(if goes_on { 0 } else { of_kind });
             let key = if event == END { 0 } else { key };
             self.counts[key] += 1;
             self.keys.push(key as u16);
@@ -66,11 +81,16 @@ impl Partition {
         self.order.truncate(rows - ended);
     }
 
-    /// Forgets all parts but the specular ones, which come first, and returns how many rows they
-    /// have.
-    pub fn keep_specular(&mut self) -> usize {
-        self.parts.retain(|part| !part.event.connects());
+    /// Forgets the parts that have their last vertices, and returns how many rows are left.
+    pub fn keep_going_on(&mut self) -> usize {
+        self.parts.truncate(self.going_on);
         self.parts.last().map_or(0, |part| part.rows.end)
+    }
+
+    /// Lets rows go on from specular events only, which come first.
+    pub fn end_at_connections(&mut self) {
+        let goes_on = |part: &&Part| !part.event.connects();
+        self.going_on = self.parts[..self.going_on].iter().take_while(goes_on).count();
     }
 
     /// The events that rows have met, and their rows; they are contiguous.
@@ -88,12 +108,17 @@ impl Partition {
     /// the parts, and returns how many rows end.
     fn list_parts(&mut self, events: &[Event], classes: usize) -> usize {
         self.parts.clear();
+        self.going_on = 0;
         let mut start = 0;
+        let of_kind = (events.len() - 1) * classes;
         for key in 1..self.counts.len() {
             let end = start + self.counts[key];
             if end > start {
-                let event = events[(key - 1) / classes + 1];
-                let class = (key - 1) % classes;
+                let goes_on = key <= of_kind;
+                self.going_on += usize::from(goes_on);
+                let key = if goes_on { key - 1 } else { key - 1 - of_kind };
+                let event = events[key / classes + 1];
+                let class = key % classes;
                 self.parts.push(Part { event, class, rows: start as usize..end as usize });
             }
             self.counts[key] = start;
