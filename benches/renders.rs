@@ -29,7 +29,7 @@ fn renders(criterion: &mut Criterion) {
                     height: Some(EDGE),
                     samples: ITERATIONS,
                     path_length_max: 12,
-                    roulette_after: 100,
+                    roulette_after: Some(100),
                     ..Options::default()
                 });
                 let settings = settings.expect("sound options");

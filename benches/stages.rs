@@ -39,7 +39,7 @@ const CHUNK: Chunk = Chunk {
     iterations: 4,
     seed: 0,
     path_length_max: 12,
-    roulette_after: 100,
+    roulette_after: [100; 2],
     sequence: Sequence::PerPath,
 };
 
@@ -70,6 +70,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
     let mut scratch = TraceScratch::default();
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
+    let (odds, mut sorted_odds) = (vec![1.0; ROWS + LANES], vec![0.0; ROWS + LANES]);
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
     let mut connections = ConnectionTable::new(ROWS);
@@ -88,7 +89,8 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     });
     group.bench_function("partition_paths", |bench| {
         bench.iter(|| {
-            partition_paths(&mut sorted, &mut sorted_hits, &mut partition, &paths, &hits, &scene);
+            let to = (&mut sorted_hits, &mut sorted_odds);
+            partition_paths(&mut sorted, to, &mut partition, &paths, (&hits, &odds), &scene);
         });
     });
     let live = sorted.len;

@@ -43,7 +43,7 @@ fn depolarizers_give_the_same_bits_in_both_modes() {
             let settings = settings(integrator, Mode::Scalar, color, 24, 6);
             // Roulette, too, must play alike.
             let [scalar, polarized] =
-                both_modes(&scene, &Options { roulette_after: 3, ..settings });
+                both_modes(&scene, &Options { roulette_after: Some(3), ..settings });
             assert!(scalar.planes[0].iter().any(|&value| value > 0.0));
             for plane in 0..N {
                 let what = format!("{integrator:?}, {N} wavelengths");
@@ -163,7 +163,8 @@ fn threads_change_no_bit() {
             for mode in [Mode::Scalar, Mode::Intensity, Mode::Polarized] {
                 let settings = settings(integrator, mode, Color::Rgb, 39, 8);
                 let photons = Photons { per_iteration: 40_000, samples: 13, ..Photons::default() };
-                let settings = Options { replicates: 3, roulette_after: 4, photons, ..settings };
+                let settings =
+                    Options { replicates: 3, roulette_after: Some(4), photons, ..settings };
                 let with_threads = |threads: usize| {
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     pool.expect("threads start").install(|| image(&scene, &settings))

@@ -203,8 +203,8 @@ pub struct Conditions {
     pub photons_shot: u32,
     /// Most segments of a path.
     pub path_length_max: u32,
-    /// Path length after which roulette may end a path.
-    pub roulette_after: u32,
+    /// Path length after which roulette may end a path, where a number is given.
+    pub roulette_after: Option<u32>,
     /// Renders of each integrator, whose errors are averaged.
     pub seeds: u32,
     /// Seed of the first of them.
@@ -448,7 +448,7 @@ mod tests {
             height: 1,
             photons_shot: 1,
             path_length_max: 1,
-            roulette_after: 1,
+            roulette_after: Some(1),
             seeds: 1,
             seed: 0,
         };

@@ -97,8 +97,8 @@ pub struct Conditions {
     pub rounds: u32,
     /// Most segments of a path.
     pub path_length_max: u32,
-    /// Path length after which roulette may end a path.
-    pub roulette_after: u32,
+    /// Path length after which roulette may end a path, where a number is given.
+    pub roulette_after: Option<u32>,
     /// Seed of all randomness.
     pub seed: u32,
 }

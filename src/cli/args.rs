@@ -118,11 +118,6 @@ pub enum ColorName {
     Mono,
 }
 
-/// Most segments of a path where no number is given.
-pub const PATH_LENGTH: u32 = 16;
-/// Segments without roulette where no number is given.
-pub const ROULETTE_AFTER: u32 = 6;
-
 /// Formats of statistics and reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsFormat {
@@ -165,12 +160,13 @@ pub struct RenderArguments {
     /// Wavelength of --color mono, in nanometers [default: 550]
     #[arg(long, value_name = "NM", help_heading = LIGHT)]
     pub wavelength: Option<f32>,
-    /// Most segments of a path: 1 shows emitters only, 2 adds direct light
-    #[arg(long, value_name = "SEGMENTS", default_value_t = PATH_LENGTH, help_heading = LIGHT)]
-    pub max_path_length: u32,
-    /// Segments after which roulette may end a path; it adds noise and no error
-    #[arg(long, value_name = "SEGMENTS", default_value_t = ROULETTE_AFTER, help_heading = LIGHT)]
-    pub roulette_after: u32,
+    /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
+    #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
+    pub max_path_length: Option<u32>,
+    /// Segments after which roulette may end a path; it adds noise and no error [default: 5, and 1
+    /// for paths from the emitters]
+    #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
+    pub roulette_after: Option<u32>,
 
     /// Samples per pixel [default: 64]
     #[arg(long, value_name = "N", conflicts_with = "iterations", help_heading = SAMPLES)]

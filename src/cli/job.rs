@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use crate::image::format::{Format, extensions, named_by};
-use crate::render::settings::{SAMPLES_MAX, check_color, check_photons};
+use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_color, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
 use crate::spectrum::Color;
@@ -45,7 +45,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         height: arguments.height,
         samples,
         replicates: replicates(arguments, samples / photons.samples)?,
-        path_length_max: arguments.max_path_length,
+        path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
         seed: arguments.seed,
         photons,

@@ -2,6 +2,7 @@
 
 use crate::image::StokesImage;
 use crate::render::Settings;
+use crate::render::settings::PATH_LENGTH_MAX;
 
 /// The share of the paths' throughput that may be cut off without a word.
 const CUT_MAX: f64 = 0.01;
@@ -14,9 +15,15 @@ pub(super) fn doubts(image: &StokesImage, settings: &Settings, cut: f64) -> Vec<
     if cut > CUT_MAX {
         doubts.push(format!(
             "warning: paths were cut off after {} segments with {:.0} % of what they carried at \
-             first: the image may be too dark; give a greater --max-path-length",
+             first: the image may be too dark; {}",
             settings.path_length_max,
             100.0 * cut,
+            if settings.path_length_max < PATH_LENGTH_MAX {
+                "give a greater --max-path-length, or none"
+            } else {
+                "light can hardly leave this scene: let its surfaces and media absorb some, or \
+                 say where to end with --max-path-length"
+            },
         ));
     }
     if is_black {
@@ -38,12 +45,19 @@ mod tests {
 
     #[test]
     fn what_is_black_or_cut_is_told() {
-        let settings = Settings::new(Options::default()).unwrap();
+        let settings = |path_length_max| {
+            Settings::new(Options { path_length_max, ..Options::default() }).unwrap()
+        };
+        let endless = settings(PATH_LENGTH_MAX);
+        let settings = settings(16);
         let mut image = StokesImage::new(2, 2, Color::Rgb, 4);
         assert_eq!(doubts(&image, &settings, 0.0).len(), 1);
         image.planes[0][3] = 0.5;
         assert!(doubts(&image, &settings, 0.001).is_empty());
         let [cut] = &doubts(&image, &settings, 0.285)[..] else { panic!("one doubt") };
         assert!(cut.contains("16 segments with 28 %"), "{cut}");
+        assert!(cut.contains("--max-path-length, or none"), "{cut}");
+        let [cut] = &doubts(&image, &endless, 0.285)[..] else { panic!("one doubt") };
+        assert!(cut.contains("light can hardly leave"), "{cut}");
     }
 }

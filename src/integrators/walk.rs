@@ -217,7 +217,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     let WalkTables { hits: [hits, sorted_hits], odds: [odds, sorted_odds], .. } = tables;
     let WalkTables { surfaces, partition, .. } = tables;
     profile.time(Stage::Sort, || {
-        if chunk.plays_roulette(path_length) {
+        if chunk.plays_roulette(S::SIDE, path_length) {
             play_roulette(odds, &paths.identity, hits, paths.len, scene, path_length);
         } else {
             odds[..paths.len].fill(1.0);

@@ -199,7 +199,7 @@ fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         seed: shot.seed,
         path_length_max: settings.path_length_max,
         // From the first vertex on, so that photons have about equal powers.
-        roulette_after: 1,
+        roulette_after: [1; 2],
         sequence: Sequence::Shared,
     }
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::image::StokesImage;
 use crate::integrators::profile::Profile;
-use crate::scattering::Scene;
+use crate::scattering::{Scene, Side};
 use crate::scene::SceneError;
 use crate::spectrum::Color;
 use crate::transport::{Polarized, Scalar};
@@ -228,6 +228,18 @@ fn on<R: Send>(threads: Option<&Threads>, work: impl FnOnce() -> R + Send) -> R 
     }
 }
 
+/// For sensor paths, and for light paths where that is another number.
+fn roulette_after(settings: &Settings) -> String {
+    match settings.roulette_after {
+        Some(after) => after.to_string(),
+        None => {
+            let of_sides = settings.roulette_of_sides();
+            let [sensor, light] = [Side::Sensor, Side::Light].map(|side| of_sides[side as usize]);
+            format!("{sensor}, light paths {light}")
+        }
+    }
+}
+
 fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
     [
         ("integrator", settings.integrator.name().to_owned()),
@@ -236,7 +248,7 @@ fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
         ("iterations", samples.to_string()),
         ("replicates", settings.replicates.to_string()),
         ("max path length", settings.path_length_max.to_string()),
-        ("roulette after", settings.roulette_after.to_string()),
+        ("roulette after", roulette_after(settings)),
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ]

@@ -73,7 +73,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
             iterations,
             seed,
             path_length_max: settings.path_length_max,
-            roulette_after: settings.roulette_after,
+            roulette_after: settings.roulette_of_sides(),
             sequence: Sequence::PerPath,
         };
         pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))

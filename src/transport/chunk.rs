@@ -1,6 +1,8 @@
 //! The unit of work: a tile of pixels for a few iterations, small enough to stay in the L2 cache
 //! through all stages. Chunks are independent; threads take chunks.
 
+use crate::scattering::Side;
+
 /// Edge of a tile in pixels.
 pub const TILE: u32 = 16;
 /// Iterations that a chunk takes together.
@@ -27,8 +29,8 @@ pub struct Chunk {
     pub seed: u32,
     /// Most segments of a path.
     pub path_length_max: u32,
-    /// Path length after which roulette may end a path.
-    pub roulette_after: u32,
+    /// Path length from which on roulette may end a path, by [`Side`].
+    pub roulette_after: [u32; 2],
     /// How paths share random sequences.
     pub sequence: Sequence,
 }
@@ -70,9 +72,9 @@ impl Chunk {
         }
     }
 
-    /// Whether roulette plays after `path_length` segments.
-    pub fn plays_roulette(&self, path_length: u32) -> bool {
-        path_length >= self.roulette_after
+    /// Whether roulette plays for paths of a side after `path_length` segments.
+    pub fn plays_roulette(&self, side: Side, path_length: u32) -> bool {
+        path_length >= self.roulette_after[side as usize]
     }
 }
 

@@ -38,6 +38,8 @@ pub enum Purpose {
     Wavelength,
     /// Whether a path passes a surface that scatters some of them (first number).
     Passage,
+    /// Whether a vertex far along its path connects to others (first number), and to which.
+    Connections,
 }
 
 /// Purposes per path length; a power of two that exceeds the last [`Purpose`].

@@ -67,7 +67,7 @@ pub fn settings(
         color,
         samples: iterations,
         path_length_max,
-        roulette_after: path_length_max + 1,
+        roulette_after: Some(path_length_max + 1),
         seed,
         // More than one chunk of them, few enough to be quick.
         photons: Photons { per_iteration: 2_000, ..Photons::default() },

@@ -6,9 +6,11 @@ use clap::builder::PossibleValue;
 use clap::{Args, Subcommand, ValueEnum};
 
 use crate::bench::measure::scaling::SeriesKind;
-use crate::cli::args::{
-    ColorName, FileArguments, IntegratorName, ModeName, PATH_LENGTH, ROULETTE_AFTER, StatsFormat,
-};
+use crate::cli::args::{ColorName, FileArguments, IntegratorName, ModeName, StatsFormat};
+
+/// Most segments of a path where no number is given: what measurements have always had, so that
+/// they compare.
+pub const PATH_LENGTH: u32 = 16;
 
 /// `bench` as typed.
 #[derive(Debug, Args)]
@@ -129,9 +131,9 @@ pub struct WorkArguments {
     /// Most segments of a path
     #[arg(long, value_name = "SEGMENTS", default_value_t = PATH_LENGTH)]
     pub max_path_length: u32,
-    /// Segments after which roulette may end a path
-    #[arg(long, value_name = "SEGMENTS", default_value_t = ROULETTE_AFTER)]
-    pub roulette_after: u32,
+    /// Segments after which roulette may end a path [default: as of render]
+    #[arg(long, value_name = "SEGMENTS")]
+    pub roulette_after: Option<u32>,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,

@@ -1,10 +1,10 @@
 //! `bench table1`.
 
+use super::args::PATH_LENGTH;
 use super::args::Table1Arguments;
 use super::report::{check_outputs, deliver};
 use super::{progress_of, work};
 use crate::bench::measure::table1 as measure;
-use crate::cli::args::{PATH_LENGTH, ROULETTE_AFTER};
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::memory::check_memory;
@@ -46,7 +46,7 @@ fn options(arguments: &Table1Arguments) -> Result<Options, CliError> {
         height: Some(arguments.height),
         samples: (1 + arguments.iterations) * samples,
         path_length_max: PATH_LENGTH,
-        roulette_after: ROULETTE_AFTER,
+        roulette_after: None,
         seed: arguments.seed,
         photons,
         ..Options::default()

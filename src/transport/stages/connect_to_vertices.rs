@@ -7,14 +7,26 @@ use crate::scattering::event::Form;
 use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End, PartialWeights};
+use crate::transport::sampler::Purpose;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 use crate::transport::vertex::{departing_states, turn_of_light};
 use crate::transport::{Arrived, LightModel};
 
-/// Connects each row that has arrived to all vertices of its slot's light path that are at most
+/// Vertices of a light path that all sensor vertices connect to, and segments of a sensor path
+/// whose vertices all connect. A multiple of [`LANES`].
+const ALWAYS: usize = 16;
+
+/// Connects each row that has arrived to the vertices of its slot's light path that are at most
 /// `vertex_length_max` segments from the emitter.
+///
+/// What long paths in dense media would cost, length times length, is bounded: of the light
+/// vertices beyond the first [`ALWAYS`] a sensor vertex connects to eight neighbors, drawn with
+/// equal chances among the groups of eight; and beyond [`ALWAYS`] segments it connects with the
+/// probability `(ALWAYS / n)²` after n of them. Those that are drawn count for the others. The
+/// weights of the strategies do not know of this, for they sum to one as they are; a path of such
+/// a length has so many strategies that the share of each is small.
 ///
 /// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
 /// only intensity crosses the connection.
@@ -29,17 +41,35 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     vertex_length_max: u32,
 ) {
     connections.clear();
-    let &Arrived { paths, surfaces, event, ref rows, .. } = arrived;
+    let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
     let depolarizes = event.form == Form::Depolarizer;
     for_scatterer!(scene, event.met, all => for row in rows.clone() {
         let of_path = order.rows_of(paths.identity.slot[row] as usize);
         if of_path.is_empty() {
             continue;
         }
-        let sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
-        for first in of_path.clone().step_by(LANES) {
+        let mut sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
+        let mut connect = |sensor: &SensorVertex<_, N>, first: usize| {
             let some = (first, LANES.min(of_path.end - first));
             sensor.connect::<M>(connections, vertices, scene, some, vertex_length_max);
+        };
+        let is_long = of_path.len() > ALWAYS || path_length as usize > ALWAYS;
+        if !is_long {
+            of_path.clone().step_by(LANES).for_each(|first| connect(&sensor, first));
+            continue;
+        }
+        let [u, v] = paths.identity.draw_row(row, path_length, Purpose::Connections);
+        let chance = (ALWAYS as f32 / path_length as f32).powi(2).min(1.0);
+        if u >= chance {
+            continue;
+        }
+        sensor.count_for(1.0 / chance);
+        of_path.clone().take(ALWAYS).step_by(LANES).for_each(|first| connect(&sensor, first));
+        let groups = of_path.len().saturating_sub(ALWAYS).div_ceil(LANES);
+        if groups > 0 {
+            sensor.count_for(groups as f32);
+            let group = ((v * groups as f32) as usize).min(groups - 1);
+            connect(&sensor, of_path.start + ALWAYS + group * LANES);
         }
     });
 }
@@ -84,6 +114,11 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             beta,
             weights: paths.mis.splat(row),
         }
+    }
+
+    /// Makes what connections bring count for so many like it.
+    fn count_for(&mut self, vertices: f32) {
+        self.beta.iter_mut().for_each(|beta| *beta *= F32s::splat(vertices));
     }
 
     /// Connects to the `live` vertices from `first` on.

@@ -143,21 +143,25 @@ mod tests {
         let media = [0, 1].map(|row| event(Met::Medium(row), Form::Depolarizer));
         let events = [&kinds[..], &media[..]].concat();
         let rows = [(2, 1), (4, 0), (0, 1), (6, 1), (3, 1), (0, 0), (4, 0), (2, 0), (2, 1), (5, 0)];
+        let last = [1, 2, 8, 9];
         let mut partition = Partition::default();
-        partition.group(rows.len(), &events, 2, |row| rows[row]);
-        assert_eq!(partition.order, [7, 0, 8, 4, 1, 6, 9, 3]);
-        assert_eq!(partition.parts.len(), 6);
-        let specular: Vec<_> =
-            partition.events().map(|(event, rows)| (event.met, rows)).take(2).collect();
-        assert_eq!(
-            specular,
-            [(Met::Surface(Dielectric), 0..3), (Met::Surface(ThinDielectric), 3..4)]
-        );
+        partition.group(rows.len(), &events, 2, |row| {
+            let (event, class) = rows[row];
+            Next { event, class, goes_on: !last.contains(&row) }
+        });
+        assert_eq!(partition.order, [7, 0, 4, 6, 3, 8, 1, 9]);
+        let parts: Vec<_> =
+            partition.parts.iter().map(|part| (part.event.met, part.class)).collect();
+        let [glass, pane, matte] = [Dielectric, ThinDielectric, Diffuse].map(Met::Surface);
+        let [fog, mist] = [0, 1].map(Met::Medium);
+        let going_on = [(glass, 0), (glass, 1), (pane, 1), (matte, 0), (mist, 1)];
+        assert_eq!(parts, [&going_on[..], &[(glass, 1), (matte, 0), (fog, 0)]].concat());
         let found: Vec<_> =
             partition.connectable().map(|(event, rows)| (event.met, rows)).collect();
-        let expected =
-            [(Met::Surface(Diffuse), 4..6), (Met::Medium(0), 6..7), (Met::Medium(1), 7..8)];
-        assert_eq!(found, expected);
-        assert_eq!(partition.keep_specular(), 4);
+        assert_eq!(found, [(matte, 3..4), (mist, 4..5), (matte, 6..7), (fog, 7..8)]);
+        partition.end_at_connections();
+        assert_eq!(partition.keep_going_on(), 3);
+        let left: Vec<_> = partition.events().map(|(event, rows)| (event.met, rows)).collect();
+        assert_eq!(left, [(glass, 0..2), (pane, 2..3)]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::RayColumns;
 use crate::math::columns::{Channels, Column, Columns, columns};
-use crate::math::{F32s, LANES, lanes};
+use crate::math::{F32s, LANES, U32s, lanes};
 use crate::transport::mis::{PartialWeights, TurnDensities};
 use crate::transport::sampler::{Purpose, draw};
 
@@ -49,6 +49,12 @@ impl IdentityColumns {
         let seed = lanes::load_u32(&self.seed, row);
         let iteration = lanes::load_u32(&self.iteration, row);
         draw(seed, iteration, path_length, purpose)
+    }
+
+    /// [`Self::draw`] for one row.
+    pub fn draw_row(&self, row: usize, path_length: u32, purpose: Purpose) -> [f32; 2] {
+        let (seed, iteration) = (U32s::splat(self.seed[row]), U32s::splat(self.iteration[row]));
+        draw(seed, iteration, path_length, purpose).map(|u| u.as_array()[0])
     }
 
     /// The wavelengths that the distances and angles of eight paths are drawn for.
