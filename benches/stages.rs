@@ -24,7 +24,7 @@ use sunstone::internals::transport::tables::kernels::DepartureColumns;
 use sunstone::internals::transport::tables::partition::Partition;
 use sunstone::internals::transport::tables::paths::PathTable;
 use sunstone::internals::transport::{
-    Arrived, Bounce, Chunk, LightModel, Polarized, Scalar, Strategy,
+    Arrived, Bounce, Chunk, LightModel, Polarized, Sampling, Scalar, Strategy,
 };
 
 const N: usize = 3;
@@ -40,6 +40,7 @@ const CHUNK: Chunk = Chunk {
     seed: 0,
     path_length_max: 12,
     roulette_after: [100; 2],
+    sampling: Sampling::Stokes,
     sequence: Sequence::PerPath,
 };
 
@@ -56,7 +57,7 @@ fn scatter<M: LightModel<N>>(
     scene: &Scene<N>,
     partition: &Partition,
 ) {
-    let bounce = Bounce { path_length: 1, side: Side::Sensor };
+    let bounce = Bounce { path_length: 1, side: Side::Sensor, sampling: Sampling::Stokes };
     if M::POLARIZED {
         scatter_surfaces::<N, true, _>(departures, paths, surfaces, scene, partition, bounce);
     } else {
@@ -70,7 +71,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
     let mut scratch = TraceScratch::default();
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
-    let (odds, mut sorted_odds) = (vec![1.0; ROWS + LANES], vec![0.0; ROWS + LANES]);
+    let (odds, mut sorted_odds) = (vec![1.0; ROWS], vec![0.0; ROWS]);
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
     let mut connections = ConnectionTable::new(ROWS);

@@ -94,6 +94,7 @@ pub use crate::render::{
 };
 pub use crate::scene::{Reading, SceneError, World, load, load_with, world};
 pub use crate::spectrum::{Color, Spectrum};
+pub use crate::transport::Sampling;
 pub use {glam, hecs};
 
 use self::particles::Fault;

@@ -11,6 +11,7 @@ use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::Mode;
+use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
 #[derive(Debug, Parser)]
@@ -109,6 +110,32 @@ impl ValueEnum for ModeName {
     }
 }
 
+/// What directions are drawn by, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SamplingName(pub Sampling);
+
+impl ValueEnum for SamplingName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: [SamplingName; Sampling::ALL.len()] = {
+            let [a, b] = Sampling::ALL;
+            [SamplingName(a), SamplingName(b)]
+        };
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            Sampling::Stokes => {
+                "What polarized light does, in media that polarize: thick ones need it"
+            }
+            Sampling::Intensity => {
+                "What unpolarized light would do: all modes trace the same paths, and share noise"
+            }
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
+    }
+}
+
 /// Color modes by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ColorName {
@@ -167,6 +194,9 @@ pub struct RenderArguments {
     /// for paths from the emitters]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub roulette_after: Option<u32>,
+    /// What directions are drawn by where light is polarized; it changes noise and no mean
+    #[arg(long, value_enum, default_value = "stokes", value_name = "LIGHT", help_heading = LIGHT)]
+    pub sampling: SamplingName,
 
     /// Samples per pixel [default: 64]
     #[arg(long, value_name = "N", conflicts_with = "iterations", help_heading = SAMPLES)]

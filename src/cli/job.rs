@@ -47,6 +47,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         replicates: replicates(arguments, samples / photons.samples)?,
         path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
+        sampling: arguments.sampling.0,
         seed: arguments.seed,
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,

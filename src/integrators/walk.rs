@@ -105,7 +105,7 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         }
         arrive::<S, N, M>(w, scene, chunk, path_length, strategy);
         visit(w, path_length);
-        if path_length == segments || !depart::<S, N, M>(w, scene, path_length) {
+        if path_length == segments || !depart::<S, N, M>(w, scene, chunk, path_length) {
             break;
         }
     }
@@ -237,6 +237,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
 fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
+    chunk: &Chunk,
     path_length: u32,
 ) -> bool {
     let (tables, walk, profile) = S::tables(w);
@@ -245,7 +246,7 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     if sorted.len == 0 {
         return false;
     }
-    let bounce = Bounce { path_length, side: S::SIDE };
+    let bounce = Bounce { path_length, side: S::SIDE, sampling: chunk.sampling };
     profile.time(Stage::Scatter, || {
         pay_out(sorted, &walk.odds[1]);
         scatter::<N, M, _>(sorted, walk, scene, bounce);
@@ -259,7 +260,7 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
 }
 
 /// Draws a new direction for every row, with its kernel where the mode asks for one.
-fn scatter<const N: usize, M: LightModel<N>, C>(
+fn scatter<const N: usize, M: LightModel<N>, C: CarrierTable>(
     paths: &mut PathTable<N, C>,
     walk: &mut WalkTables<N>,
     scene: &Scene<N>,

@@ -200,6 +200,7 @@ fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         path_length_max: settings.path_length_max,
         // From the first vertex on, so that photons have about equal powers.
         roulette_after: [1; 2],
+        sampling: settings.sampling,
         sequence: Sequence::Shared,
     }
 }

@@ -249,6 +249,7 @@ fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
         ("replicates", settings.replicates.to_string()),
         ("max path length", settings.path_length_max.to_string()),
         ("roulette after", roulette_after(settings)),
+        ("sampling", settings.sampling.name().to_owned()),
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ]

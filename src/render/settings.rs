@@ -7,6 +7,7 @@ use std::time::Duration;
 use crate::integrators::Integrator;
 use crate::scattering::Side;
 use crate::spectrum::Color;
+use crate::transport::Sampling;
 
 /// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
 pub const SAMPLES_MAX: u32 = 1 << 30;
@@ -113,6 +114,8 @@ pub struct Options {
     /// Path length from which on roulette may end a path; by default what has measured best: 5
     /// for sensor paths and 1 for light paths, of which each has less to do with its pixels.
     pub roulette_after: Option<u32>,
+    /// What directions are drawn by where light is polarized.
+    pub sampling: Sampling,
     /// Seed of all randomness.
     pub seed: u32,
     /// Photons, where they are used.
@@ -134,6 +137,7 @@ impl Default for Options {
             replicates: 1,
             path_length_max: PATH_LENGTH_MAX,
             roulette_after: None,
+            sampling: Sampling::Stokes,
             seed: 0,
             photons: Photons::default(),
             time_limit: None,

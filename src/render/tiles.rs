@@ -74,6 +74,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
             seed,
             path_length_max: settings.path_length_max,
             roulette_after: settings.roulette_of_sides(),
+            sampling: settings.sampling,
             sequence: Sequence::PerPath,
         };
         pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))

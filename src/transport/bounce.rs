@@ -14,6 +14,31 @@ pub struct Bounce {
     pub path_length: u32,
     /// Which way the path is traced.
     pub side: Side,
+    /// What directions are drawn by.
+    pub sampling: Sampling,
+}
+
+/// What the directions of polarized paths are drawn by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampling {
+    /// Where polarization piles up, in media: what the light that paths carry, or accept, does.
+    #[default]
+    Stokes,
+    /// What unpolarized light would do: all modes trace the same paths.
+    Intensity,
+}
+
+impl Sampling {
+    /// All, the default first.
+    pub const ALL: [Self; 2] = [Self::Stokes, Self::Intensity];
+
+    /// What the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stokes => "stokes",
+            Self::Intensity => "intensity",
+        }
+    }
 }
 
 /// Rows of a walk's paths that have met the same: what the stages that look for light there, or

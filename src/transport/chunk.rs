@@ -3,6 +3,8 @@
 
 use crate::scattering::Side;
 
+use super::bounce::Sampling;
+
 /// Edge of a tile in pixels.
 pub const TILE: u32 = 16;
 /// Iterations that a chunk takes together.
@@ -31,6 +33,8 @@ pub struct Chunk {
     pub path_length_max: u32,
     /// Path length from which on roulette may end a path, by [`Side`].
     pub roulette_after: [u32; 2],
+    /// What directions are drawn by.
+    pub sampling: Sampling,
     /// How paths share random sequences.
     pub sequence: Sequence,
 }

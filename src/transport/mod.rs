@@ -62,7 +62,7 @@ pub mod strategy;
 pub mod tables;
 pub mod vertex;
 
-pub use bounce::{Arrived, Bounce};
+pub use bounce::{Arrived, Bounce, Sampling};
 pub use chunk::Chunk;
 pub use light_model::{LightModel, Polarized, Scalar};
 pub use strategy::Strategy;

@@ -6,6 +6,7 @@ use crate::bench::costs::Costs;
 use crate::bench::overhead::{Case, Conditions, Overhead};
 use crate::render::threads::Threads;
 use crate::render::{Mode, Options, Settings};
+use crate::transport::Sampling;
 
 /// How many rounds a plan takes for one scene, with those that warm up.
 pub fn rounds_in_all(plan: &[Options], rounds: u32) -> u64 {
@@ -51,6 +52,8 @@ fn case(
 ) -> Result<Case, MeasureError> {
     let integrator = options.integrator.name();
     watch.at(&format!("{}, {integrator}", subject.name));
+    // Of the same paths, so that the ratio is what polarization itself costs.
+    let options = &Options { sampling: Sampling::Intensity, ..*options };
     let polarized = Settings::new(*options)?;
     let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
     let (modes, samples) = ([&scalar, &polarized], options.samples);

@@ -5,6 +5,7 @@ use super::{MeasureError, Subject, Watch};
 use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::render::threads::Threads;
 use crate::render::{Mode, Options, Settings};
+use crate::transport::Sampling;
 
 /// Measures each scene in `iterations` of these settings, polarized, and as many scalar.
 pub fn table1(
@@ -14,6 +15,8 @@ pub fn table1(
     threads: &Threads,
     watch: &impl Watch,
 ) -> Result<Table1, MeasureError> {
+    // Of the same paths, as the paper's.
+    let options = &Options { sampling: Sampling::Intensity, ..*options };
     let polarized = Settings::new(*options)?;
     let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
     let rounds = (iterations, options.photons.samples);

@@ -14,7 +14,9 @@ use super::{channels, vectors};
 use crate::math::columns::{Channels, Column, take};
 use crate::math::lanes::{self, FromColumn};
 use crate::math::{F32s, Vector};
-use crate::polarization::{LightCarrier, SensorColumn, SensorMatrix, SensorRow, Stokes};
+use crate::polarization::{
+    Arrival, LightCarrier, Rotation, SensorColumn, SensorMatrix, SensorRow, Stokes,
+};
 
 /// Columns of polarization that travel with the rows of a path table.
 pub trait CarrierTable {
@@ -30,6 +32,20 @@ pub trait CarrierTable {
     /// Takes the rows `order[part.rows]` of `from`, all of one class, to `part.rows`: of those that
     /// meet a depolarizer, no more than what it leaves of them.
     fn gather(&mut self, from: &Self, order: &[u32], part: &Part);
+
+    /// Whether the rows of a part may carry, or accept, more light of one polarization.
+    fn leans(part: &Part) -> bool;
+
+    /// S1 over S0, about the axis `x` that is perpendicular to the direction `k` of the light, of
+    /// what the rows from `row` on of a part that [leans](Self::leans) carry, or accept into the
+    /// intensity on the film; zero where that is nothing.
+    fn lean(
+        &self,
+        part: &Part,
+        wavelength: usize,
+        row: usize,
+        frame: (Vector<F32s>, Vector<F32s>),
+    ) -> F32s;
 }
 
 /// Scalar mode: no columns at all.
@@ -42,6 +58,20 @@ impl CarrierTable for () {
     }
     #[inline(always)]
     fn gather(&mut self, _from: &Self, _order: &[u32], _part: &Part) {}
+    #[inline(always)]
+    fn leans(_part: &Part) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn lean(
+        &self,
+        _part: &Part,
+        _wavelength: usize,
+        _row: usize,
+        _frame: (Vector<F32s>, Vector<F32s>),
+    ) -> F32s {
+        F32s::ZERO
+    }
 }
 
 /// The light side's Stokes vectors, relative to the scalar throughput.
@@ -221,6 +251,24 @@ impl<const N: usize> CarrierTable for LightCarriers<N> {
             gather_group(to, from, order, rows.start);
         }
     }
+
+    fn leans(part: &Part) -> bool {
+        LightClass::of(part).has_stokes()
+    }
+
+    #[inline(always)]
+    fn lean(
+        &self,
+        _part: &Part,
+        wavelength: usize,
+        row: usize,
+        (axis, k): (Vector<F32s>, Vector<F32s>),
+    ) -> F32s {
+        let x = Vector::load(&self.axis, row);
+        let Stokes([s0, s1, ..]) =
+            self.load(wavelength, row, x).turned(&Arrival::between(x, axis, k)).stokes;
+        ratio(s1, s0)
+    }
 }
 
 impl<const N: usize> CarrierTable for SensorCarriers<N> {
@@ -268,6 +316,36 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
             }
         }
     }
+
+    fn leans(part: &Part) -> bool {
+        let class = SensorClass::of(part);
+        class.has_row() || class.has_matrix()
+    }
+
+    #[inline(always)]
+    fn lean(
+        &self,
+        part: &Part,
+        wavelength: usize,
+        row: usize,
+        (axis, k): (Vector<F32s>, Vector<F32s>),
+    ) -> F32s {
+        let (class, x) = (SensorClass::of(part), Vector::load(&self.axis, row));
+        let accepted = if class.has_matrix() {
+            let channel = class.channel_of(wavelength);
+            elements(|j| F32s::load(&self.matrix[0][j][channel], row))
+        } else {
+            self.load_row(wavelength, row, x).row
+        };
+        let [r0, r1, ..] = Rotation::between(axis, x, k).collect_row(accepted);
+        ratio(r1, r0)
+    }
+}
+
+/// A component over the intensity, which may be nothing.
+#[inline(always)]
+fn ratio(component: F32s, intensity: F32s) -> F32s {
+    intensity.simd_gt(F32s::ZERO) & (component / intensity)
 }
 
 fn gather_group(to: &mut [Column], from: &[Column], order: &[u32], start: usize) {
