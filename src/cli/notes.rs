@@ -1,15 +1,17 @@
 //! What a user should know of a finished image before trusting it.
 
 use crate::image::StokesImage;
+use crate::integrators::profile::{Cut, Profile};
 use crate::render::Settings;
 use crate::render::settings::PATH_LENGTH_MAX;
+use crate::transport::Sampling;
 
 /// The share of the paths' throughput that may be cut off without a word.
 const CUT_MAX: f64 = 0.01;
 
-/// What there is to doubt about an image; `cut` is the share of the paths' throughput that the
-/// limit of segments has cut off.
-pub(super) fn doubts(image: &StokesImage, settings: &Settings, cut: f64) -> Vec<String> {
+/// What there is to doubt about an image, by what its render says.
+pub(super) fn doubts(image: &StokesImage, settings: &Settings, profile: &Profile) -> Vec<String> {
+    let cut = profile.cut.iter().map(Cut::share).fold(0.0, f64::max);
     let is_black = image.planes.iter().flatten().all(|&value| value == 0.0);
     let mut doubts = Vec::new();
     if cut > CUT_MAX {
@@ -23,6 +25,17 @@ pub(super) fn doubts(image: &StokesImage, settings: &Settings, cut: f64) -> Vec<
             } else {
                 "light can hardly leave this scene: let its surfaces and media absorb some, or \
                  say where to end with --max-path-length"
+            },
+        ));
+    }
+    if profile.not_finite > 0 {
+        doubts.push(format!(
+            "warning: {} samples are left out, which are too large or too small to be numbers: \
+             the image lacks what they stand for{}",
+            profile.not_finite,
+            match settings.sampling {
+                Sampling::Stokes => "",
+                Sampling::Intensity => "; --sampling stokes has none in thick media",
             },
         ));
     }
@@ -51,13 +64,17 @@ mod tests {
         let endless = settings(PATH_LENGTH_MAX);
         let settings = settings(16);
         let mut image = StokesImage::new(2, 2, Color::Rgb, 4);
-        assert_eq!(doubts(&image, &settings, 0.0).len(), 1);
+        let of_cut = |cut| Profile { cut: [Cut { started: 1.0, cut }; 2], ..Profile::default() };
+        assert_eq!(doubts(&image, &settings, &of_cut(0.0)).len(), 1);
         image.planes[0][3] = 0.5;
-        assert!(doubts(&image, &settings, 0.001).is_empty());
-        let [cut] = &doubts(&image, &settings, 0.285)[..] else { panic!("one doubt") };
+        assert!(doubts(&image, &settings, &of_cut(0.001)).is_empty());
+        let [cut] = &doubts(&image, &settings, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("16 segments with 28 %"), "{cut}");
         assert!(cut.contains("--max-path-length, or none"), "{cut}");
-        let [cut] = &doubts(&image, &endless, 0.285)[..] else { panic!("one doubt") };
+        let [cut] = &doubts(&image, &endless, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("light can hardly leave"), "{cut}");
+        let not_finite = Profile { not_finite: 3, ..Profile::default() };
+        let [lost] = &doubts(&image, &settings, &not_finite)[..] else { panic!("one doubt") };
+        assert!(lost.contains("3 samples are left out"), "{lost}");
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::image::StokesImage;
 use crate::integrators::Integrator;
-use crate::integrators::profile::{Cut, STAGES};
+use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
 use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
 use crate::render::threads::Threads;
@@ -71,7 +71,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let times = Times { seconds, cpu_seconds, threads: threads.count() };
     let statistics = statistics(arguments, &renderer, times);
     let (samples, is_done) = (renderer.samples(), renderer.is_done());
-    let cut = renderer.profile().cut.iter().map(Cut::share).fold(0.0, f64::max);
+    let profile = renderer.profile().clone();
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
@@ -79,7 +79,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let interrupted = interrupt.signal().filter(|_| !is_done);
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
-    notes::doubts(&image, &settings, cut).iter().for_each(say);
+    notes::doubts(&image, &settings, &profile).iter().for_each(say);
     report(arguments, &statistics, &image)?;
     match interrupted {
         Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),

@@ -4,12 +4,7 @@
 //! its test computes. What else there is in the scene, and how large that is, does not matter.
 
 use crate::math::{Real, Vector};
-use crate::scene::baked::Triangle;
-
-/// Distance off the surface relative to the largest coordinate involved: 64 times the rounding
-/// error of a coordinate. A reconstructed hit point is off by about 4 of these and the distances
-/// that the triangle test computes by about 5 more.
-const RELATIVE_OFFSET: f64 = 32.0 / (1 << 24) as f64;
+use crate::scene::baked::{RELATIVE_OFFSET, Triangle};
 
 /// How far off a surface rays start whose primitive has coordinates up to `reach`; also how far
 /// before it they end that come from a point of such coordinates.

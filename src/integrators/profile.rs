@@ -65,6 +65,8 @@ pub struct Profile {
     pub rays_visibility: u64,
     /// Photons stored.
     pub photons: u64,
+    /// Samples that were left out because they are no finite numbers.
+    pub not_finite: u64,
     /// What the limit of segments has cut off the paths of either side, by
     /// [`crate::scattering::Side`].
     pub cut: [Cut; 2],
@@ -117,6 +119,7 @@ impl Profile {
         self.rays_closest += other.rays_closest;
         self.rays_visibility += other.rays_visibility;
         self.photons += other.photons;
+        self.not_finite += other.not_finite;
         for (cut, other) in self.cut.iter_mut().zip(other.cut) {
             cut.started += other.started;
             cut.cut += other.cut;

@@ -116,24 +116,42 @@ impl<const N: usize> Line<'_, N> {
     fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[[u32; 4]]) {
         let Self { film, profile, added, waiting } = self;
         waiting.insert(index, result);
-        profile.time(Stage::Film, || {
+        let not_finite = profile.time(Stage::Film, || {
+            let mut not_finite = 0;
             while let Some(result) = waiting.remove(added) {
-                add_result(film, tiles[*added], &result);
+                not_finite += add_result(film, tiles[*added], &result);
                 *added += 1;
             }
+            not_finite
         });
+        profile.not_finite += not_finite;
     }
 }
 
-fn add_result<const N: usize>(film: &mut Film, tile: [u32; 4], result: &TileResult<N>) {
+/// Adds what a tile has brought; returns how many splats are left out as not finite.
+fn add_result<const N: usize>(film: &mut Film, tile: [u32; 4], result: &TileResult<N>) -> u64 {
     add_sums(film, &result.sums, tile);
+    let values_per_pixel = film.values_per_pixel();
+    let mut not_finite = 0;
+    let mut add = |pixel: u32, values: &[f32]| {
+        if are_finite(values) {
+            film.add(pixel as usize, values);
+        } else {
+            not_finite += 1;
+        }
+    };
     for splat in &result.splats.unpolarized {
-        film.add(splat.pixel as usize, &splat.value);
+        add(splat.pixel, &splat.value);
     }
     for splat in &result.splats.polarized {
-        let values = &splat.stokes.as_flattened()[..film.values_per_pixel()];
-        film.add(splat.pixel as usize, values);
+        add(splat.pixel, &splat.stokes.as_flattened()[..values_per_pixel]);
     }
+    not_finite
+}
+
+/// Whether all are finite; without a way out before the end, so that many are looked at at once.
+fn are_finite(values: &[f32]) -> bool {
+    values.iter().fold(true, |all, value| all & value.is_finite())
 }
 
 /// All chunks of one tile and wave.
@@ -160,7 +178,8 @@ fn tile<const N: usize, M: LightModel<N>>(
     result
 }
 
-/// Adds the slots of a chunk to the values of its pixels.
+/// Adds the slots of a chunk to the values of its pixels, but for those that are not finite, which
+/// are counted.
 fn sum_measured<const N: usize, M: LightModel<N>>(
     sums: &mut Vec<f32>,
     workspace: &mut Workspace<N, M>,
@@ -168,15 +187,23 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
 ) {
     let Workspace { measured, profile, .. } = workspace;
     let stride = measured.components() * N;
-    profile.time(Stage::Film, || {
+    let not_finite = profile.time(Stage::Film, || {
         sums.resize(chunk.pixels() * stride, 0.0);
-        let iterations = measured.values(chunk.slots()).chunks_exact(chunk.pixels() * stride);
-        for values in iterations {
+        let mut not_finite = 0;
+        for values in measured.values_mut(chunk.slots()).chunks_exact_mut(chunk.pixels() * stride) {
+            if !are_finite(values) {
+                for slot in values.chunks_exact_mut(stride).filter(|slot| !are_finite(slot)) {
+                    slot.fill(0.0);
+                    not_finite += 1;
+                }
+            }
             for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += value;
+                *sum += *value;
             }
         }
+        not_finite
     });
+    profile.not_finite += not_finite;
 }
 
 fn add_sums(film: &mut Film, sums: &[f32], [x, y, width, height]: [u32; 4]) {

@@ -18,6 +18,11 @@ pub const KEEP: u32 = u32::MAX - 1;
 /// Least cosine between a shading normal and the geometric one.
 pub const LEAST_COSINE: f32 = 1e-3;
 
+/// How far off a surface rays start and end, relative to the largest coordinate involved: 64 times
+/// the rounding error of a coordinate. A reconstructed hit point is off by about 4 of these and the
+/// distances that the triangle test computes by about 5 more.
+pub const RELATIVE_OFFSET: f64 = 32.0 / (1 << 24) as f64;
+
 /// The whole scene for `N` wavelengths.
 #[derive(Clone, Debug)]
 pub struct BakedScene<const N: usize> {

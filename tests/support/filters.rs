@@ -9,7 +9,7 @@ use super::gltf::Document;
 use super::scenes::{Named, add_panel, foggy_room, open_scene, pinhole, room, v};
 
 /// All of them.
-pub const FILTERS: [Named; 22] = [
+pub const FILTERS: [Named; 24] = [
     ("polarizers before panel and pinhole", || behind(true, &[POLARIZER], &[ANALYZER])),
     ("polarizers before point and pinhole", || behind(false, &[POLARIZER], &[ANALYZER])),
     ("wave plates before point and pinhole", || {
@@ -34,6 +34,8 @@ pub const FILTERS: [Named; 22] = [
     ("pane between fog and air", pane_between_fog_and_air),
     ("sheet within glass", sheet_within_glass),
     ("sheet and pane before a mirror", before_a_mirror),
+    ("sheets laid on panel, mirror and glass", laid_on),
+    ("fog that fills half a room, beside another", side_by_side),
 ];
 
 const POLARIZER: &str = r#"{"bsdf": "polarizer", "axis_deg": 20}"#;
@@ -222,4 +224,35 @@ fn before_a_mirror() -> World {
     scene.quad(v(-0.2, 0.0, -0.799), v(0.5, 0.0, 0.0), v(0.0, 0.6, 0.0), plate);
     scene.quad(v(0.2, 0.0, -0.7), v(0.5, 0.0, 0.1), v(0.0, 0.6, 0.0), pane);
     pinhole(scene).load("sheet and pane before a mirror")
+}
+
+/// Sheets without a gap to what they lie on, and two in one place.
+fn laid_on() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.6, 6.0);
+    let [polarizer, plate] = [POLARIZER, PLATE].map(|body| sheet(&mut scene, body));
+    scene.quad(v(0.1, 0.95, 0.0), v(0.7, 0.0, 0.0), v(0.0, 0.0, -0.7), polarizer);
+    scene.quad(v(0.1, 0.95, 0.0), v(0.7, 0.0, 0.0), v(0.0, 0.0, 0.7), plate);
+    let gold = scene.material(json!({"bsdf": "conductor", "metal": "Au"}));
+    scene.quad(v(0.0, 0.2, -0.8), v(0.8, 0.0, 0.0), v(0.0, 0.6, 0.0), gold);
+    scene.quad(v(-0.2, 0.2, -0.8), v(0.5, 0.0, 0.0), v(0.0, 0.5, 0.0), plate);
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.cuboid(v(0.2, -0.6, 0.2), v(0.5, 0.3, 0.4), glass);
+    scene.quad(v(0.2, -0.6, 0.6), v(0.4, 0.0, 0.0), v(0.0, 0.25, 0.0), polarizer);
+    pinhole(scene).load("sheets laid on panel, mirror and glass")
+}
+
+/// Media that share walls with the room and with each other.
+fn side_by_side() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 6.0);
+    let air = json!({"phase": "rayleigh", "depolarization": 0.2, "sigma_a": 0.1, "sigma_s": 0.8});
+    let fog = json!({"phase": "isotropic", "sigma_a": 0.2, "sigma_s": [0.3, 0.6, 0.9]});
+    for (medium, x) in [(fog, -0.5), (air, 0.5)] {
+        let medium = scene.medium(medium);
+        scene.fog(medium, |scene, null| {
+            scene.cuboid(v(x, -0.5, 0.0), v(0.5, 0.5, 1.0), null);
+        });
+    }
+    pinhole(scene).load("fog that fills half a room, beside another")
 }

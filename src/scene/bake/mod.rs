@@ -5,6 +5,7 @@
 //! tables, bit for bit. What can still fail here is what depends on the wavelengths of the render
 //! or on world space in `f32`.
 
+mod apart;
 mod emitters;
 mod media;
 mod optics;

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
+use super::apart::{Yields, set_apart};
 use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
-use crate::scene::baked::{LEAST_COSINE, Sphere, Surface, Triangle};
+use crate::scene::baked::{KEEP, LEAST_COSINE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Transform, World,
+    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Transform, World,
 };
 
 /// Shading normals that are this close to the geometric one are the geometric one.
@@ -30,6 +31,8 @@ pub struct Primitives {
     pub instanced: Instanced,
     pub surface_of_primitive: Vec<u32>,
     pub surfaces: Vec<Surface>,
+    /// How each surface gives way to others in its place.
+    yields: Vec<Yields>,
 }
 
 /// The part of a mesh that has one material, in one place.
@@ -37,7 +40,7 @@ pub struct Part {
     pub name: String,
     pub geometry: Arc<Geometry>,
     pub to_world: DAffine3,
-    pub surface: Surface,
+    pub surface: (Surface, Yields),
     pub emits: bool,
 }
 
@@ -73,32 +76,42 @@ pub fn primitives(world: &World, rows: &Rows) -> Result<Primitives, SceneError> 
         }
         tables.spheres.push(Sphere { center: to_world.translation.as_vec3(), radius });
     }
+    let yields = std::mem::take(&mut tables.yields);
+    set_apart(&mut tables, &yields);
     tables.instanced = instanced(&instances, tables.surface_of_primitive.len())?;
     Ok(tables)
 }
 
-/// The row of a surface, with its material and what lies on its sides.
+/// The row of a surface, with its material and what lies on its sides, and how it gives way.
 fn surface(
     world: &World,
     rows: &Rows,
     material: Entity,
     to_world: &DAffine3,
     boundary: &Boundary,
-) -> Surface {
+) -> (Surface, Yields) {
     let bsdf = world.entities().get::<&Bsdf>(material);
-    let (interior, exterior) = rows.sides(bsdf.as_deref().unwrap_or(&Bsdf::Absorber), boundary);
-    Surface {
+    let bsdf = bsdf.as_deref().unwrap_or(&Bsdf::Absorber);
+    let (interior, exterior) = rows.sides(bsdf, boundary);
+    let yields = match bsdf.passage() {
+        Passage::Closed | Passage::Body => Yields::Never,
+        Passage::Sheet if (interior, exterior) == (KEEP, KEEP) => Yields::AsSheet,
+        Passage::Sheet | Passage::Boundary => Yields::AsBoundary,
+    };
+    let surface = Surface {
         material: rows.materials.get(&material).copied().unwrap_or(0),
         axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
         axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
         interior,
         exterior,
-    }
+    };
+    (surface, yields)
 }
 
 impl Primitives {
-    fn add_surface(&mut self, surface: Surface) -> u32 {
+    fn add_surface(&mut self, (surface, yields): (Surface, Yields)) -> u32 {
         self.surfaces.push(surface);
+        self.yields.push(yields);
         (self.surfaces.len() - 1) as u32
     }
 

@@ -39,8 +39,8 @@ impl<const N: usize> Measured<N> {
 
     /// The values of the first `slots` slots: all of a slot, component by component, then the
     /// next.
-    pub fn values(&self, slots: usize) -> &[f32] {
-        self.values[..slots * self.components].as_flattened()
+    pub fn values_mut(&mut self, slots: usize) -> &mut [f32] {
+        self.values[..slots * self.components].as_flattened_mut()
     }
 }
 

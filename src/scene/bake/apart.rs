@@ -1,0 +1,310 @@
+//! Sets surfaces that let light straight on apart from what they lie on.
+//!
+//! A polarizer on a display, fog that fills a room to its walls, two such bodies side by side, two
+//! sheets in one place: which of them a ray meets first would be left to rounding, and differ
+//! between rays from the sensor and from the emitters. So they are moved by a few times what rays
+//! keep off surfaces ([`CLEARANCE`]), once and for all rays:
+//!
+//! - sheets to the front of what they lie on, or apart from each other, in the order of the file;
+//! - boundaries of media into what they bound: it shrinks, and of two in one place the one that
+//!   bounds more stays outside.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use rayon::prelude::*;
+
+use super::primitives::Primitives;
+use crate::scene::baked::{RELATIVE_OFFSET, Sphere, Triangle};
+
+/// How far surfaces are set apart, relative to the largest coordinate of either: four times the
+/// offset of rays, two of which may come from either side.
+const CLEARANCE: f64 = 4.0 * RELATIVE_OFFSET;
+
+/// Least cosine between two planes that count as one.
+const PARALLEL: f64 = 0.999;
+
+/// How a surface gives way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Yields {
+    /// Not at all: it blocks, reflects or refracts what it meets.
+    Never,
+    /// To the front of what it lies on.
+    AsSheet,
+    /// Into what it bounds.
+    AsBoundary,
+}
+
+/// What a primitive that gives way lies on.
+struct Contact {
+    /// The one that gives way.
+    primitive: usize,
+    other: usize,
+    /// How far they must be apart.
+    clearance: f64,
+}
+
+/// Moves primitives of surfaces that give way, by `yields` of each surface.
+pub fn set_apart(tables: &mut Primitives, yields: &[Yields]) {
+    let moved: Vec<(usize, DVec3)> = by_primitive(contacts(tables, yields))
+        .into_iter()
+        .filter_map(|(primitive, contacts)| {
+            let step = step_of(tables, yields, primitive, &contacts)?;
+            Some((primitive, step))
+        })
+        .collect();
+    move_spheres(tables, yields, &moved);
+    move_corners(tables, &moved);
+}
+
+/// All pairs of a primitive that gives way and another surface's in the same place.
+fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
+    let count = tables.triangles.len() + tables.spheres.len();
+    let gives_way = |primitive: &usize| yields_at(tables, yields, *primitive) != Yields::Never;
+    let yielding: Vec<usize> = (0..count).filter(gives_way).collect();
+    if yielding.is_empty() {
+        return Vec::new();
+    }
+    let tree = tree(tables, &yielding);
+    let of_other = |other: usize| {
+        let mut found = Vec::new();
+        tree.aabb_traverse(bounds(tables, other), |tree, node| {
+            let node = &tree.nodes[node as usize];
+            let first = node.first_index as usize;
+            for &index in &tree.primitive_indices[first..first + node.prim_count as usize] {
+                let primitive = yielding[index as usize];
+                if let Some(clearance) = touch(tables, primitive, other) {
+                    found.push(Contact { primitive, other, clearance });
+                }
+            }
+            true
+        });
+        found
+    };
+    let mut contacts: Vec<Contact> = (0..count).into_par_iter().flat_map_iter(of_other).collect();
+    contacts.sort_by_key(|contact| (contact.primitive, contact.other));
+    contacts
+}
+
+/// A tree over the primitives that give way.
+fn tree(tables: &Primitives, yielding: &[usize]) -> Bvh2 {
+    let bounds: Vec<Aabb> = yielding.iter().map(|primitive| bounds(tables, *primitive)).collect();
+    build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default())
+}
+
+/// The box of a primitive, with room about it.
+fn bounds(tables: &Primitives, primitive: usize) -> Aabb {
+    let [low, high] = match shape(tables, primitive) {
+        Shape::Triangle(Triangle { corners }) => {
+            let [a, b, c] = corners.map(Vec3A::from);
+            [a.min(b).min(c), a.max(b).max(c)]
+        }
+        Shape::Sphere(Sphere { center, radius }) => {
+            [Vec3A::from(center) - radius, Vec3A::from(center) + radius]
+        }
+    };
+    let room = 2.0 * CLEARANCE as f32 * low.abs().max(high.abs()).max_element();
+    Aabb::new(low - room, high + room)
+}
+
+enum Shape {
+    Triangle(Triangle),
+    Sphere(Sphere),
+}
+
+fn shape(tables: &Primitives, primitive: usize) -> Shape {
+    match primitive.checked_sub(tables.triangles.len()) {
+        None => Shape::Triangle(tables.triangles[primitive]),
+        Some(row) => Shape::Sphere(tables.spheres[row]),
+    }
+}
+
+fn yields_at(tables: &Primitives, yields: &[Yields], primitive: usize) -> Yields {
+    yields[tables.surface_of_primitive[primitive] as usize]
+}
+
+/// How far two primitives of different surfaces must be apart, if they are in one place.
+fn touch(tables: &Primitives, one: usize, other: usize) -> Option<f64> {
+    if tables.surface_of_primitive[one] == tables.surface_of_primitive[other] {
+        return None;
+    }
+    match (shape(tables, one), shape(tables, other)) {
+        (Shape::Triangle(one), Shape::Triangle(other)) => {
+            let corners = [one, other].map(|it| it.corners.map(|corner| corner.as_dvec3()));
+            triangles_touch(corners)
+        }
+        (Shape::Sphere(one), Shape::Sphere(other)) => spheres_touch(one, other),
+        (Shape::Triangle(_), Shape::Sphere(_)) | (Shape::Sphere(_), Shape::Triangle(_)) => None,
+    }
+}
+
+fn triangles_touch(corners: [[DVec3; 3]; 2]) -> Option<f64> {
+    let [one, other] = corners.map(normal);
+    if one.normalize().dot(other.normalize()).abs() < PARALLEL {
+        return None;
+    }
+    let reach = |most: f64, corner: &DVec3| most.max(corner.abs().max_element());
+    let clearance = CLEARANCE * corners.iter().flatten().fold(0.0, reach);
+    let [small, large] = if one.length() < other.length() { [0, 1] } else { [1, 0] };
+    let plane = [one, other][large].normalize();
+    let is_near = |corner: &DVec3| (*corner - corners[large][0]).dot(plane).abs() < clearance;
+    (corners[small].iter().all(is_near) && overlap(corners, plane, clearance)).then_some(clearance)
+}
+
+/// Whether two triangles of one plane overlap by more than their edges.
+fn overlap(corners: [[DVec3; 3]; 2], plane: DVec3, margin: f64) -> bool {
+    let edges = corners.iter().flat_map(|[a, b, c]| [*b - *a, *c - *b, *a - *c]);
+    edges.map(|edge| plane.cross(edge).normalize()).all(|axis| {
+        let range = |corners: &[DVec3; 3]| {
+            let along = corners.map(|corner| corner.dot(axis));
+            along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &at| {
+                [low.min(at), high.max(at)]
+            })
+        };
+        let [[a_low, a_high], [b_low, b_high]] = [range(&corners[0]), range(&corners[1])];
+        a_high.min(b_high) - a_low.max(b_low) > margin
+    })
+}
+
+fn spheres_touch(one: Sphere, other: Sphere) -> Option<f64> {
+    let [a, b] = [one, other].map(|it| it.center.as_dvec3());
+    let reach = a.abs().max(b.abs()).max_element() + f64::from(one.radius.max(other.radius));
+    let clearance = CLEARANCE * reach;
+    let gap = a.distance(b) + (f64::from(one.radius) - f64::from(other.radius)).abs();
+    (gap < clearance).then_some(clearance)
+}
+
+/// To the front, of the length of twice the area.
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// The contacts of every primitive that has any, in the order of the primitives.
+fn by_primitive(contacts: Vec<Contact>) -> Vec<(usize, Vec<Contact>)> {
+    let mut all: Vec<(usize, Vec<Contact>)> = Vec::new();
+    for contact in contacts {
+        match all.last_mut() {
+            Some((primitive, of_primitive)) if *primitive == contact.primitive => {
+                of_primitive.push(contact);
+            }
+            _ => all.push((contact.primitive, vec![contact])),
+        }
+    }
+    all
+}
+
+/// Where a primitive is moved to, if it is: of a sphere only the length counts.
+fn step_of(
+    tables: &Primitives,
+    yields: &[Yields],
+    primitive: usize,
+    contacts: &[Contact],
+) -> Option<DVec3> {
+    let clearance = contacts.iter().fold(0.0_f64, |most, contact| most.max(contact.clearance));
+    let own = front(tables, primitive);
+    let surface = |primitive: usize| tables.surface_of_primitive[primitive];
+    let sort = |contact: &Contact| yields_at(tables, yields, contact.other);
+    let mut before: Vec<u32> = contacts
+        .iter()
+        .filter(|contact| sort(contact) == yields_at(tables, yields, primitive))
+        .filter(|contact| is_before(tables, yields, contact.other, primitive))
+        .map(|contact| surface(contact.other))
+        .collect();
+    before.sort_unstable();
+    before.dedup();
+    let (direction, steps) = match yields_at(tables, yields, primitive) {
+        Yields::Never => return None,
+        Yields::AsSheet => {
+            let ground = contacts.iter().find(|contact| sort(contact) == Yields::Never);
+            match ground {
+                Some(ground) => (front(tables, ground.other), before.len() + 1),
+                None => (canonical(own), before.len()),
+            }
+        }
+        Yields::AsBoundary => (-own, before.len() + 1),
+    };
+    (steps > 0).then(|| direction * clearance * steps as f64)
+}
+
+/// Whether of two primitives in one place that give way alike one is the first, seen from outside
+/// or in the order of the file.
+fn is_before(tables: &Primitives, yields: &[Yields], one: usize, other: usize) -> bool {
+    let order = |primitive: usize| tables.surface_of_primitive[primitive];
+    match yields_at(tables, yields, one) {
+        Yields::Never => false,
+        Yields::AsSheet => order(one) < order(other),
+        Yields::AsBoundary => {
+            let sizes = [one, other].map(|primitive| area(tables, primitive));
+            let faces_alike = front(tables, one).dot(front(tables, other)) > 0.0;
+            let is_larger =
+                sizes[0] > sizes[1] || sizes[0] == sizes[1] && order(one) < order(other);
+            faces_alike && is_larger
+        }
+    }
+}
+
+/// The unit normal to the front; of spheres any, the same for all.
+fn front(tables: &Primitives, primitive: usize) -> DVec3 {
+    match shape(tables, primitive) {
+        Shape::Triangle(Triangle { corners }) => {
+            normal(corners.map(|corner| corner.as_dvec3())).normalize()
+        }
+        Shape::Sphere(_) => DVec3::X,
+    }
+}
+
+fn area(tables: &Primitives, primitive: usize) -> f64 {
+    match shape(tables, primitive) {
+        Shape::Triangle(Triangle { corners }) => {
+            normal(corners.map(|corner| corner.as_dvec3())).length()
+        }
+        Shape::Sphere(Sphere { radius, .. }) => f64::from(radius),
+    }
+}
+
+/// The direction or its opposite: the one whose largest component is positive.
+fn canonical(direction: DVec3) -> DVec3 {
+    let largest = direction.abs().max_position();
+    if direction[largest] < 0.0 { -direction } else { direction }
+}
+
+/// Boundaries shrink; sheets grow, to the front of what they lie on.
+fn move_spheres(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVec3)]) {
+    for &(primitive, step) in moved {
+        let Some(row) = primitive.checked_sub(tables.triangles.len()) else { continue };
+        let grows = yields_at(tables, yields, primitive) == Yields::AsSheet;
+        let radius = f64::from(tables.spheres[row].radius);
+        let radius = if grows { radius + step.length() } else { radius - step.length() };
+        tables.spheres[row].radius = radius.max(f64::from(f32::MIN_POSITIVE)) as f32;
+    }
+}
+
+/// Moves corners, together with those of the same surface in the same place, so that it stays
+/// closed: as far along every step as that is long.
+fn move_corners(tables: &mut Primitives, moved: &[(usize, DVec3)]) {
+    let key = |surface: u32, corner: Vec3| (surface, corner.to_array().map(f32::to_bits));
+    let mut steps: HashMap<(u32, [u32; 3]), DVec3> = HashMap::new();
+    for &(primitive, step) in moved.iter().filter(|(it, _)| *it < tables.triangles.len()) {
+        let surface = tables.surface_of_primitive[primitive];
+        for corner in tables.triangles[primitive].corners {
+            let sum = steps.entry(key(surface, corner)).or_default();
+            let (length, direction) = (step.length(), step.normalize());
+            *sum += direction * (length - sum.dot(direction)).max(0.0);
+        }
+    }
+    if steps.is_empty() {
+        return;
+    }
+    for (triangle, &surface) in tables.triangles.iter_mut().zip(&tables.surface_of_primitive) {
+        let there = triangle.corners;
+        for (corner, at) in triangle.corners.iter_mut().zip(there) {
+            if let Some(step) = steps.get(&key(surface, at)) {
+                *corner = (at.as_dvec3() + *step).as_vec3();
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Surfaces that let light straight on in the place of others: sheets laid on what they filter,
+//! sheets on sheets, media that end where others begin. As with a gap of a millimeter, or by what
+//! can be said without a render; which of two a ray meets first is not left to rounding.
+
+#[allow(dead_code, reason = "every test binary uses its own part")]
+mod support;
+
+use glam::Vec3;
+use serde_json::{Value, json};
+use sunstone::internals::integrators::Integrator;
+use sunstone::internals::render::Mode;
+use sunstone::internals::scene::bake;
+
+use support::gltf::Document;
+use support::rendering::{MONO, image, scene, settings};
+
+/// Gaps that rays would not see: none, and less than they keep off surfaces.
+const GAPS: [f32; 3] = [0.0, 1e-7, -1e-7];
+
+/// The mean of the Stokes vectors of a 4 x 4 film, without noise: all that is seen emits.
+fn stokes(document: Document, integrator: Integrator) -> [f32; 4] {
+    let scene = scene::<1>(&document.load("contact"), MONO, [4, 4]);
+    let image = image(&scene, &settings(integrator, Mode::Polarized, MONO, 16, 8));
+    std::array::from_fn(|component| image.planes[component].iter().sum::<f32>() / 16.0)
+}
+
+fn expect(found: [f32; 4], expected: [f32; 4], what: &str) {
+    let differ =
+        found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 2e-3);
+    assert!(!differ, "{found:?}, not {expected:?}: {what}");
+}
+
+/// A display that is seen from straight before, and sheets on it, the nearest first.
+fn display(sheets: &[Value], gap: f32, scale: f32) -> Document {
+    let mut scene = Document::default();
+    let face = scene.material(json!({"bsdf": "absorber"}));
+    let face = scene.emits(face, 1.0);
+    scene.quad(Vec3::ZERO, Vec3::X * scale, Vec3::Y * scale, face);
+    for sheet in sheets {
+        let sheet = scene.material(sheet.clone());
+        scene.quad(Vec3::Z * gap * scale, Vec3::X * 0.9 * scale, Vec3::Y * 0.9 * scale, sheet);
+    }
+    scene.perspective(Vec3::Z * 3.0 * scale, Vec3::ZERO, 0.05, None);
+    scene
+}
+
+#[test]
+fn sheets_laid_on_a_display_filter_it() {
+    let polarizer = json!({"bsdf": "polarizer", "axis_deg": 0});
+    let plate = json!({"bsdf": "retarder", "axis_deg": 45, "retardance_deg": 90});
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
+        for (gap, scale) in GAPS.into_iter().flat_map(|gap| [(gap, 1.0), (gap, 0.01), (gap, 300.0)])
+        {
+            let what = format!("gap {gap}, scale {scale}, {integrator:?}");
+            let one = display(&[polarizer.clone()], gap, scale);
+            expect(stokes(one, integrator), [0.5, 0.5, 0.0, 0.0], &what);
+            let circular = display(&[polarizer.clone(), plate.clone()], gap, scale);
+            let [s0, s1, s2, s3] = stokes(circular, integrator);
+            expect([s0, s1, s2, s3.abs()], [0.5, 0.0, 0.0, 0.5], &what);
+            let turned = display(&[plate.clone(), polarizer.clone()], gap, scale);
+            expect(stokes(turned, integrator), [0.5, 0.5, 0.0, 0.0], &what);
+        }
+    }
+}
+
+/// Sheets that lie on nothing but each other: the first of the file is the first along the axis.
+#[test]
+fn sheets_in_one_place_stand_in_the_order_of_the_file() {
+    let polarizer = json!({"bsdf": "polarizer", "axis_deg": 0});
+    let plate = json!({"bsdf": "retarder", "axis_deg": 45, "retardance_deg": 90});
+    for (sheets, eye, circular) in [
+        ([&polarizer, &plate], 3.0, 0.5),
+        ([&plate, &polarizer], 3.0, 0.0),
+        ([&polarizer, &plate], -3.0, 0.0),
+        ([&plate, &polarizer], -3.0, 0.5),
+    ] {
+        let mut scene = Document::default();
+        scene.environment(1.0);
+        for sheet in sheets {
+            let sheet = scene.material(sheet.clone());
+            scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, sheet);
+        }
+        scene.perspective(Vec3::Z * eye, Vec3::ZERO, 0.05, None);
+        let [s0, s1, _, s3] = stokes(scene, Integrator::Path);
+        let expected = [0.5, 0.5 - circular, 0.0, circular];
+        expect([s0, s1.abs(), 0.0, s3.abs()], expected, &format!("{sheets:?} from {eye}"));
+    }
+}
+
+/// Light through two bodies of fog side by side, one within the other, and in a box whose walls
+/// they share: Bouguer's law.
+#[test]
+fn media_that_touch_end_where_the_others_begin() {
+    let absorbing = |sigma: f64| json!({"phase": "isotropic", "sigma_a": sigma, "sigma_s": 0.0});
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        for (of_first, swapped) in [(0.5_f32, false), (0.5, true), (0.3, false)] {
+            let mut scene = Document::default();
+            let wall = scene.material(json!({"bsdf": "absorber"}));
+            let wall = scene.emits(wall, 1.0);
+            scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, wall);
+            let media = [scene.medium(absorbing(1.0)), scene.medium(absorbing(2.0))];
+            let mut boxes = [(media[0], [0.0, of_first]), (media[1], [of_first, 1.0])];
+            if swapped {
+                boxes.reverse();
+            }
+            for (medium, [low, high]) in boxes {
+                scene.fog(medium, |scene, null| {
+                    let center = Vec3::Z * 0.5 * (low + high);
+                    scene.cuboid(center, Vec3::new(1.0, 1.0, 0.5 * (high - low)), null);
+                });
+            }
+            scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
+            let expected = (-of_first - 2.0 * (1.0 - of_first)).exp();
+            let what = format!("{of_first}, swapped {swapped}, {integrator:?}");
+            expect(stokes(scene, integrator), [expected, 0.0, 0.0, 0.0], &what);
+        }
+    }
+}
+
+/// A shell of fog on a ball of another: within a sphere as between planes.
+#[test]
+fn media_of_one_sphere_are_one_within_the_other() {
+    let mut scene = Document::default();
+    let wall = scene.material(json!({"bsdf": "absorber"}));
+    let wall = scene.emits(wall, 1.0);
+    scene.quad(Vec3::Z * -2.0, Vec3::X, Vec3::Y, wall);
+    let fog = scene.medium(json!({"phase": "isotropic", "sigma_a": 1.0, "sigma_s": 0.0}));
+    let matched = scene.material(json!({"bsdf": "thin_dielectric", "ior": 1.0}));
+    scene.fog(fog, |scene, null| scene.sphere(Vec3::ZERO, 0.5, null));
+    scene.sphere(Vec3::ZERO, 0.5, matched);
+    scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.02, None);
+    let expected = (-1.0_f32).exp();
+    expect(stokes(scene, Integrator::Path), [expected, 0.0, 0.0, 0.0], "a ball of fog in a shell");
+}
+
+/// What touches nothing, or only at its edges, stays where the file puts it, to the bit.
+#[test]
+fn what_lies_on_nothing_is_not_moved() {
+    let mut scene = Document::default();
+    let floor = scene.diffuse(0.5);
+    scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, floor);
+    let polarizer = scene.material(json!({"bsdf": "polarizer"}));
+    let places = [
+        // A millimeter above, beside in the same plane, and standing on it.
+        (Vec3::Z * 1e-3, Vec3::X, Vec3::Y),
+        (Vec3::X * 2.0, Vec3::X, Vec3::Y),
+        (Vec3::Z, Vec3::X, Vec3::Z),
+    ];
+    for (center, u, v) in places {
+        scene.quad(center, u, v, polarizer);
+    }
+    scene.environment(1.0);
+    scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
+    let shapes = bake::<1>(&scene.load("apart"), MONO).expect("a scene").shapes;
+    for ((center, u, v), triangle) in places.iter().zip(shapes.triangles[2..].chunks(2)) {
+        let corners = [*center - *u - *v, *center + *u + *v];
+        for corner in corners {
+            let all = triangle.iter().flat_map(|triangle| triangle.corners);
+            assert!(all.into_iter().any(|there| there == corner), "{corner} is moved");
+        }
+    }
+}
