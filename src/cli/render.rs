@@ -35,10 +35,11 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     };
     let world = scene::load_with(&arguments.scene, reading)?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
-    for warning in world.warnings() {
-        say(format_args!("warning: {warning}"));
-    }
+    let said = world.warnings().len();
+    let warn = |warning: &str| say(format_args!("warning: {warning}"));
+    world.warnings().iter().for_each(|warning| warn(warning));
     let world = PlacedWorld::new(world)?;
+    world.warnings().skip(said).for_each(warn);
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
     let is_blind = settings.integrator == Integrator::Light && renderer.has_specular_surfaces();

@@ -4,7 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use crate::geometry::Accelerator;
 use crate::scattering::Scene;
+use crate::scattering::boundaries::{Doubt, settle};
 use crate::scene::baked::{Camera, Projection, Shapes};
+use crate::scene::warnings::Warnings;
 use crate::scene::{SceneError, World, bake_optics, bake_shapes};
 use crate::spectrum::Color;
 
@@ -44,9 +46,11 @@ impl PlacedWorld {
     /// of the renderer or into the memory.
     pub fn new(world: World) -> Result<Self, RenderError> {
         check_world(&world)?;
-        let shapes = bake_shapes(&world)?;
+        let mut shapes = bake_shapes(&world)?;
         check_tree(&shapes)?;
         let accelerator = Accelerator::of_shapes(&shapes);
+        let doubts = settle(&mut shapes, &accelerator);
+        shapes.warnings.extend(sentences(&world, &doubts));
         Ok(Self(Arc::new(Placed {
             world,
             shapes: Arc::new(shapes),
@@ -59,6 +63,13 @@ impl PlacedWorld {
     /// What has been placed.
     pub fn world(&self) -> &World {
         &self.0.world
+    }
+
+    /// What of the world is not rendered as it was described, one sentence each: what its file asks
+    /// for and the renderer ignores, and what its place has made of it.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        let Placed { world, shapes, .. } = &*self.0;
+        world.warnings().iter().chain(&shapes.warnings).map(String::as_str)
     }
 
     /// Width and height of the film: what the options ask for, else what the camera does, else
@@ -117,4 +128,45 @@ fn film_size(options: &Options, camera: &Camera) -> Result<[u32; 2], SettingsErr
     };
     check_film(width, height)?;
     Ok([width, height])
+}
+
+/// What boundaries leave in doubt, in the words of the world.
+fn sentences(world: &World, doubts: &[Doubt]) -> Vec<String> {
+    if doubts.is_empty() {
+        return Vec::new();
+    }
+    let names = world.surface_names();
+    let name = |surface: u32| names[surface as usize].as_str();
+    let side = |side: usize| ["behind", "before"][side];
+    let mut warnings = Warnings::default();
+    for doubt in doubts {
+        match *doubt {
+            Doubt::Overlap([a, b]) => {
+                let text = format!(
+                    "overlaps {}: where both are, the medium is that of the smaller one",
+                    name(b)
+                );
+                warnings.add_like("overlap", name(a), &text);
+            }
+            Doubt::Contradiction { surface, side: of, other } => {
+                let text = format!(
+                    "the medium {} it is not what {} says: paths in opposite directions may \
+                     meet different media; state `interior` and `exterior` alike on both, and \
+                     close what they bound",
+                    side(of),
+                    name(other)
+                );
+                warnings.add_like("contradiction", name(surface), &text);
+            }
+            Doubt::Open { surface, side: of } => {
+                let text = format!(
+                    "the medium {} it is not closed off from that of the scene, and where it ends \
+                     cannot be known",
+                    side(of)
+                );
+                warnings.add_like("open", name(surface), &text);
+            }
+        }
+    }
+    warnings.sentences()
 }

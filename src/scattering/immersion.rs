@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Accelerator, offset_distance, reach_of_triangle};
-use crate::scene::baked::{KEEP, NONE, Shapes};
+use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
 /// Directions in which to look for the nearest boundary at first; the majority rules, as one of
 /// them may run along an edge.
@@ -24,7 +24,7 @@ const MORE_DIRECTIONS: usize = 128;
 const SURFACES_MAX: usize = 256;
 
 /// How far before and behind its surface an emitter's media are looked for, in offsets of rays.
-const STEPS: f32 = 4.0;
+pub const STEPS: f32 = 4.0;
 
 /// Media about something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,36 +45,48 @@ impl<M: Copy + PartialEq> Around<M> {
     }
 }
 
+/// What a look finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// A wall, behind which anything may be.
+    Nothing,
+    /// The end of the scene.
+    Outside,
+    /// A side of a surface: 0 its back, 1 its front.
+    Side(u32, usize),
+}
+
 /// Finds media of points in a scene.
 #[derive(Clone, Copy)]
 pub struct Immersion<'a> {
     shapes: &'a Shapes,
     accelerator: &'a Accelerator,
-    /// Of every material, whether nothing passes.
-    is_opaque: &'a [bool],
     /// Without media there is nothing to look for.
     has_media: bool,
 }
 
 impl<'a> Immersion<'a> {
-    /// Looks at the surfaces of `shapes`, found by `accelerator`. `is_opaque` says of every
-    /// material whether nothing passes.
-    pub fn new(
-        shapes: &'a Shapes,
-        accelerator: &'a Accelerator,
-        is_opaque: &'a [bool],
-        has_media: bool,
-    ) -> Self {
-        Self { shapes, accelerator, is_opaque, has_media }
+    /// Looks at the surfaces of `shapes`, found by `accelerator`.
+    pub fn new(shapes: &'a Shapes, accelerator: &'a Accelerator, has_media: bool) -> Self {
+        Self { shapes, accelerator, has_media }
+    }
+
+    /// What it looks at.
+    pub fn shapes(&self) -> &'a Shapes {
+        self.shapes
     }
 
     /// The medium around a point: a row in `media`, or [`NONE`].
     ///
     /// What the boundaries say that can be seen from there. Opaque walls say nothing; where there
-    /// is nothing else to be seen, it is the medium of the scene.
+    /// is nothing else to be seen, it is the medium of the scene. Where boundaries contradict each
+    /// other, it is what fills the smallest body around the point.
     pub fn at(&self, point: Vec3) -> u32 {
         if !self.has_media {
             return NONE;
+        }
+        if let Some(filling) = self.filling(point) {
+            return filling;
         }
         let first = self.majority(point, DIRECTIONS.into_iter());
         let more = || self.majority(point, spread(MORE_DIRECTIONS));
@@ -113,7 +125,10 @@ impl<'a> Immersion<'a> {
         }
         let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
         let step = normal * (STEPS * offset_distance(self.reach(primitive)));
-        let side = |stated: u32, point: Vec3| if stated == KEEP { self.at(point) } else { stated };
+        let side = |stated: u32, point: Vec3| match stated {
+            KEEP | SOUGHT => self.at(point),
+            stated => stated,
+        };
         [side(surface.exterior, point + step), side(surface.interior, point - step)]
     }
 
@@ -140,25 +155,92 @@ impl<'a> Immersion<'a> {
     /// The medium on the near side of the first boundary in a direction; that of the scene if
     /// there is none, nothing if a wall hides what there is.
     fn look(&self, origin: Vec3, direction: Vec3) -> Option<u32> {
+        let medium = match self.see(origin, direction) {
+            Seen::Nothing => return None,
+            Seen::Outside => self.shapes.scene_medium,
+            Seen::Side(surface, side) => self.sides(surface)[side],
+        };
+        (medium != SOUGHT).then_some(medium)
+    }
+
+    /// The first side of a boundary in a direction; of several in one place, one that is stated.
+    pub fn see(&self, origin: Vec3, direction: Vec3) -> Seen {
+        let mut first: Option<(f32, Seen)> = None;
         let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
         for _ in 0..SURFACES_MAX {
-            if hit.primitive == NONE {
-                return Some(self.shapes.scene_medium);
+            let is_beyond = |(t, _): (f32, _)| hit.primitive == NONE || hit.t > t;
+            if let Some(first) = first
+                && is_beyond(first)
+            {
+                return first.1;
             }
-            let surface = &self.shapes.surfaces[self.shapes.surface_of(hit.primitive) as usize];
-            if self.is_opaque[surface.material as usize] {
-                return None;
+            if hit.primitive == NONE {
+                return Seen::Outside;
+            }
+            let row = self.shapes.surface_of(hit.primitive);
+            let surface = &self.shapes.surfaces[row as usize];
+            if surface.is_opaque {
+                return first.map_or(Seen::Nothing, |(_, seen)| seen);
             }
             let position = origin + direction * hit.t;
             let normal = self.shapes.geometric_normal(hit.primitive, position);
-            let near =
-                if direction.dot(normal) < 0.0 { surface.exterior } else { surface.interior };
-            if near != KEEP {
-                return Some(near);
+            let side = usize::from(direction.dot(normal) < 0.0);
+            if self.sides(row)[side] != KEEP {
+                if !surface.unstated[side] {
+                    return Seen::Side(row, side);
+                }
+                let reach = position.abs().max_element().max(hit.t);
+                let end = hit.t + STEPS * offset_distance(reach);
+                first = first.or(Some((end, Seen::Side(row, side))));
             }
             hit = self.accelerator.next(origin, direction, hit);
         }
-        None
+        Seen::Nothing
+    }
+
+    fn sides(&self, surface: u32) -> [u32; 2] {
+        let surface = &self.shapes.surfaces[surface as usize];
+        [surface.interior, surface.exterior]
+    }
+
+    /// What fills the smallest body around a point, as most of a few directions have it.
+    fn filling(&self, point: Vec3) -> Option<u32> {
+        if self.shapes.bodies.is_empty() {
+            return None;
+        }
+        let [a, b, c, ..] = DIRECTIONS.map(|it| self.innermost(point, it.normalize()));
+        if b == c { b } else { a }
+    }
+
+    fn innermost(&self, point: Vec3, direction: Vec3) -> Option<u32> {
+        let around = self.leaves(point, direction);
+        let bodies = self.shapes.bodies.iter().filter(|body| around.contains(&body.surface));
+        let smaller = |a: &&Body, b: &&Body| a.size.total_cmp(&b.size);
+        bodies.min_by(smaller).map(|body| body.filling)
+    }
+
+    /// Whether a point is inside of a surface that is closed.
+    pub fn is_within(&self, surface: u32, point: Vec3) -> bool {
+        let votes = DIRECTIONS[..3].iter().map(|it| self.leaves(point, it.normalize()));
+        votes.filter(|around| around.contains(&surface)).count() >= 2
+    }
+
+    /// The surfaces that a ray leaves more often than it enters them.
+    fn leaves(&self, origin: Vec3, direction: Vec3) -> Vec<u32> {
+        let mut counts: Vec<(u32, i32)> = Vec::new();
+        let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
+        while hit.primitive != NONE {
+            let row = self.shapes.surface_of(hit.primitive);
+            let position = origin + direction * hit.t;
+            let normal = self.shapes.geometric_normal(hit.primitive, position);
+            let step = if direction.dot(normal) > 0.0 { 1 } else { -1 };
+            match counts.iter_mut().find(|(surface, _)| *surface == row) {
+                Some((_, count)) => *count += step,
+                None => counts.push((row, step)),
+            }
+            hit = self.accelerator.next(origin, direction, hit);
+        }
+        counts.into_iter().filter(|(_, count)| *count > 0).map(|(surface, _)| surface).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //! Scalar values only decide where paths go; kernels are relative to them (`polarization`), so
 //! that scalar and polarized renders trace the same paths.
 
+pub mod boundaries;
 pub mod emitter;
 pub mod event;
 pub mod immersion;

@@ -8,14 +8,15 @@ use crate::geometry::{
     Accelerator, RayColumns, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
 use crate::math::{Vector, lanes};
-use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, Shapes};
+use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::Emitter;
 
 use super::Sensor;
+use super::boundaries::settle;
 use super::emitter::direct::DirectTable;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
-use super::immersion::{Around, Immersion};
+use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::surface::{Material, SurfaceKind, Surfaces};
 
@@ -57,16 +58,15 @@ pub struct Scene<const N: usize> {
     pub sensor_medium: Around<u32>,
     /// The media before and behind every emitter.
     emitter_media: Vec<Around<[u32; 2]>>,
-    /// Of every material, whether nothing passes.
-    is_opaque: Vec<bool>,
     /// Running sum of the emitters' probabilities; the last entry is exactly one.
     emitter_cdf: Vec<f32>,
 }
 
 impl<const N: usize> Scene<N> {
     /// Builds the tree and the look-ups for a film of `width` times `height` pixels.
-    pub fn new(baked: BakedScene<N>, width: u32, height: u32) -> Self {
+    pub fn new(mut baked: BakedScene<N>, width: u32, height: u32) -> Self {
         let accelerator = Accelerator::of_shapes(&baked.shapes);
+        settle(&mut baked.shapes, &accelerator);
         Self::with_tree(Arc::new(baked.shapes), Arc::new(accelerator), baked.optics, width, height)
     }
 
@@ -93,10 +93,8 @@ impl<const N: usize> Scene<N> {
         let events = events(&media);
         media.push(Medium::clear());
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
-        let is_opaque: Vec<bool> =
-            optics.materials.iter().map(|material| !material.model.transmits()).collect();
         let has_media = !optics.media.is_empty();
-        let immersion = Immersion::new(&shapes, &accelerator, &is_opaque, has_media);
+        let immersion = Immersion::new(&shapes, &accelerator, has_media);
         let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
         let sensor = Sensor::new(&shapes.camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
@@ -113,7 +111,6 @@ impl<const N: usize> Scene<N> {
         Self {
             sensor_medium,
             emitter_media,
-            is_opaque,
             sensor,
             direct: DirectTable::new(&shapes, &optics),
             emitter_offsets,
@@ -214,7 +211,7 @@ impl<const N: usize> Scene<N> {
     }
 
     fn immersion(&self) -> Immersion<'_> {
-        Immersion::new(&self.shapes, &self.accelerator, &self.is_opaque, self.has_media())
+        Immersion::new(&self.shapes, &self.accelerator, self.has_media())
     }
 
     /// Whether paths can be in anything but clear space.
@@ -242,7 +239,7 @@ impl<const N: usize> Scene<N> {
     ) -> u32 {
         let of = |columns| Vec3::from(lanes::row_of(columns, row));
         let to_front = of(&surfaces.geometric_normal).dot(of(&rays.direction)) > 0.0;
-        self.medium_beyond(surfaces.primitive[row], to_front, before)
+        self.medium_beyond(surfaces, row, to_front, before)
     }
 
     /// Whether some surfaces leave light a single way, so that light paths cannot connect them to
@@ -259,14 +256,30 @@ impl<const N: usize> Scene<N> {
         &self.media[(row as usize).min(self.media.len() - 1)]
     }
 
-    /// The medium on the side of a primitive that is entered, for a path in the medium `before`.
+    /// The medium on the side of a surface that is entered, for a path in the medium `before`.
     #[inline(always)]
-    pub fn medium_beyond(&self, primitive: u32, to_front: bool, before: u32) -> u32 {
-        let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
+    pub fn medium_beyond(
+        &self,
+        surfaces: &SurfaceColumns,
+        row: usize,
+        to_front: bool,
+        before: u32,
+    ) -> u32 {
+        let surface = self.shapes.surface_of(surfaces.primitive[row]);
+        let surface = &self.shapes.surfaces[surface as usize];
         match if to_front { surface.exterior } else { surface.interior } {
             KEEP => before,
+            SOUGHT => self.medium_sought(surfaces, row, to_front),
             medium => medium,
         }
+    }
+
+    /// The medium next to a point where boundaries contradict each other.
+    #[cold]
+    fn medium_sought(&self, surfaces: &SurfaceColumns, row: usize, to_front: bool) -> u32 {
+        let of = |columns| Vec3::from(lanes::row_of(columns, row));
+        let step = STEPS * surfaces.offset[row] * if to_front { 1.0 } else { -1.0 };
+        self.immersion().at(of(&surfaces.position) + step * of(&surfaces.geometric_normal))
     }
 
     /// The probability with which roulette lets a path go on from what it hit.

@@ -3,7 +3,7 @@
 //!
 //! Lengths are in scene units (meters in glTF), angles in radians, radiometry per channel.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::emitter::Emitter;
 use super::instanced::Instanced;
@@ -14,6 +14,10 @@ pub const NONE: u32 = u32::MAX;
 
 /// In place of a medium: what crosses the surface to this side stays in the medium it is in.
 pub const KEEP: u32 = u32::MAX - 1;
+
+/// In place of a medium: the surface bounds what others cross, and what is beyond it hangs on where
+/// it is crossed. See [`Body`].
+pub const SOUGHT: u32 = u32::MAX - 2;
 
 /// Least cosine between a shading normal and the geometric one.
 pub const LEAST_COSINE: f32 = 1e-3;
@@ -52,10 +56,18 @@ pub struct Shapes {
     pub surface_of_primitive: Vec<u32>,
     /// One row per mesh primitive of a node, or sphere.
     pub surfaces: Vec<Surface>,
+    /// What closed surfaces bound, if boundaries overlap or touch: then the medium of a point is
+    /// that of the smallest body around it. Empty where every surface knows its two sides.
+    pub bodies: Vec<Body>,
     /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
     /// The camera.
     pub camera: Camera,
+    /// Where the scene's own space has the origin of these tables, which are centered on what the
+    /// camera sees.
+    pub origin: DVec3,
+    /// What of the scene is not rendered as it stands there, one sentence each.
+    pub warnings: Vec<String>,
     /// Sphere about the bounding box of all primitives and of the punctual lights, larger than
     /// the smallest one by no more than rounding needs. The camera may be outside.
     pub bounds: Bounds,
@@ -134,11 +146,27 @@ pub struct Surface {
     /// The node's y axis in world space, unit length: takes the place of `axis_x` where the
     /// surface is (nearly) perpendicular to that.
     pub axis_y: Vec3,
-    /// What lies behind the surface, against its normal: a row in `media`, [`NONE`] (clear) or
-    /// [`KEEP`].
+    /// What lies behind the surface, against its normal: a row in `media`, [`NONE`] (clear),
+    /// [`KEEP`] or [`SOUGHT`].
     pub interior: u32,
-    /// What lies before the surface: a row in `media`, [`NONE`] (clear) or [`KEEP`].
+    /// What lies before the surface: a row in `media`, [`NONE`] (clear), [`KEEP`] or [`SOUGHT`].
     pub exterior: u32,
+    /// Whether interior and exterior are not stated. They are then those of the scene's medium,
+    /// until a look around says better.
+    pub unstated: [bool; 2],
+    /// Whether nothing passes.
+    pub is_opaque: bool,
+}
+
+/// What a closed surface bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Row in `surfaces`.
+    pub surface: u32,
+    /// What fills it: a row in `media` or [`NONE`].
+    pub filling: u32,
+    /// Volume of its box; of bodies around a point the smallest counts, hence the innermost.
+    pub size: f32,
 }
 
 /// A material at the wavelengths of the render.

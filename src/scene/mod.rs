@@ -11,6 +11,7 @@ pub mod emitter;
 mod error;
 mod gltf;
 pub mod instanced;
+pub mod warnings;
 pub mod world;
 
 pub use self::bake::{bake, bake_optics, bake_shapes};

@@ -1,6 +1,6 @@
 //! Points on surfaces.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use sunstone::internals::geometry::{
     Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
@@ -21,7 +21,15 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
     let low = points.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
     let high = points.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
     let (axis_x, axis_y) = (Vec3::X, Vec3::Y);
-    let surface = Surface { material: 0, axis_x, axis_y, interior: KEEP, exterior: KEEP };
+    let surface = Surface {
+        material: 0,
+        axis_x,
+        axis_y,
+        interior: KEEP,
+        exterior: KEEP,
+        unstated: [false; 2],
+        is_opaque: true,
+    };
     Shapes {
         triangles: triangles.to_vec(),
         shading_normals: Vec::new(),
@@ -29,6 +37,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         instanced: Instanced::default(),
         surface_of_primitive: (0..count).rev().collect(),
         surfaces: vec![surface; count as usize],
+        bodies: Vec::new(),
         scene_medium: NONE,
         camera: Camera {
             projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
@@ -38,6 +47,8 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
             forward: -Vec3::Z,
             resolution: None,
         },
+        origin: DVec3::ZERO,
+        warnings: Vec::new(),
         bounds: Bounds { center: (low + high) / 2.0, radius: (high - low).length() / 2.0 },
     }
 }

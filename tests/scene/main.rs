@@ -3,6 +3,7 @@
 mod built;
 mod common;
 mod errors;
+mod far;
 mod fuzz;
 mod meaning;
 mod media;

@@ -78,6 +78,7 @@ fn children_move_with_their_parents() {
     document["nodes"][1]["children"] = json!([2]);
     document["nodes"][1]["scale"] = json!([2, 2, 2]);
     document["nodes"][1]["translation"] = json!([1, 0, 0]);
+    document["nodes"][0]["translation"] = json!([0, 0, 9]);
     let scene = baked(&document);
     assert_eq!(scene.shapes.spheres[0].center, Vec3::new(1.0, 0.0, 4.0));
     assert_eq!(scene.shapes.spheres[0].radius, 1.0);

@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 32] = [
+pub const SCENES: [Named; 34] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -43,6 +43,8 @@ pub const SCENES: [Named; 32] = [
     ("thin air between polarizers", thin_air_between_polarizers),
     ("milk and a mirror", milk_and_mirror),
     ("bottle of milk", bottle_of_milk),
+    ("fogs that overlap", overlapping_fogs),
+    ("rod half in fog, exterior not stated", rod_in_fog),
     ("flock of instances", || flock(Flock::Instances)),
 ];
 
@@ -336,6 +338,35 @@ fn fog_everywhere() -> World {
     scene.sphere(v(-0.4, -0.5, 0.1), 0.3, ball);
     scene.orthographic(v(0.3, 0.4, 3.0), Vec3::ZERO, 0.95);
     scene.load("fog fills the scene")
+}
+
+/// The medium where both are must not hang on which boundary was crossed first.
+fn overlapping_fogs() -> World {
+    let mut scene = room(&[FRONT]);
+    let ceiling = scene.diffuse(0.2);
+    let lamp = scene.emits(ceiling, 10.0);
+    scene.quad(v(0.0, 0.95, 0.0), v(0.3, 0.0, 0.0), v(0.0, 0.0, 0.3), lamp);
+    for (sigma_s, center, half) in
+        [(2.0, v(-0.2, 0.0, 0.0), v(0.5, 0.6, 0.5)), (5.0, v(0.2, 0.3, 0.1), v(0.3, 0.4, 0.4))]
+    {
+        let fog = scene.medium(json!({"phase": "hg", "g": 0.3, "sigma_a": 0.2,
+            "sigma_s": sigma_s}));
+        scene.fog(fog, |scene, null| scene.cuboid(center, half, null));
+    }
+    pinhole(scene).load("overlapping-fogs")
+}
+
+/// What is outside of the glass hangs on where it is left.
+fn rod_in_fog() -> World {
+    let mut scene = room(&[FRONT]);
+    let ceiling = scene.diffuse(0.2);
+    let lamp = scene.emits(ceiling, 10.0);
+    scene.quad(v(0.0, 0.95, 0.0), v(0.3, 0.0, 0.0), v(0.0, 0.0, 0.3), lamp);
+    let fog = scene.medium(json!({"phase": "isotropic", "sigma_a": 0.5, "sigma_s": 2.0}));
+    scene.fog(fog, |scene, null| scene.cuboid(v(-0.4, 0.0, 0.0), v(0.4, 0.7, 0.5), null));
+    let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+    scene.cuboid(v(0.0, -0.2, 0.0), v(0.5, 0.15, 0.15), glass);
+    pinhole(scene).load("rod-in-fog")
 }
 
 /// Anisotropic, in chromatic colors, and lit from infinity: paths enter through the boundary.

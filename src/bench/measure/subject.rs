@@ -74,6 +74,7 @@ fn subject(
     paper: Option<&'static PaperRow>,
     world: World,
 ) -> Result<Subject, RenderError> {
-    let warnings = world.warnings().to_vec();
-    Ok(Subject { name, paper, warnings, world: PlacedWorld::new(world)? })
+    let world = PlacedWorld::new(world)?;
+    let warnings = world.warnings().map(str::to_owned).collect();
+    Ok(Subject { name, paper, warnings, world })
 }

@@ -1,6 +1,6 @@
 //! Everything that emits, and how likely it is to start a path.
 
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::{Materials, outside_table};
 use crate::scene::baked::{NONE, Shapes};
@@ -21,11 +21,13 @@ pub struct Emitters<const N: usize> {
     powers: Vec<f64>,
 }
 
-/// Positions of the lights without extent that have one.
-pub fn positions(world: &World) -> Vec<Vec3> {
+/// Positions about `origin` of the lights without extent that have one.
+pub fn positions(world: &World, origin: DVec3) -> Vec<Vec3> {
     let positions =
         world.in_order::<(&Transform, &Punctual), _>(|(place, light)| match light.kind {
-            PunctualKind::Point | PunctualKind::Spot { .. } => Some(place.0.translation.as_vec3()),
+            PunctualKind::Point | PunctualKind::Spot { .. } => {
+                Some(place.about(origin).translation.as_vec3())
+            }
             PunctualKind::Directional => None,
         });
     positions.into_iter().flatten().collect()
@@ -49,7 +51,7 @@ pub fn emitters<const N: usize>(
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
         let intensity = light.intensity.sample(color);
         intensity
-            .map(|intensity| (punctual(light.kind, place), intensity))
+            .map(|intensity| (punctual(light.kind, &place.about(shapes.origin)), intensity))
             .map_err(|error| outside_table(&name.0, error))
     });
     for light in lights {
@@ -67,9 +69,9 @@ pub fn emitters<const N: usize>(
     Ok(table)
 }
 
-fn punctual(kind: PunctualKind, place: &Transform) -> EmitterModel {
-    let position = place.0.translation.as_vec3();
-    let direction = (-place.0.matrix3.z_axis.normalize()).as_vec3();
+fn punctual(kind: PunctualKind, place: &DAffine3) -> EmitterModel {
+    let position = place.translation.as_vec3();
+    let direction = (-place.matrix3.z_axis.normalize()).as_vec3();
     match kind {
         PunctualKind::Point => emitter::Point { position }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),

@@ -14,21 +14,20 @@ pub fn media<const N: usize>(world: &World, color: Color) -> Result<Vec<Medium<N
 }
 
 impl Rows {
-    /// What lies behind and before a surface.
-    pub fn sides(&self, bsdf: &Bsdf, boundary: &Boundary) -> (u32, u32) {
+    /// What lies behind and before a surface, and whether that is not stated.
+    pub fn sides(&self, bsdf: &Bsdf, boundary: &Boundary) -> [(u32, bool); 2] {
         let row = |filling: Filling| match filling {
             Filling::Clear => NONE,
             Filling::Medium(entity) => self.media.get(&entity).copied().unwrap_or(NONE),
         };
         let (interior, exterior) = (boundary.interior.map(row), boundary.exterior.map(row));
+        let or_around = |side: Option<u32>| (side.unwrap_or(self.scene_medium), side.is_none());
         let bounds_nothing = interior.is_none() && exterior.is_none();
         match bsdf.passage() {
-            Passage::Closed => (KEEP, KEEP),
-            Passage::Sheet if bounds_nothing => (KEEP, KEEP),
-            Passage::Body => (interior.unwrap_or(NONE), exterior.unwrap_or(self.scene_medium)),
-            Passage::Sheet | Passage::Boundary => {
-                (interior.unwrap_or(self.scene_medium), exterior.unwrap_or(self.scene_medium))
-            }
+            Passage::Closed => [(KEEP, false); 2],
+            Passage::Sheet if bounds_nothing => [(KEEP, false); 2],
+            Passage::Body => [(interior.unwrap_or(NONE), false), or_around(exterior)],
+            Passage::Sheet | Passage::Boundary => [interior, exterior].map(or_around),
         }
     }
 }

@@ -9,6 +9,7 @@ mod apart;
 mod emitters;
 mod media;
 mod optics;
+mod origin;
 mod phase;
 mod primitives;
 mod sharing;
@@ -20,6 +21,7 @@ use hecs::Entity;
 
 use super::baked::{BakedScene, Bounds, Camera, Material, NONE, Optics, Projection, Shapes};
 use super::error::SceneError;
+use super::warnings::Warnings;
 use super::world::{
     Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World,
 };
@@ -38,8 +40,7 @@ pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>
 /// Places all shapes and the camera in world space. Wavelengths have no part in it.
 ///
 /// # Errors
-/// When the world is not as it should be ([`World::check`]), a triangle has no area left in `f32`,
-/// or coordinates are out of range.
+/// When the world is not as it should be ([`World::check`]), or coordinates are out of range.
 pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
     shapes(world).map_err(|error| error.in_file(&world.file))
 }
@@ -61,8 +62,10 @@ pub fn bake_optics<const N: usize>(
 fn shapes(world: &World) -> Result<Shapes, SceneError> {
     world.check()?;
     let rows = Rows::of(world);
-    let primitives = primitives::primitives(world, &rows)?;
-    let bounds = bounds(world, &primitives)?;
+    let origin = origin::origin(world)?;
+    let mut warnings = Warnings::default();
+    let primitives = primitives::primitives(world, &rows, origin, &mut warnings)?;
+    let bounds = bounds(world, origin, &primitives)?;
     Ok(Shapes {
         triangles: primitives.triangles,
         shading_normals: primitives.shading_normals,
@@ -70,8 +73,11 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         instanced: primitives.instanced,
         surface_of_primitive: primitives.surface_of_primitive,
         surfaces: primitives.surfaces,
+        bodies: Vec::new(),
         scene_medium: rows.scene_medium,
-        camera: camera(world)?,
+        camera: camera(world, origin)?,
+        origin,
+        warnings: warnings.sentences(),
         bounds,
     })
 }
@@ -172,7 +178,11 @@ fn check_range(low: DVec3, high: DVec3, place: &str) -> Result<(), SceneError> {
 
 /// Sphere about the box of all primitives and of the lights that have a place. Its radius is a
 /// little larger than half the diagonal, so that rounding leaves nothing outside.
-fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, SceneError> {
+fn bounds(
+    world: &World,
+    origin: DVec3,
+    primitives: &primitives::Primitives,
+) -> Result<Bounds, SceneError> {
     const MARGIN: f64 = 1.0 + 1e-5;
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
@@ -187,7 +197,7 @@ fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, 
     for instance in primitives.instanced.instances() {
         instance.bounds.iter().for_each(|corner| add(*corner, 0.0));
     }
-    emitters::positions(world).into_iter().for_each(|position| add(position, 0.0));
+    emitters::positions(world, origin).into_iter().for_each(|position| add(position, 0.0));
     if low.x > high.x {
         // Nothing but an environment or directional light.
         return Ok(Bounds { center: Vec3::ZERO, radius: 1.0 });
@@ -198,7 +208,7 @@ fn bounds(world: &World, primitives: &primitives::Primitives) -> Result<Bounds, 
     Ok(Bounds { center: (0.5 * (low + high)).as_vec3(), radius: radius.max(f32::MIN_POSITIVE) })
 }
 
-fn camera(world: &World) -> Result<Camera, SceneError> {
+fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
     type Components<'a> = (&'a Transform, &'a Lens, Option<&'a Resolution>);
     let cameras =
         world.in_order::<Components, _>(|(place, lens, film)| (*place, *lens, film.copied()));
@@ -219,7 +229,7 @@ fn camera(world: &World) -> Result<Camera, SceneError> {
     };
     Ok(Camera {
         projection,
-        position: place.0.translation.as_vec3(),
+        position: place.about(origin).translation.as_vec3(),
         right: right.as_vec3(),
         up: up.as_vec3(),
         forward: up.cross(right).as_vec3(),

@@ -11,6 +11,7 @@ use super::{Rows, check_range};
 use crate::scene::baked::{KEEP, LEAST_COSINE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
+use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Transform, World,
 };
@@ -52,19 +53,24 @@ pub struct Triangles {
     pub shading_normals: Vec<[Vec3; 3]>,
 }
 
-/// Places all meshes and spheres.
-pub fn primitives(world: &World, rows: &Rows) -> Result<Primitives, SceneError> {
+/// Places all meshes and spheres about `origin`.
+pub fn primitives(
+    world: &World,
+    rows: &Rows,
+    origin: DVec3,
+    warnings: &mut Warnings,
+) -> Result<Primitives, SceneError> {
     type Placed<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
     let mut tables = Primitives::default();
     let parts = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
         let surface = surface(world, rows, of.0, &at.0, boundary);
         let emits = world.entities().satisfies::<&Emission>(of.0);
         let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
-        Part { name, geometry, to_world: at.0, surface, emits }
+        Part { name, geometry, to_world: at.about(origin), surface, emits }
     });
-    let instances = tables.add_parts(parts)?;
+    let instances = tables.add_parts(parts, warnings)?;
     let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
-        (name.clone(), ball.radius, at.0, surface(world, rows, of.0, &at.0, boundary))
+        (name.clone(), ball.radius, at.about(origin), surface(world, rows, of.0, &at.0, boundary))
     });
     for (name, radius, to_world, surface) in balls {
         let surface = tables.add_surface(surface);
@@ -78,7 +84,7 @@ pub fn primitives(world: &World, rows: &Rows) -> Result<Primitives, SceneError> 
     }
     let yields = std::mem::take(&mut tables.yields);
     set_apart(&mut tables, &yields);
-    tables.instanced = instanced(&instances, tables.surface_of_primitive.len())?;
+    tables.instanced = instanced(&instances, tables.surface_of_primitive.len(), warnings)?;
     Ok(tables)
 }
 
@@ -92,10 +98,11 @@ fn surface(
 ) -> (Surface, Yields) {
     let bsdf = world.entities().get::<&Bsdf>(material);
     let bsdf = bsdf.as_deref().unwrap_or(&Bsdf::Absorber);
-    let (interior, exterior) = rows.sides(bsdf, boundary);
+    let sides = rows.sides(bsdf, boundary);
+    let [interior, exterior] = sides.map(|(row, _)| row);
     let yields = match bsdf.passage() {
         Passage::Closed | Passage::Body => Yields::Never,
-        Passage::Sheet if (interior, exterior) == (KEEP, KEEP) => Yields::AsSheet,
+        Passage::Sheet if [interior, exterior] == [KEEP; 2] => Yields::AsSheet,
         Passage::Sheet | Passage::Boundary => Yields::AsBoundary,
     };
     let surface = Surface {
@@ -104,6 +111,8 @@ fn surface(
         axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
         interior,
         exterior,
+        unstated: sides.map(|(_, is_unstated)| is_unstated),
+        is_opaque: !bsdf.transmits(),
     };
     (surface, yields)
 }
@@ -117,7 +126,11 @@ impl Primitives {
 
     /// Adds the surfaces of all parts, and the triangles of those that are not shared; returns
     /// the others with the rows of their surfaces.
-    fn add_parts(&mut self, parts: Vec<Part>) -> Result<Vec<(Part, u32)>, SceneError> {
+    fn add_parts(
+        &mut self,
+        parts: Vec<Part>,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<(Part, u32)>, SceneError> {
         let mut triangles = Triangles::default();
         let mut instances = Vec::new();
         let is_shared = shared(&parts);
@@ -129,7 +142,9 @@ impl Primitives {
                 continue;
             }
             let normal_to_world = normal_matrix(&part.to_world.matrix3);
-            triangles.add(&part, |p| part.to_world.transform_point3(p), normal_to_world)?;
+            let to_world = |p| part.to_world.transform_point3(p);
+            let dropped = triangles.add(&part, to_world, normal_to_world)?;
+            warn_of_dropped(&part, dropped, warnings);
             self.surface_of_primitive.resize(triangles.rows.len(), surface);
         }
         triangles.finish_normals();
@@ -153,13 +168,15 @@ fn check_count<'a>(parts: impl Iterator<Item = (&'a Part, &'a bool)>) -> Result<
 }
 
 impl Triangles {
-    /// Appends a part, its positions and the directions of its normals transformed.
+    /// Appends a part, its positions and the directions of its normals transformed. Returns how
+    /// many triangles have been dropped, because nothing is left of their area.
     pub fn add(
         &mut self,
         part: &Part,
         transform: impl Fn(DVec3) -> DVec3,
         normals: DMat3,
-    ) -> Result<(), SceneError> {
+    ) -> Result<usize, SceneError> {
+        let before = self.rows.len();
         let Part { name, geometry, .. } = part;
         let positions: Vec<Vec3> =
             geometry.positions.iter().map(|p| transform(p.as_dvec3()).as_vec3()).collect();
@@ -167,16 +184,12 @@ impl Triangles {
             check_range(position.as_dvec3(), position.as_dvec3(), name)?;
         }
         let mirrored = normals.determinant() < 0.0;
-        for (index, triangle) in geometry.triangles.iter().enumerate() {
+        for triangle in &geometry.triangles {
             // A reflection turns the winding round; the front stays the front.
             let [a, b, c] = *triangle;
             let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
             let corners = triangle.map(|vertex| positions[vertex as usize]);
-            let Some(normal) = geometric_normal(corners) else {
-                let problem = format!("triangle {index} has no area in world space, as f32");
-                let remedy = "dissolve it, or scale the scene or move it towards the origin";
-                return Err(SceneError::new(name, problem, remedy));
-            };
+            let Some(normal) = geometric_normal(corners) else { continue };
             self.rows.push(Triangle { corners });
             let own = triangle.map(|vertex| {
                 let own = geometry.normals.get(vertex as usize).copied().unwrap_or_default();
@@ -185,7 +198,7 @@ impl Triangles {
             let flat = own.iter().all(|own| (*own - normal).length() < FLAT_TOLERANCE);
             self.shading_normals.push(if flat { [Vec3::ZERO; 3] } else { own });
         }
-        Ok(())
+        Ok(geometry.triangles.len() - (self.rows.len() - before))
     }
 
     /// Drops the shading normals if all triangles are flat; else the flat ones get theirs.
@@ -199,6 +212,13 @@ impl Triangles {
             }
         }
     }
+}
+
+/// Says what a part has lost in its place.
+pub fn warn_of_dropped(part: &Part, dropped: usize, warnings: &mut Warnings) {
+    const TRIANGLES: [&str; 2] = ["triangle", "triangles"];
+    let text = "without area in the world (as `f32`) dropped: too small, or too far away";
+    warnings.add_counted(&part.name, dropped, TRIANGLES, text);
 }
 
 /// What turns normals when `matrix` turns points, up to a positive factor: the inverse transpose,

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec3};
 
 use super::check_range;
-use super::primitives::{Part, Triangles};
+use super::primitives::{Part, Triangles, warn_of_dropped};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::{Instance, Instanced, Object, PRIMITIVES_MAX};
+use crate::scene::warnings::Warnings;
 use crate::scene::world::Geometry;
 
 /// Meshes are kept once if that saves so many triangles at least. Rays that run alike find copies
@@ -45,7 +46,11 @@ fn stretch(matrix: &DMat3) -> f64 {
 
 /// The tables of instances, behind so many primitives of the scene's own. Parts come with their
 /// rows in the surfaces.
-pub fn instanced(parts: &[(Part, u32)], primitives: usize) -> Result<Instanced, SceneError> {
+pub fn instanced(
+    parts: &[(Part, u32)],
+    primitives: usize,
+    warnings: &mut Warnings,
+) -> Result<Instanced, SceneError> {
     let mut tables = Instanced::behind(primitives);
     let mut known: HashMap<*const Geometry, (u32, Mold)> = HashMap::new();
     for (part, surface) in parts {
@@ -53,10 +58,13 @@ pub fn instanced(parts: &[(Part, u32)], primitives: usize) -> Result<Instanced, 
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => {
                 let mold = Mold::new(part)?;
-                place.insert((tables.add_object(mold.object(part)?), mold))
+                place.insert((tables.add_object(mold.object(part, warnings)?), mold))
             }
         };
         let to_world = part.to_world * DAffine3::from_translation(mold.middle);
+        if tables.objects()[*object as usize].triangles.is_empty() {
+            continue;
+        }
         let instance = Instance {
             object: *object,
             surface: *surface,
@@ -97,10 +105,11 @@ impl Mold {
     }
 
     /// The mesh about its middle.
-    fn object(&self, part: &Part) -> Result<Object, SceneError> {
+    fn object(&self, part: &Part, warnings: &mut Warnings) -> Result<Object, SceneError> {
         let about_middle = |position: DVec3| position - self.middle;
         let mut triangles = Triangles::default();
-        triangles.add(part, about_middle, DMat3::IDENTITY)?;
+        let dropped = triangles.add(part, about_middle, DMat3::IDENTITY)?;
+        warn_of_dropped(part, dropped, warnings);
         triangles.finish_normals();
         Ok(Object { triangles: triangles.rows, shading_normals: triangles.shading_normals })
     }

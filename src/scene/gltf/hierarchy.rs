@@ -1,11 +1,11 @@
 //! The nodes of a scene and where they are in the world.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
-use gltf::json;
+use serde_json::Value;
 
 use super::document::Document;
-use super::warnings::Warnings;
 use crate::scene::error::SceneError;
+use crate::scene::warnings::Warnings;
 use crate::scene::world::Transform;
 
 /// A node of the scene.
@@ -24,14 +24,14 @@ pub fn placed_nodes(
     warnings: &mut Warnings,
 ) -> Result<Vec<PlacedNode>, SceneError> {
     let root = &document.root;
+    let local = |node| local_transform(document, node);
     let mut placed = Vec::new();
     let mut open = starts(document, scene, warnings)?;
     open.reverse();
     while let Some((node, parent)) = open.pop() {
-        let label = || document.label("nodes", node);
-        let to_world = parent * local_transform(&root.nodes[node], &label())?;
+        let to_world = parent * local(node)?;
         let place = Transform(to_world);
-        place.check().map_err(|fault| SceneError::at(&label(), fault))?;
+        place.check().map_err(|fault| SceneError::at(&document.label("nodes", node), fault))?;
         placed.push(PlacedNode { node, to_world: place });
         let children = root.nodes[node].children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), to_world)));
@@ -73,8 +73,7 @@ fn starts(
         let mut to_world = DAffine3::IDENTITY;
         let mut above = parents[node];
         while let Some(parent) = above {
-            let label = document.label("nodes", parent);
-            to_world = local_transform(&nodes[parent], &label)? * to_world;
+            to_world = local_transform(document, parent)? * to_world;
             above = parents[parent];
         }
         starts.push((node, to_world));
@@ -95,27 +94,37 @@ fn below(document: &Document, parents: &[Option<usize>], listed: &[bool]) -> Vec
     below
 }
 
-fn local_transform(node: &json::Node, label: &str) -> Result<DAffine3, SceneError> {
+/// Where a node is in its parent's space. In double precision: the typed document has but single,
+/// in which a scene a kilometer from the origin stands on a grid of a tenth of a millimeter.
+fn local_transform(document: &Document, node: usize) -> Result<DAffine3, SceneError> {
     const UNIT_TOLERANCE: f64 = 1e-2;
-    if let Some(matrix) = node.matrix {
-        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+    let value = &document.value["nodes"][node];
+    let at = |key: &str| format!("{}, {key}", document.label("nodes", node));
+    if let Some(matrix) = numbers(&value["matrix"]) {
+        let matrix = DMat4::from_cols_array(&matrix);
         let last = matrix.row(3).to_array();
         if matrix.is_finite() && last != [0.0, 0.0, 0.0, 1.0] {
             let problem = "must have the last row 0 0 0 1";
             let remedy = "glTF matrices are affine and listed by column";
-            return Err(SceneError::new(format!("{label}, matrix"), problem, remedy));
+            return Err(SceneError::new(at("matrix"), problem, remedy));
         }
         return Ok(DAffine3::from_mat4(matrix));
     }
-    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let rotation = node.rotation.map_or(DQuat::IDENTITY, |q| DQuat::from_array(q.0.map(f64::from)));
+    let rotation = numbers(&value["rotation"]).map_or(DQuat::IDENTITY, DQuat::from_array);
     if (rotation.length() - 1.0).abs() > UNIT_TOLERANCE {
         let problem = format!("must have length 1, not {}", rotation.length());
-        return Err(SceneError::new(format!("{label}, rotation"), problem, "normalize it"));
+        return Err(SceneError::new(at("rotation"), problem, "normalize it"));
     }
     Ok(DAffine3::from_scale_rotation_translation(
-        node.scale.map_or(DVec3::ONE, vector),
+        numbers(&value["scale"]).map_or(DVec3::ONE, DVec3::from_array),
         rotation.normalize(),
-        node.translation.map_or(DVec3::ZERO, vector),
+        numbers(&value["translation"]).map_or(DVec3::ZERO, DVec3::from_array),
     ))
+}
+
+/// The numbers of an array that the typed document has found to be one of so many; none if it is
+/// not there.
+fn numbers<const N: usize>(array: &Value) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = array.as_array()?.iter().map(Value::as_f64).collect();
+    numbers?.try_into().ok()
 }

@@ -17,7 +17,6 @@ mod particles;
 mod phase_matrix;
 mod validate;
 mod volume;
-mod warnings;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,8 +28,8 @@ use self::document::Document;
 use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
-use self::warnings::Warnings;
 use super::error::{Findings, SceneError};
+use super::warnings::Warnings;
 use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
 use crate::math::text::listed;
 

@@ -50,6 +50,14 @@ impl Geometry {
         Self::new((0..8).map(corner).collect(), faces.into_iter().flat_map(halves).collect())
     }
 
+    /// The box of all vertices.
+    pub(in crate::scene) fn bounds(&self) -> [DVec3; 2] {
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        self.positions.iter().fold(none, |[low, high], position| {
+            [low.min(position.as_dvec3()), high.max(position.as_dvec3())]
+        })
+    }
+
     /// Drops triangles that no ray will ever meet: with two corners in one place, which strips
     /// and the poles of spheres are full of, or with three in line. Returns how many. Refuses all
     /// else that cannot be rendered, but for a mesh that has nothing left.

@@ -119,6 +119,13 @@ impl World {
         &self.warnings
     }
 
+    /// The names of what becomes the surfaces of the tables, in their order.
+    pub(crate) fn surface_names(&self) -> Vec<String> {
+        let parts = self.in_order::<(&Name, &Mesh), _>(|(name, _)| name.0.clone());
+        let balls = self.in_order::<(&Name, &Ball), _>(|(name, _)| name.0.clone());
+        [parts, balls].concat()
+    }
+
     /// Entities that match a query, in their order, each turned into what `f` makes of it.
     pub(super) fn in_order<Q: hecs::Query, T>(
         &self,

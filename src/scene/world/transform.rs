@@ -24,6 +24,11 @@ impl Transform {
         Self(DAffine3::from_mat3_translation(axes, eye))
     }
 
+    /// The same about another point of the world.
+    pub(in crate::scene) fn about(&self, origin: DVec3) -> DAffine3 {
+        DAffine3 { translation: self.0.translation - origin, ..self.0 }
+    }
+
     /// Refuses what makes volumes vanish, or is not finite.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         const LEAST_RELATIVE_VOLUME: f64 = 1e-9;

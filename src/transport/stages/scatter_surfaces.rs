@@ -150,8 +150,7 @@ impl<const N: usize, C> Departing<'_, N, C> {
         for lane in 0..LANES.min(self.end - row) {
             if before[lane] * after[lane] > 0.0 {
                 let inside = &mut paths.media.inside[row + lane];
-                let primitive = surfaces.primitive[row + lane];
-                *inside = scene.medium_beyond(primitive, after[lane] > 0.0, *inside);
+                *inside = scene.medium_beyond(surfaces, row + lane, after[lane] > 0.0, *inside);
             }
         }
     }

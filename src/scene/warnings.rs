@@ -1,12 +1,12 @@
-//! What is not rendered as it stands in the file: said once a kind, however many objects it
+//! What is not rendered as it stands in the scene: said once a kind, however many objects it
 //! befalls.
 
 use crate::math::text::{counted, excerpt};
 
-/// Most characters of a place and of what is said about it: names are the file's.
+/// Most characters of a place and of what is said about it: names are the scene's.
 const CHARACTERS_MAX: usize = 400;
 
-/// The warnings about a file, in the order in which their kinds were met.
+/// The warnings about a scene, in the order in which their kinds were met.
 #[derive(Default)]
 pub struct Warnings(Vec<Kind>);
 

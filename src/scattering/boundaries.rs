@@ -1,0 +1,361 @@
+//! What the sides of boundaries are that do not say so themselves, or that contradict each other.
+//!
+//! A side that is not stated is what surrounds it: what those boundaries state that can be seen
+//! from there, or what theirs turn out to be. Where boundaries say different things about the same
+//! place, because they overlap, touch or are wrong, the medium of a point is that of the smallest
+//! body around it, whatever crosses whichever surface: the innermost where bodies are nested. So
+//! paths of either side know the same.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::immersion::{Immersion, STEPS, Seen, spread};
+use crate::geometry::{Accelerator, offset_distance};
+use crate::scene::baked::{Body, KEEP, SOUGHT, Shapes};
+
+/// Looks from all boundaries together, about, and from one of them.
+const LOOKS: usize = 1 << 15;
+const LOOKS_OF_SURFACE: [usize; 2] = [8, 64];
+
+/// The share of looks that may disagree with the others: they slip through seams, or along edges.
+const SLIPS: f64 = 1.0 / 32.0;
+
+/// How much of the area of a surface its triangles may leave open.
+const OPEN_SHARE: f64 = 1e-3;
+
+/// Rounds in which unstated sides learn from each other.
+const ROUNDS: usize = 64;
+
+/// What boundaries leave in doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// Two closed surfaces overlap: the smaller counts.
+    Overlap([u32; 2]),
+    /// Another surface says something else about a side of this one (0 behind, 1 before it).
+    Contradiction {
+        /// The surface.
+        surface: u32,
+        /// Its side.
+        side: usize,
+        /// The other surface.
+        other: u32,
+    },
+    /// From a side of this surface, one looks out of the scene, where there is another medium.
+    Open {
+        /// The surface.
+        surface: u32,
+        /// Its side.
+        side: usize,
+    },
+}
+
+/// A surface that bounds something.
+struct Boundary {
+    surface: u32,
+    /// Points on it and the normals there.
+    points: Vec<(Vec3, Vec3)>,
+    /// How far off it one is on a side of it.
+    step: f32,
+    /// Whether nothing gets out of it but through it.
+    is_closed: bool,
+    /// Volume of its box.
+    size: f32,
+    /// What is seen from behind and before it.
+    seen: [Vec<Seen>; 2],
+}
+
+/// What the looks from a side say: how many say which medium, and one of the surfaces that did.
+type Tally = BTreeMap<u32, (usize, Option<u32>)>;
+
+/// Finds what boundaries do not say, and what they say wrongly.
+pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
+    if is_one_medium(shapes) {
+        return Vec::new();
+    }
+    let boundaries = look_around(shapes, accelerator);
+    let tallies = learn(shapes, &boundaries);
+    let mut doubts = Vec::new();
+    let mut sought = BTreeSet::new();
+    let immersion = Immersion::new(shapes, accelerator, true);
+    for (boundary, tallies) in boundaries.iter().zip(&tallies) {
+        for (side, tally) in tallies.iter().enumerate() {
+            judge(&immersion, &boundaries, (boundary, side, tally), &mut sought, &mut doubts);
+        }
+    }
+    doubts.dedup();
+    let is_new = |index: usize| !doubts[..index].contains(&doubts[index]);
+    let doubts = (0..doubts.len()).filter(|&index| is_new(index)).map(|index| doubts[index]);
+    let doubts = doubts.collect();
+    if !sought.is_empty() {
+        keep_bodies(shapes, &boundaries, &sought);
+    }
+    doubts
+}
+
+fn sides_of(shapes: &Shapes, surface: u32) -> [u32; 2] {
+    let surface = &shapes.surfaces[surface as usize];
+    [surface.interior, surface.exterior]
+}
+
+/// Whether all that boundaries say is the same.
+fn is_one_medium(shapes: &Shapes) -> bool {
+    let sides = shapes.surfaces.iter().flat_map(|surface| [surface.interior, surface.exterior]);
+    sides.into_iter().all(|side| side == KEEP || side == shapes.scene_medium)
+}
+
+/// All boundaries, with what is seen from both sides of each.
+fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
+    let rows = 0..shapes.surfaces.len() as u32;
+    let bounding: Vec<u32> = rows.filter(|&row| sides_of(shapes, row) != [KEEP; 2]).collect();
+    let [least, most] = LOOKS_OF_SURFACE;
+    let count = (LOOKS / bounding.len().max(1)).clamp(least, most);
+    let mut primitives: Vec<Vec<u32>> = vec![Vec::new(); shapes.surfaces.len()];
+    for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
+        primitives[surface as usize].push(primitive);
+    }
+    for instance in shapes.instanced.instances() {
+        let count = shapes.instanced.objects()[instance.object as usize].triangles.len() as u32;
+        let first = instance.first_primitive;
+        primitives[instance.surface as usize].extend(first..first + count);
+    }
+    let immersion = Immersion::new(shapes, accelerator, true);
+    let boundary = |&surface: &u32| {
+        let patches = Patches::new(shapes, &primitives[surface as usize]);
+        let points = patches.points(count);
+        let step = patches.step();
+        let look = |side: f32| {
+            let looks = points.iter().zip(spread(points.len()));
+            let look = |(&(point, normal), aside): (&(Vec3, Vec3), Vec3)| {
+                let outwards = normal * side;
+                immersion.see(point + step * outwards, (outwards + 0.99 * aside).normalize())
+            };
+            looks.map(look).collect()
+        };
+        let seen = [look(-1.0), look(1.0)];
+        let (is_closed, size) = (patches.is_closed(), patches.size());
+        Boundary { surface, points, step, is_closed, size, seen }
+    };
+    bounding.par_iter().map(boundary).collect()
+}
+
+/// The primitives of a surface.
+struct Patches {
+    /// Corners of the triangles.
+    triangles: Vec<[Vec3; 3]>,
+    /// Running sum of their areas.
+    areas: Vec<f64>,
+    /// Center and radius, if it is a sphere.
+    sphere: Option<(Vec3, f32)>,
+}
+
+impl Patches {
+    fn new(shapes: &Shapes, primitives: &[u32]) -> Self {
+        let own = shapes.triangles.len();
+        let sphere = primitives.first().and_then(|&primitive| {
+            let row = (primitive as usize).checked_sub(own)?;
+            shapes.spheres.get(row).map(|sphere| (sphere.center, sphere.radius))
+        });
+        let corners = |&primitive: &u32| match shapes.instanced.find(primitive) {
+            Some((instance, object, row)) => {
+                object.triangles[row].corners.map(|it| instance.to_world.transform_point3(it))
+            }
+            None => shapes.triangles[primitive as usize].corners,
+        };
+        let triangles: Vec<[Vec3; 3]> =
+            if sphere.is_some() { Vec::new() } else { primitives.iter().map(corners).collect() };
+        let mut sum = 0.0;
+        let areas = triangles.iter().map(|triangle| {
+            sum += area_vector(triangle).length();
+            sum
+        });
+        Self { areas: areas.collect(), triangles, sphere }
+    }
+
+    /// Points all over them, by area, with the normals there.
+    fn points(&self, count: usize) -> Vec<(Vec3, Vec3)> {
+        if let Some((center, radius)) = self.sphere {
+            return spread(count).map(|normal| (center + radius * normal, normal)).collect();
+        }
+        let Some(total) = self.areas.last() else { return Vec::new() };
+        // The plastic sequence (Roberts 2018).
+        let fraction = |index: usize, step: f64| (0.5 + index as f64 * step).fract() as f32;
+        let point = |index: usize| {
+            let at = total * (index as f64 + 0.5) / count as f64;
+            let row = self.areas.partition_point(|sum| *sum < at).min(self.areas.len() - 1);
+            let [a, b, c] = self.triangles[row];
+            let (mut u, mut v) =
+                (fraction(index, 0.754_877_666_246_693), fraction(index, 0.569_840_290_998_053));
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            (a + u * (b - a) + v * (c - a), area_vector(&[a, b, c]).normalize().as_vec3())
+        };
+        (0..count).map(point).collect()
+    }
+
+    fn step(&self) -> f32 {
+        let corners = self.triangles.as_flattened().iter();
+        let reach = match self.sphere {
+            Some((center, radius)) => center.abs().max_element() + radius,
+            None => corners.fold(0.0, |reach: f32, at| reach.max(at.abs().max_element())),
+        };
+        STEPS * offset_distance(reach)
+    }
+
+    fn is_closed(&self) -> bool {
+        let open: glam::DVec3 = self.triangles.iter().map(area_vector).sum();
+        let total = self.areas.last().copied().unwrap_or(0.0);
+        self.sphere.is_some() || open.length() < OPEN_SHARE * total
+    }
+
+    fn size(&self) -> f32 {
+        if let Some((_, radius)) = self.sphere {
+            return (2.0 * radius).powi(3);
+        }
+        let corners = self.triangles.as_flattened().iter();
+        let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let [low, high] = corners.fold(none, |[low, high], at| [low.min(*at), high.max(*at)]);
+        (high - low).element_product().max(0.0)
+    }
+}
+
+/// Half the area of a triangle, along its normal.
+fn area_vector([a, b, c]: &[Vec3; 3]) -> glam::DVec3 {
+    let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
+    0.5 * (b - a).cross(c - a)
+}
+
+/// Settles the sides that are not stated, nearest to what is stated first; what the looks from all
+/// sides say then.
+fn learn(shapes: &mut Shapes, boundaries: &[Boundary]) -> Vec<[Tally; 2]> {
+    let is_unstated = |shapes: &Shapes, surface: u32, side: usize| {
+        shapes.surfaces[surface as usize].unstated[side]
+    };
+    let mut open: BTreeSet<(u32, usize)> = boundaries
+        .iter()
+        .flat_map(|boundary| [(boundary.surface, 0), (boundary.surface, 1)])
+        .filter(|&(surface, side)| is_unstated(shapes, surface, side))
+        .collect();
+    for _ in 0..ROUNDS {
+        let known = |boundary: &Boundary, side: usize| {
+            let tally = tally(shapes, &open, &boundary.seen[side]);
+            let most = tally.iter().max_by_key(|(_, (count, _))| *count)?;
+            Some((boundary.surface, side, *most.0))
+        };
+        let sides = boundaries.iter().flat_map(|boundary| [(boundary, 0), (boundary, 1)]);
+        let asked = sides.filter(|(boundary, side)| open.contains(&(boundary.surface, *side)));
+        let learned: Vec<_> = asked.filter_map(|(boundary, side)| known(boundary, side)).collect();
+        if learned.is_empty() {
+            break;
+        }
+        for (surface, side, medium) in learned {
+            open.remove(&(surface, side));
+            let surface = &mut shapes.surfaces[surface as usize];
+            *[&mut surface.interior, &mut surface.exterior][side] = medium;
+        }
+    }
+    let none = BTreeSet::new();
+    let tallies =
+        |boundary: &Boundary| [0, 1].map(|side| tally(shapes, &none, &boundary.seen[side]));
+    boundaries.iter().map(tallies).collect()
+}
+
+/// What looks say, but for those that end on sides of which nothing is known.
+fn tally(shapes: &Shapes, open: &BTreeSet<(u32, usize)>, seen: &[Seen]) -> Tally {
+    let mut tally = Tally::new();
+    for seen in seen {
+        let (medium, by) = match *seen {
+            Seen::Nothing => continue,
+            Seen::Outside => (shapes.scene_medium, None),
+            Seen::Side(surface, side) if open.contains(&(surface, side)) => continue,
+            Seen::Side(surface, side) => (sides_of(shapes, surface)[side], Some(surface)),
+        };
+        let entry = tally.entry(medium).or_insert((0, by));
+        entry.0 += 1;
+        entry.1 = entry.1.or(by);
+    }
+    tally
+}
+
+/// Notes what is doubtful about a side, and between which surfaces the medium is to be sought.
+fn judge(
+    immersion: &Immersion,
+    boundaries: &[Boundary],
+    (boundary, side, tally): (&Boundary, usize, &Tally),
+    sought: &mut BTreeSet<u32>,
+    doubts: &mut Vec<Doubt>,
+) {
+    let surface = boundary.surface;
+    let own = sides_of(immersion.shapes(), surface)[side];
+    let all: usize = tally.values().map(|(count, _)| count).sum();
+    let others: Vec<_> = tally.iter().filter(|(medium, _)| **medium != own).collect();
+    let dissent: usize = others.iter().map(|(_, (count, _))| count).sum();
+    if dissent < 2 || dissent as f64 <= SLIPS * all as f64 {
+        return;
+    }
+    let mut partners: Vec<u32> = tally.values().filter_map(|(_, by)| *by).collect();
+    partners.retain(|&partner| partner != surface);
+    let other = |row: u32| boundaries.iter().find(|it| it.surface == row);
+    let closed: Vec<&Boundary> =
+        partners.iter().filter_map(|&row| other(row)).filter(|it| it.is_closed).collect();
+    if boundary.is_closed && closed.len() == partners.len() && !closed.is_empty() {
+        sought.extend(closed.iter().map(|it| it.surface).chain([surface]));
+        let meetings: Vec<Meeting> =
+            closed.iter().map(|other| meeting(immersion, boundary, other)).collect();
+        if let Some(at) = meetings.iter().position(|it| *it == Meeting::Overlap) {
+            let [a, b] = [surface, closed[at].surface];
+            doubts.push(Doubt::Overlap([a.min(b), a.max(b)]));
+            return;
+        }
+        if meetings.contains(&Meeting::Touch) {
+            return;
+        }
+    }
+    doubts.push(match others.iter().find_map(|(_, (_, by))| *by).or(partners.first().copied()) {
+        Some(other) => Doubt::Contradiction { surface, side, other },
+        None => Doubt::Open { surface, side },
+    });
+}
+
+/// How two closed surfaces meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meeting {
+    /// One is inside of the other, or they are apart.
+    Nowhere,
+    /// From outside, in places.
+    Touch,
+    /// One is inside of the other in part.
+    Overlap,
+}
+
+fn meeting(immersion: &Immersion, a: &Boundary, b: &Boundary) -> Meeting {
+    let mut is_touching = false;
+    for (boundary, other) in [(a, b), (b, a)] {
+        let is_within = |side: f32, &(point, normal): &(Vec3, Vec3)| {
+            immersion.is_within(other.surface, point + side * boundary.step * normal)
+        };
+        let before: Vec<_> = boundary.points.iter().filter(|point| is_within(1.0, point)).collect();
+        let inside = before.iter().filter(|point| is_within(-1.0, point)).count();
+        if 0 < inside && inside < boundary.points.len() {
+            return Meeting::Overlap;
+        }
+        is_touching |= inside < before.len();
+    }
+    if is_touching { Meeting::Touch } else { Meeting::Nowhere }
+}
+
+/// Has the medium sought at the given surfaces, and tells of all closed ones what they hold.
+fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u32>) {
+    let body = |boundary: &Boundary| {
+        let filling = sides_of(shapes, boundary.surface)[0];
+        let is_body = boundary.is_closed && filling != KEEP;
+        is_body.then_some(Body { surface: boundary.surface, filling, size: boundary.size })
+    };
+    shapes.bodies = boundaries.iter().filter_map(body).collect();
+    for &surface in sought {
+        let surface = &mut shapes.surfaces[surface as usize];
+        (surface.interior, surface.exterior) = (SOUGHT, SOUGHT);
+    }
+}
