@@ -1,6 +1,8 @@
 //! The two sides that paths are traced from, as types.
 
+use crate::geometry::SurfaceColumns;
 use crate::scattering::{Scene, Side};
+use crate::transport::chunk::ROWS;
 use crate::transport::emission::Finding;
 use crate::transport::stages::collect_crossed_emission::collect_crossed_emission;
 use crate::transport::stages::collect_emission::collect_emission;
@@ -12,6 +14,7 @@ use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use crate::transport::stages::rescale_light::rescale_light;
 use crate::transport::stages::rescale_sensor::rescale_sensor;
 use crate::transport::stages::scatter_light::scatter_light;
+use crate::transport::stages::weigh_choice::weigh_choice;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::partition::Partition;
@@ -39,6 +42,9 @@ impl SensorWalk {
     ) {
         w.profile.time(Stage::Start, || {
             w.measured.clear();
+            if scene.choice.depends_on_vantage() {
+                w.sensor.iter_mut().for_each(|paths| paths.last.make(ROWS));
+            }
             let components = w.measured.components();
             generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths, components);
         });
@@ -97,6 +103,9 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         });
     }
 
+    /// The sensor's rays are known.
+    fn weigh_start(_: &mut PathTable<N, M::Sensor>, _: &SurfaceColumns, _: &Scene<N>) {}
+
     fn depolarize(paths: &mut PathTable<N, M::Sensor>, partition: &Partition) {
         depolarize_sensor(&mut paths.carriers, &mut paths.beta, partition);
     }
@@ -142,6 +151,15 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
 
     /// Nor does their light stop there.
     fn meet_emitters_crossed(_: &mut Workspace<N, M>, _: &Crossing<N>, _: &Scene<N>, _: Finding) {}
+
+    /// How likely connections are to start paths where they did.
+    fn weigh_start(
+        paths: &mut PathTable<N, M::Light>,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
+    ) {
+        weigh_choice(paths, surfaces, scene);
+    }
 
     fn depolarize(paths: &mut PathTable<N, M::Light>, partition: &Partition) {
         depolarize_light(&mut paths.carriers, &mut paths.beta, partition);

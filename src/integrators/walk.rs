@@ -1,7 +1,7 @@
 //! The walk that paths of either side take, from vertex to vertex. An integrator says what is
 //! done at each.
 
-use crate::geometry::{resolve_surfaces, trace_closest};
+use crate::geometry::{SurfaceColumns, resolve_surfaces, trace_closest};
 use crate::math::columns::Columns;
 use crate::scattering::event::END;
 use crate::scattering::{Scene, Side};
@@ -57,6 +57,13 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
         crossing: &Crossing<N>,
         scene: &Scene<N>,
         finding: Finding,
+    );
+
+    /// Brings what is known of starts only at their ends to the partial weights.
+    fn weigh_start(
+        paths: &mut PathTable<N, Self::Carriers>,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
     );
 
     /// Ends polarization at depolarizers.
@@ -228,6 +235,9 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
             weigh_arrival(sorted, sorted_hits, surfaces, (scene, partition), from_infinity);
+            if path_length == 1 {
+                S::weigh_start(sorted, surfaces, scene);
+            }
         }
     });
     profile.time(Stage::Mueller, || S::depolarize(sorted, partition));

@@ -13,6 +13,7 @@ use crate::scene::emitter::Emitter;
 
 use super::Sensor;
 use super::boundaries::settle;
+use super::emitter::choice::Choice;
 use super::emitter::direct::DirectTable;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
@@ -58,8 +59,8 @@ pub struct Scene<const N: usize> {
     pub sensor_medium: Around<u32>,
     /// The media before and behind every emitter.
     emitter_media: Vec<Around<[u32; 2]>>,
-    /// Running sum of the emitters' probabilities; the last entry is exactly one.
-    emitter_cdf: Vec<f32>,
+    /// Which emitter is chosen how often.
+    pub choice: Choice,
 }
 
 impl<const N: usize> Scene<N> {
@@ -114,7 +115,7 @@ impl<const N: usize> Scene<N> {
             sensor,
             direct: DirectTable::new(&shapes, &optics),
             emitter_offsets,
-            emitter_cdf: running_sum(optics.emitters.iter().map(|emitter| emitter.probability)),
+            choice: Choice::new(&shapes, &optics.emitters),
             has_polarizing_vertices,
             events,
             has_straight_on,
@@ -147,11 +148,6 @@ impl<const N: usize> Scene<N> {
     #[inline(always)]
     pub fn material_at(&self, primitive: u32) -> &Material {
         &self.surfaces.materials()[self.material_row(primitive)]
-    }
-
-    /// The emitter that the random number `u` in [0, 1) chooses, by its probability.
-    pub fn choose_emitter(&self, u: f32) -> usize {
-        self.emitter_cdf.partition_point(|&sum| sum <= u).min(self.emitter_cdf.len() - 1)
     }
 
     /// The events that some surface or medium of the scene is met by.
@@ -323,18 +319,4 @@ fn media_about<const N: usize>(
 fn straight_on_kinds(materials: &[Material]) -> Vec<SurfaceKind> {
     let is_used = |kind: &SurfaceKind| materials.iter().any(|it| it.kind == *kind);
     SurfaceKind::STRAIGHT_ON.iter().copied().filter(is_used).collect()
-}
-
-fn running_sum(probabilities: impl Iterator<Item = f32>) -> Vec<f32> {
-    let mut sum = 0.0_f64;
-    let mut cdf: Vec<f32> = probabilities
-        .map(|probability| {
-            sum += f64::from(probability);
-            sum as f32
-        })
-        .collect();
-    if let Some(last) = cdf.last_mut() {
-        *last = 1.0;
-    }
-    cdf
 }

@@ -22,8 +22,9 @@ pub struct Emitter<const N: usize> {
     pub model: EmitterModel,
     /// Radiance, radiant intensity or irradiance, as the model has it; not negative, finite.
     pub radiance: [f32; N],
-    /// Probability to be chosen as the source of a path: proportional to emitted power
-    /// averaged over the channels. All rows together sum to one.
+    /// Probability to be chosen as the start of a light path: proportional to emitted power
+    /// averaged over the channels. All rows together sum to one. What vertices connect to is chosen
+    /// by what it brings to them (`scattering::emitter::choice`).
     pub probability: f32,
 }
 

@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use crate::math::{LANES, lanes};
 use crate::scattering::Scene;
-use crate::scattering::emitter::{EmissionSample, MetEmission, met_emission, sample_emission};
+use crate::scattering::emitter::{
+    EmissionSample, MetEmission, direct_pdf, met_emission, sample_emission,
+};
 
 use super::Strategy;
 use super::measure::measure_unpolarized;
@@ -23,13 +25,24 @@ pub fn sample_emissions<const N: usize>(
     let seed = lanes::load_u32(&identity.seed, row);
     let iteration = lanes::load_u32(&identity.iteration, row);
     let numbers = |purpose| draw(seed, iteration, 0, purpose).map(|u| u.to_array());
-    let [choice, _] = numbers(Purpose::EmitterOfPath);
+    let choice = numbers(Purpose::EmitterOfPath);
     let position = numbers(Purpose::EmissionPosition);
     let direction = numbers(Purpose::EmissionDirection);
     std::array::from_fn(|lane| {
-        let (u_position, u_direction) = (position.map(|u| u[lane]), direction.map(|u| u[lane]));
-        sample_emission(scene, choice[lane], u_position, u_direction)
+        let [choice, u_position, u_direction] =
+            [&choice, &position, &direction].map(|pair| [pair[0][lane], pair[1][lane]]);
+        sample_emission(scene, choice, u_position, u_direction)
     })
+}
+
+/// The emitters at which eight light paths have started.
+pub fn emitters_of_paths<const N: usize>(
+    identity: &IdentityColumns,
+    scene: &Scene<N>,
+    row: usize,
+) -> [usize; LANES] {
+    let choice = identity.draw(row, 0, Purpose::EmitterOfPath).map(|u| u.to_array());
+    lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])))
 }
 
 /// An emitter that a sensor path meets.
@@ -65,17 +78,25 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
     let position = Vec3::from(lanes::row_of(&paths.rays.origin, row)) + direction * t;
     let Some(met) = met_emission(scene, primitive, position, direction) else { return };
-    let MetEmission { direct_pdf, emission_pdf, cos_at_light, .. } = met;
-    let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+    let MetEmission { emission_pdf, cos_at_light, .. } = met;
+    // Where the last vertex connects to nothing, nobody asks how.
+    let densities = |connects: bool| {
+        let (from, emitter) = (paths.vantage(row), scene.emitter_seen(primitive) as usize);
+        let of_choice = || direct_pdf(scene, emitter, &from, (position, direction));
+        let direct_pdf = if connects { of_choice() } else { 0.0 };
+        EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
+    };
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
         _ if path_length == 1 => 1.0,
         Strategy::Merging => 1.0,
         Strategy::Unidirectional => {
-            mis::power_of_emission_met(paths.mis.pdf_w[row], emitter, distance2)
+            let pdf_w = paths.mis.pdf_w[row];
+            mis::power_of_emission_met(pdf_w, densities(pdf_w.is_finite()), distance2)
         }
         Strategy::Bidirectional => {
-            mis::weight_of_emission_met(paths.mis.row(row), emitter, distance2)
+            let weights = paths.mis.row(row);
+            mis::weight_of_emission_met(weights, densities(weights.d_vcm > 0.0), distance2)
         }
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);

@@ -17,6 +17,7 @@
 //! |---|---|---|
 //! | 20 | merging against connecting | [`MergingFactors::both`] |
 //! | 31, 32; 48, 49 (delta emitters) | start of a light path | [`PartialWeights::from_emitter`] |
+//! | 31, the density there | first vertex of a light path | [`PartialWeights::beside_choice`] |
 //! | 31, 32 | start of a sensor path | [`PartialWeights::from_sensor`] |
 //! | 31, 32, 34, 35, second half | arrival | [`PartialWeights::arrive`] |
 //! | 34, 35, first half | departure | [`PartialWeights::depart`] |
@@ -42,11 +43,13 @@ use crate::math::{F32s, Real};
 use crate::scattering::vertex::Turn;
 
 /// Densities of a point of an emitter (or a direction, where that is infinitely far away) and of
-/// the light that leaves it. All include the probability of choosing the emitter.
+/// the light that leaves it. Both include the probability of choosing the emitter, which differs:
+/// light paths start at emitters by their power, connections choose them by what they bring to the
+/// vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterDensities<F> {
-    /// Of choosing the point when connecting: per area; per steradian where the emitter is
-    /// infinitely far away.
+    /// Of choosing the point when connecting, from the vertex next to it: per area; per steradian
+    /// where the emitter is infinitely far away.
     pub direct_pdf: F,
     /// Of starting a light path with it: per area and steradian; per steradian from a point.
     pub emission_pdf: F,
@@ -94,14 +97,22 @@ pub struct PartialWeights<F> {
 
 impl<F: Real> PartialWeights<F> {
     /// Of a light path that leaves an emitter; `delta` where no path can meet that by chance.
-    /// Equations 31 and 32, 48 and 49 for `delta`, still without the first segment.
+    /// Equations 31 and 32, 48 and 49 for `delta`, still without the first segment and the density
+    /// of choosing the emitter's point from its end ([`Self::beside_choice`]). `emission_pdf` and
+    /// `cos_at_light` are those of [`EmitterDensities`].
     #[inline(always)]
-    pub fn from_emitter(emitter: EmitterDensities<F>, delta: F::Mask) -> Self {
-        let EmitterDensities { direct_pdf, emission_pdf, cos_at_light } = emitter;
+    pub fn from_emitter(emission_pdf: F, cos_at_light: F, delta: F::Mask) -> Self {
         Self {
-            d_vcm: direct_pdf / emission_pdf,
+            d_vcm: F::one() / emission_pdf,
             d_vc: F::select(delta, F::zero(), cos_at_light / emission_pdf),
         }
+    }
+
+    /// At the first vertex of a light path, where it is known how likely that is to choose the
+    /// emitter's point: `direct_pdf` of equation 31, as in [`EmitterDensities`].
+    #[inline(always)]
+    pub fn beside_choice(self, direct_pdf: F) -> Self {
+        Self { d_vcm: self.d_vcm * direct_pdf, d_vc: self.d_vc }
     }
 
     /// Of a sensor path, where an iteration traces `light_paths` light paths that connect to the
@@ -192,12 +203,18 @@ pub struct MergingWeights<F> {
 impl<F: Real> MergingWeights<F> {
     /// Of a light path that leaves an emitter: equations 33 and 50.
     pub fn from_emitter(
-        emitter: EmitterDensities<F>,
+        emission_pdf: F,
+        cos_at_light: F,
         delta: F::Mask,
         factors: MergingFactors<F>,
     ) -> Self {
-        let connecting = PartialWeights::from_emitter(emitter, delta);
+        let connecting = PartialWeights::from_emitter(emission_pdf, cos_at_light, delta);
         Self { connecting, d_vm: connecting.d_vc * factors.mis_vc }
+    }
+
+    /// As [`PartialWeights::beside_choice`].
+    pub fn beside_choice(self, direct_pdf: F) -> Self {
+        Self { connecting: self.connecting.beside_choice(direct_pdf), ..self }
     }
 
     /// Of a sensor path: equation 33.

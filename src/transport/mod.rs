@@ -60,6 +60,7 @@ pub mod sides;
 pub mod stages;
 pub mod strategy;
 pub mod tables;
+pub mod vantage;
 pub mod vertex;
 
 pub use bounce::{Arrived, Bounce, Sampling};

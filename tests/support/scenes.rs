@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 34] = [
+pub const SCENES: [Named; 38] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -46,6 +46,10 @@ pub const SCENES: [Named; 34] = [
     ("fogs that overlap", overlapping_fogs),
     ("rod half in fog, exterior not stated", rod_in_fog),
     ("flock of instances", || flock(Flock::Instances)),
+    ("many lamps about a partition", many_lamps),
+    ("lamps and sky about a partition", lamps_and_sky),
+    ("lamps in fog", lamps_in_fog),
+    ("large sphere light on the floor", sphere_on_the_floor),
 ];
 
 const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
@@ -173,6 +177,76 @@ fn all_emitters() -> World {
     scene.environment(0.2);
     scene.perspective(v(0.2, 0.1, 3.6), Vec3::ZERO, 0.7, Some([0.1, 3.2]));
     scene.load("all emitters")
+}
+
+/// Lamps of all sorts on both sides of walls that leave gaps: what is near is often hidden.
+pub fn many_lamps() -> World {
+    let mut scene = room(&[]);
+    let wall = scene.diffuse(0.5);
+    let wall = scene.two_sided(wall);
+    scene.quad(v(0.1, -0.2, 0.0), v(0.0, 0.8, 0.0), v(0.0, 0.0, 0.7), wall);
+    add_lamps(&mut scene, 1.0);
+    pinhole(scene).load("many lamps")
+}
+
+/// The same without ceiling and one wall, under a sky that brings about as much.
+pub fn lamps_and_sky() -> World {
+    let mut scene = open_scene();
+    let wall = scene.diffuse(0.5);
+    let wall = scene.two_sided(wall);
+    scene.quad(v(0.1, -0.2, 0.0), v(0.0, 0.8, 0.0), v(0.0, 0.0, 0.7), wall);
+    add_lamps(&mut scene, 0.3);
+    let sun = json!({"type": "directional", "intensity": 1.0});
+    scene.light(sun, v(5.0, 5.0, 5.0), v(-0.4, -1.0, -0.5));
+    scene.perspective(v(0.2, 0.6, 3.6), Vec3::ZERO, 0.7, None);
+    scene.load("lamps and sky")
+}
+
+/// Panels of both kinds, balls, points and spots.
+fn add_lamps(scene: &mut Document, strength: f32) {
+    let lamp = scene.material(json!({"bsdf": "absorber"}));
+    let lamp = scene.emits(lamp, 20.0 * strength);
+    let both = scene.diffuse(0.3);
+    let both = scene.two_sided(both);
+    let both = scene.emits(both, 10.0 * strength);
+    let bulb = scene.diffuse(0.4);
+    let bulb = scene.emits(bulb, 8.0 * strength);
+    for index in 0..9_u8 {
+        let x = -0.8 + 0.2 * f32::from(index);
+        let z = 0.7 - 0.35 * f32::from(index % 5);
+        scene.quad(v(x, 0.9, z), v(0.05, 0.0, 0.0), v(0.0, 0.0, 0.05), lamp);
+        scene.quad(v(x, -0.4, -z), v(0.0, 0.05, 0.0), v(0.02, 0.0, 0.05), both);
+        scene.sphere(v(-x, -0.85, z), 0.06, bulb);
+    }
+    for x in [-0.5, 0.5] {
+        let point = json!({"type": "point", "intensity": 0.1 * strength});
+        scene.light(point, v(x, 0.3, 0.3), Vec3::NEG_Z);
+        let cone = json!({"innerConeAngle": 0.1, "outerConeAngle": 0.4});
+        let spot = json!({"type": "spot", "intensity": 2.0 * strength, "spot": cone});
+        scene.light(spot, v(-x, 0.6, 0.2), v(0.3, -1.0, -0.2));
+    }
+}
+
+/// Vertices without a normal choose among lamps in and out of the fog.
+pub fn lamps_in_fog() -> World {
+    let mut scene = foggy_room(json!({"phase": "rayleigh", "sigma_a": 0.1, "sigma_s": 0.6}));
+    let bulb = scene.diffuse(0.4);
+    let bulb = scene.emits(bulb, 6.0);
+    for index in 0..6_u8 {
+        let x = -0.75 + 0.3 * f32::from(index);
+        scene.sphere(v(x, 0.5 - 0.2 * f32::from(index), 0.2), 0.1, bulb);
+    }
+    add_panel(&mut scene, 0.3, 4.0);
+    pinhole(scene).load("lamps in fog")
+}
+
+/// Points all but touch what they choose points of.
+pub fn sphere_on_the_floor() -> World {
+    let mut scene = room(&[]);
+    let bulb = scene.diffuse(0.4);
+    let bulb = scene.emits(bulb, 1.0);
+    scene.sphere(v(0.1, -0.4, -0.1), 0.6, bulb);
+    pinhole(scene).load("large sphere light on the floor")
 }
 
 enum Ball {

@@ -48,7 +48,7 @@ impl Area {
             direction,
             beta: source.radiance.map(|radiance| radiance * cos_at_light / emission_pdf),
             radiance: source.radiance,
-            direct_pdf: source.probability / self.area,
+            start_pdf: source.probability / self.area,
             emission_pdf,
             cos_at_light,
             finite: Model::FINITE,
@@ -63,7 +63,6 @@ impl Area {
         let cos_at_light = if self.two_sided { cosine.abs() } else { cosine };
         (cos_at_light > 0.0).then(|| MetEmission {
             radiance: source.radiance,
-            direct_pdf: source.probability / self.area,
             emission_pdf: self.emission_pdf(source, cos_at_light),
             cos_at_light,
         })
@@ -75,14 +74,14 @@ impl Area {
     }
 }
 
-/// Eight points on surfaces as seen from `reference`, chosen by the densities `pdf_a` per area;
-/// `two_sided` is 1 where both sides emit, else 0.
+/// Eight points on surfaces as seen from `reference`, chosen by the densities `pdf_a` per area,
+/// where light paths start by `start_pdf`; `two_sided` is 1 where both sides emit, else 0.
 #[inline(always)]
 pub fn choose<Model: Emits, const N: usize>(
     (point, normal): (Vector<F32s>, Vector<F32s>),
     reference: Vector<F32s>,
     radiance: [F32s; N],
-    pdf_a: F32s,
+    [pdf_a, start_pdf]: [F32s; 2],
     two_sided: F32s,
 ) -> DirectLanes<N> {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
@@ -100,7 +99,7 @@ pub fn choose<Model: Emits, const N: usize>(
         finite: finite::<Model>(),
         radiance: radiance.map(|radiance| faces & radiance),
         pdf_w: pdf_a * distance2 / cos_at_light,
-        emission_pdf: pdf_a * cos_at_light * F32s::splat(FRAC_1_PI) / (one + two_sided),
+        emission_pdf: start_pdf * cos_at_light * F32s::splat(FRAC_1_PI) / (one + two_sided),
         cos_at_light,
         reachable: reachable::<Model>(),
     }

@@ -1,7 +1,8 @@
 //! Light sources as chosen from points of the scene (next-event estimation), eight at a time.
 //!
 //! Densities as in `emitter`: `pdf_w` is that of choosing the point or direction, `emission_pdf`
-//! that of starting a light path with it; both include the probability of choosing the emitter.
+//! that of starting a light path with it; both include the probability of choosing the emitter,
+//! from the point and by its power.
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{Optics, Shapes};
@@ -9,11 +10,8 @@ use crate::scene::baked::{Optics, Shapes};
 use super::{Emits, Kind, record};
 
 /// Floats of an emitter's record: two packets, so that eight records are loaded by two
-/// transpositions. The last is the probability of choosing the emitter.
-const FIELDS: usize = 2 * LANES;
-
-/// Floats that mean what an emitter's model has them mean.
-pub const OWN: usize = FIELDS - 1;
+/// transpositions. They mean what its model has them mean.
+pub const OWN: usize = 2 * LANES;
 
 /// The floats of one emitter.
 pub type Own = [f32; OWN];
@@ -32,7 +30,7 @@ pub fn own<const M: usize>(floats: [f32; M]) -> Own {
 #[derive(Clone, Debug)]
 pub struct DirectTable<const N: usize> {
     kinds: Vec<Kind>,
-    records: Vec<[f32; FIELDS]>,
+    records: Vec<Own>,
     radiance: Vec<[f32; N]>,
 }
 
@@ -64,12 +62,8 @@ impl<const N: usize> DirectTable<N> {
     /// The records of a scene's emitters.
     pub fn new(shapes: &Shapes, optics: &Optics<N>) -> Self {
         let emitters = &optics.emitters;
-        let records = emitters.iter().map(|emitter| {
-            let mut floats = [emitter.probability; FIELDS];
-            let own = record(&emitter.model, shapes, emitter.probability);
-            floats[..OWN].copy_from_slice(&own);
-            floats
-        });
+        let records =
+            emitters.iter().map(|emitter| record(&emitter.model, shapes, emitter.probability));
         Self {
             kinds: emitters.iter().map(|emitter| Kind::of(&emitter.model)).collect(),
             records: records.collect(),
@@ -77,15 +71,17 @@ impl<const N: usize> DirectTable<N> {
         }
     }
 
-    /// Chooses a point of, or direction to, the emitters `chosen` from the points `reference`.
+    /// Chooses a point of, or direction to, the emitters `chosen`, with the probabilities `chance`,
+    /// from the points `reference`.
     #[inline(always)]
     pub fn sample(
         &self,
         chosen: [usize; LANES],
+        chance: F32s,
         reference: Vector<F32s>,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
-        let (own, probability) = gather(&self.records, chosen);
+        let own = gather(&self.records, chosen);
         let mut radiance = [[0.0; LANES]; N];
         for lane in 0..LANES {
             for (n, radiance) in radiance.iter_mut().enumerate() {
@@ -94,14 +90,14 @@ impl<const N: usize> DirectTable<N> {
         }
         let radiance = radiance.map(F32s::from);
         let first = self.kinds[chosen[0]];
-        let mut lanes = first.choose(&own, reference, radiance, probability, u);
+        let mut lanes = first.choose(&own, reference, radiance, chance, u);
         if chosen.iter().all(|&emitter| self.kinds[emitter] == first) {
             return lanes;
         }
         for &kind in Kind::ALL.iter().filter(|&&kind| kind != first) {
             let of_kind = chosen.map(|emitter| self.kinds[emitter] == kind);
             if of_kind.contains(&true) {
-                let others = kind.choose(&own, reference, radiance, probability, u);
+                let others = kind.choose(&own, reference, radiance, chance, u);
                 lanes = select(lanes::mask_of(of_kind), &others, &lanes);
             }
         }
@@ -121,18 +117,17 @@ pub fn reachable<Model: Emits>() -> F32s {
     F32s::splat(if Model::DELTA { 0.0 } else { 1.0 })
 }
 
-/// Eight records, field by field, and the probabilities.
+/// Eight records, field by field.
 #[inline(always)]
-fn gather(records: &[[f32; FIELDS]], chosen: [usize; LANES]) -> (OwnLanes, F32s) {
+fn gather(records: &[Own], chosen: [usize; LANES]) -> OwnLanes {
     let mut halves = [[F32s::splat(0.0); LANES]; 2];
     for (lane, &emitter) in chosen.iter().enumerate() {
         let packets: [[f32; LANES]; 2] = bytemuck::cast(records[emitter]);
         halves[0][lane] = F32s::from(packets[0]);
         halves[1][lane] = F32s::from(packets[1]);
     }
-    let [[a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, probability]] =
-        halves.map(F32s::transpose);
-    ([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o], probability)
+    let [[a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, p]] = halves.map(F32s::transpose);
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]
 }
 
 #[inline(always)]

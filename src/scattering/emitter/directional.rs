@@ -8,6 +8,7 @@ use crate::scene::emitter::Directional;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
 use super::infinity::{self, disk_pdf};
+use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
 impl Emits for Directional {
@@ -23,10 +24,18 @@ impl Emits for Directional {
         &[x, y, z, emission_pdf, ..]: &OwnLanes,
         _: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         _: [F32s; 2],
     ) -> DirectLanes<N> {
-        infinity::choose::<Self, N>(Vector::new(x, y, z), radiance, [probability, emission_pdf])
+        infinity::choose::<Self, N>(Vector::new(x, y, z), radiance, [chance, emission_pdf])
+    }
+
+    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        1.0
+    }
+
+    fn outline(&self, _: &Shapes) -> Outline {
+        Outline { axis: -self.direction, ..Outline::at(Vec3::ZERO) }
     }
 
     fn emit<const N: usize>(

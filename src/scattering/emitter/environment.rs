@@ -1,5 +1,7 @@
 //! The environment: the same radiance from all directions.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
@@ -8,6 +10,7 @@ use crate::scene::emitter::Environment;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
 use super::infinity::{self, SPHERE_PDF, any_direction, any_directions, disk_pdf};
+use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
 impl Emits for Environment {
@@ -22,11 +25,19 @@ impl Emits for Environment {
         &[emission_pdf, ..]: &OwnLanes,
         _: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
-        let densities = [probability * F32s::splat(SPHERE_PDF), emission_pdf];
+        let densities = [chance * F32s::splat(SPHERE_PDF), emission_pdf];
         infinity::choose::<Self, N>(any_directions(u), radiance, densities)
+    }
+
+    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        SPHERE_PDF
+    }
+
+    fn outline(&self, _: &Shapes) -> Outline {
+        Outline { even: PI, ..Outline::at(Vec3::ZERO) }
     }
 
     fn emit<const N: usize>(
@@ -42,7 +53,6 @@ impl Emits for Environment {
     fn met<const N: usize>(&self, source: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
         Some(MetEmission {
             radiance: source.radiance,
-            direct_pdf: source.probability * SPHERE_PDF,
             emission_pdf: source.probability * SPHERE_PDF * disk_pdf(source.shapes),
             cos_at_light: 1.0,
         })

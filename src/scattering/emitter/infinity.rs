@@ -45,15 +45,15 @@ pub fn emit<Model: Emits, const N: usize>(
     let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
-    let direct_pdf = source.probability * direction_pdf;
-    let emission_pdf = direct_pdf * disk_pdf(source.shapes);
+    let start_pdf = source.probability * direction_pdf;
+    let emission_pdf = start_pdf * disk_pdf(source.shapes);
     EmissionSample {
         position: bounds.center + on_disk - direction * bounds.radius,
         normal: Vec3::ZERO,
         direction,
         beta: source.radiance.map(|radiance| radiance / emission_pdf),
         radiance: source.radiance,
-        direct_pdf,
+        start_pdf,
         emission_pdf,
         cos_at_light: 1.0,
         finite: Model::FINITE,

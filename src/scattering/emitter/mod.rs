@@ -3,7 +3,7 @@
 //!
 //! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
 //! when connecting, `emission` that of starting a light path there; both include the probability
-//! of choosing the emitter. All light starts unpolarized.
+//! of choosing the emitter, each its own (`choice`). All light starts unpolarized.
 
 mod area;
 mod directional;
@@ -14,7 +14,9 @@ mod sphere;
 mod spot;
 mod triangle;
 
+pub mod choice;
 pub mod direct;
+pub mod tree;
 
 use glam::Vec3;
 
@@ -27,24 +29,34 @@ use crate::scene::emitter::{
 use super::Scene;
 
 use self::direct::{DirectLanes, Own, OwnLanes};
+use self::tree::{Outline, Vantage};
 
 /// What the stages ask of a model of emitters.
 pub trait Emits: Extent {
     /// Whether paths cannot meet it by chance: it has neither an area nor a solid angle.
     const DELTA: bool;
 
-    /// What [`Self::choose`] is to know of an emitter that is chosen with `probability`.
+    /// What [`Self::choose`] is to know of an emitter that starts light paths with `probability`.
     fn record(&self, shapes: &Shapes, probability: f32) -> Own;
 
     /// Chooses a point of, or direction to, eight emitters from the points `reference`;
-    /// `radiance` is theirs (or intensity, or irradiance) and `probability` that of choosing them.
+    /// `radiance` is theirs (or intensity, or irradiance) and `chance` the probability with which
+    /// they have been chosen.
     fn choose<const N: usize>(
         own: &OwnLanes,
         reference: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         u: [F32s; 2],
     ) -> DirectLanes<N>;
+
+    /// The density of what [`Self::choose`] chooses from `reference`, once it has been chosen: per
+    /// area at `point`, which is seen along `direction`; per steradian at infinity; 1 for what has
+    /// no choice.
+    fn density(&self, shapes: &Shapes, reference: Vec3, point: Vec3, direction: Vec3) -> f32;
+
+    /// How it looks from elsewhere, for a radiance of one.
+    fn outline(&self, shapes: &Shapes) -> Outline;
 
     /// Starts a light path.
     fn emit<const N: usize>(
@@ -85,7 +97,7 @@ pub struct Source<'a, const N: usize> {
     pub row: usize,
     /// Its radiance, intensity or irradiance.
     pub radiance: [f32; N],
-    /// Probability of choosing it.
+    /// Probability of starting a light path at it.
     pub probability: f32,
     /// Where everything is.
     pub shapes: &'a Shapes,
@@ -104,8 +116,8 @@ pub struct EmissionSample<const N: usize> {
     pub beta: [f32; N],
     /// Radiance along `direction`; per steradian intensity for points.
     pub radiance: [f32; N],
-    /// `direct` density, per area or per steradian (infinite emitters).
-    pub direct_pdf: f32,
+    /// Density of starting here: per area, or per steradian of the direction (infinite emitters).
+    pub start_pdf: f32,
     /// `emission` density.
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 where it has no surface.
@@ -137,8 +149,6 @@ impl<const N: usize> EmissionSample<N> {
 pub struct MetEmission<const N: usize> {
     /// Radiance towards the sensor.
     pub radiance: [f32; N],
-    /// `direct` density, per area, or per steradian for the environment.
-    pub direct_pdf: f32,
     /// `emission` density.
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 for the environment.
@@ -148,11 +158,11 @@ pub struct MetEmission<const N: usize> {
 /// Starts a light path.
 pub fn sample_emission<const N: usize>(
     scene: &Scene<N>,
-    choice: f32,
+    choice: [f32; 2],
     u_position: [f32; 2],
     u_direction: [f32; 2],
 ) -> EmissionSample<N> {
-    let row = scene.choose_emitter(choice);
+    let row = scene.choice.by_power(choice);
     emit(&scene.optics.emitters[row].model, &source(scene, row), u_position, u_direction)
 }
 
@@ -170,6 +180,21 @@ pub fn met_emission<const N: usize>(
     }
     let row = row as usize;
     met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)
+}
+
+/// The `direct` density of a point of an emitter, seen along `direction`, or of the direction.
+pub fn direct_pdf<const N: usize>(
+    scene: &Scene<N>,
+    row: usize,
+    from: &Vantage,
+    (point, direction): (Vec3, Vec3),
+) -> f32 {
+    let emitter = &scene.optics.emitters[row];
+    let chance = match scene.choice.depends_on_vantage() {
+        true => scene.choice.chance(from, row),
+        false => emitter.probability,
+    };
+    chance * density(&emitter.model, &scene.shapes, from.position, (point, direction))
 }
 
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
@@ -204,11 +229,11 @@ macro_rules! dispatched {
                 own: &OwnLanes,
                 reference: Vector<F32s>,
                 radiance: [F32s; N],
-                probability: F32s,
+                chance: F32s,
                 u: [F32s; 2],
             ) -> DirectLanes<N> {
                 match self {
-                    $(Self::$Model => $Model::choose(own, reference, radiance, probability, u),)*
+                    $(Self::$Model => $Model::choose(own, reference, radiance, chance, u),)*
                 }
             }
         }
@@ -238,6 +263,27 @@ macro_rules! dispatched {
         pub fn reach(model: &EmitterModel, shapes: &Shapes) -> f32 {
             match model {
                 $(EmitterModel::$Model(model) => model.reach(shapes),)*
+            }
+        }
+
+        /// [`Emits::outline`].
+        fn outline(model: &EmitterModel, shapes: &Shapes) -> Outline {
+            match model {
+                $(EmitterModel::$Model(model) => model.outline(shapes),)*
+            }
+        }
+
+        /// [`Emits::density`].
+        fn density(
+            model: &EmitterModel,
+            shapes: &Shapes,
+            reference: Vec3,
+            (point, direction): (Vec3, Vec3),
+        ) -> f32 {
+            match model {
+                $(EmitterModel::$Model(model) => {
+                    model.density(shapes, reference, point, direction)
+                })*
             }
         }
 

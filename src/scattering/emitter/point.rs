@@ -9,6 +9,7 @@ use crate::scene::baked::Shapes;
 use crate::scene::emitter::Point;
 
 use super::direct::{DirectLanes, Own, OwnLanes, finite, own, reachable};
+use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
 /// Cosine at the edge of the cone that holds all directions.
@@ -27,10 +28,18 @@ impl Emits for Point {
         &[x, y, z, emission_pdf, ..]: &OwnLanes,
         reference: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         _: [F32s; 2],
     ) -> DirectLanes<N> {
-        choose::<Self, N>(Vector::new(x, y, z), reference, radiance, [probability, emission_pdf])
+        choose::<Self, N>(Vector::new(x, y, z), reference, radiance, [chance, emission_pdf])
+    }
+
+    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        1.0
+    }
+
+    fn outline(&self, _: &Shapes) -> Outline {
+        Outline { even: 1.0, ..Outline::at(self.position) }
     }
 
     fn emit<const N: usize>(
@@ -83,7 +92,7 @@ pub fn emit<Model: Emits, const N: usize>(
         direction,
         beta: intensity.map(|intensity| intensity / emission_pdf),
         radiance: intensity,
-        direct_pdf: source.probability,
+        start_pdf: source.probability,
         emission_pdf,
         cos_at_light: 1.0,
         finite: Model::FINITE,
@@ -99,7 +108,7 @@ pub fn choose<Model: Emits, const N: usize>(
     point: Vector<F32s>,
     reference: Vector<F32s>,
     intensity: [F32s; N],
-    [probability, emission_pdf]: [F32s; 2],
+    [chance, emission_pdf]: [F32s; 2],
 ) -> DirectLanes<N> {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let offset = point - reference;
@@ -110,7 +119,7 @@ pub fn choose<Model: Emits, const N: usize>(
         normal: Vector::new(zero, zero, zero),
         finite: finite::<Model>(),
         radiance: intensity,
-        pdf_w: probability * distance2,
+        pdf_w: chance * distance2,
         emission_pdf,
         cos_at_light: one,
         reachable: reachable::<Model>(),

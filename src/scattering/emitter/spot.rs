@@ -9,6 +9,7 @@ use crate::scene::emitter::Spot;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
 use super::point::{self, cone_pdf, in_cone};
+use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
 impl Emits for Spot {
@@ -26,16 +27,25 @@ impl Emits for Spot {
         &[x, y, z, dx, dy, dz, inner, outer, emission_pdf, ..]: &OwnLanes,
         reference: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         _: [F32s; 2],
     ) -> DirectLanes<N> {
-        let densities = [probability, emission_pdf];
+        let densities = [chance, emission_pdf];
         let mut lanes =
             point::choose::<Self, N>(Vector::new(x, y, z), reference, radiance, densities);
         let ramp = (-lanes.direction.dot(Vector::new(dx, dy, dz)) - outer) / (inner - outer);
         let ramp = ramp.max(F32s::splat(0.0)).min(F32s::splat(1.0));
         lanes.radiance = radiance.map(|intensity| intensity * (ramp * ramp));
         lanes
+    }
+
+    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        1.0
+    }
+
+    fn outline(&self, _: &Shapes) -> Outline {
+        let edge = self.cos_outer;
+        Outline { axis: self.direction, edge, ..Outline::at(self.position) }
     }
 
     fn emit<const N: usize>(

@@ -8,7 +8,8 @@ use crate::scene::baked::Shapes;
 use crate::scene::emitter::Triangle;
 
 use super::area::{self, Area};
-use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::direct::{DirectLanes, OWN, Own, OwnLanes};
+use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
 /// Points along its edges where a triangle's media are looked for.
@@ -17,27 +18,53 @@ const PLACES: u32 = 12;
 impl Emits for Triangle {
     const DELTA: bool = false;
 
-    fn record(&self, shapes: &Shapes, _: f32) -> Own {
+    fn record(&self, shapes: &Shapes, probability: f32) -> Own {
         let [a, b, c] = shapes.triangles[self.primitive as usize].corners;
         let (b, c) = (b - a, c - a);
         let n = b.cross(c).normalize();
         let sides = if self.two_sided { 1.0 } else { 0.0 };
-        own([a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, n.x, n.y, n.z, 1.0 / self.area, sides])
+        let per_area = 1.0 / self.area;
+        let start_pdf = probability * per_area;
+        let [a, b, c, n] = [a, b, c, n].map(|vector| vector.to_array());
+        let densities = [per_area, start_pdf, sides];
+        let mut own = [0.0; OWN];
+        for (to, from) in own.iter_mut().zip([a, b, c, n, densities].as_flattened()) {
+            *to = *from;
+        }
+        own
     }
 
     #[inline(always)]
     fn choose<const N: usize>(
-        &[ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, per_area, sides, ..]: &OwnLanes,
+        own: &OwnLanes,
         reference: Vector<F32s>,
         radiance: [F32s; N],
-        probability: F32s,
+        chance: F32s,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
+        let &[ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, per_area, start_pdf, sides, _] = own;
         let [a, b, c] = [Vector::new(ax, ay, az), Vector::new(bx, by, bz), Vector::new(cx, cy, cz)];
         let [v, w] = warp::triangle(u);
         let point = b.mul_add(v, c.mul_add(w, a));
         let normal = Vector::new(nx, ny, nz);
-        area::choose::<Self, N>((point, normal), reference, radiance, probability * per_area, sides)
+        let densities = [chance * per_area, start_pdf];
+        area::choose::<Self, N>((point, normal), reference, radiance, densities, sides)
+    }
+
+    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        1.0 / self.area
+    }
+
+    fn outline(&self, shapes: &Shapes) -> Outline {
+        let [a, b, c] = shapes.triangles[self.primitive as usize].corners;
+        Outline {
+            lower: a.min(b).min(c),
+            upper: a.max(b).max(c),
+            axis: (b - a).cross(c - a).normalize() * self.area,
+            two_sided: self.two_sided,
+            area: self.area,
+            ..Outline::at(a)
+        }
     }
 
     fn emit<const N: usize>(

@@ -69,6 +69,9 @@ struct Vertex {
     /// Cosines of the directions to the emitter and the sensor, or the medium's density.
     measure_to_light: f64,
     measure_to_sensor: f64,
+    /// Of choosing the emitter and its point when connecting from here, as emitters are chosen by
+    /// what they bring to the vertex.
+    direct_pdf: f64,
 }
 
 impl Vertex {
@@ -82,7 +85,8 @@ impl Vertex {
             VertexKind::Medium => (other_pdf, measure_to_light),
             VertexKind::Specular => (pdf_to_light, other_measure),
         };
-        Self { kind, pdf_to_light, pdf_to_sensor, measure_to_light, measure_to_sensor }
+        let direct_pdf = random.density();
+        Self { kind, pdf_to_light, pdf_to_sensor, measure_to_light, measure_to_sensor, direct_pdf }
     }
 
     fn connects(&self) -> bool {
@@ -151,7 +155,6 @@ struct Path {
     /// Of the point on the lens, which every strategy draws alike.
     lens_pdf: f64,
     light_paths: f64,
-    direct_pdf: f64,
     emission_pdf: f64,
     cos_at_light: f64,
     eta: f64,
@@ -171,7 +174,6 @@ impl Path {
             sensor_pdf: random.density(),
             lens_pdf: if sensor == SensorKind::Lens { random.density() } else { 1.0 },
             light_paths: random.density(),
-            direct_pdf: random.density(),
             emission_pdf: random.density(),
             cos_at_light: if emitter == EmitterKind::Area { random.density() } else { 1.0 },
             eta: random.density(),
@@ -231,7 +233,9 @@ impl Path {
                 let pdf = pdf * self.chances[end + 1];
                 self.of_sensor_side(end) * pdf * self.cos_at_light / self.emitter_distance2()
             }
-            Way::ConnectEmitter if connects(end) => self.of_sensor_side(end) * self.direct_pdf,
+            Way::ConnectEmitter if connects(end) => {
+                self.of_sensor_side(end) * self.vertices[end].direct_pdf
+            }
             Way::Connect(index) if connects(index) && connects(index + 1) => {
                 self.of_sensor_side(index) * self.of_emitter_side(index + 1)
             }
@@ -257,7 +261,8 @@ impl Path {
     // ---- the recursion -------------------------------------------------------------------------
 
     fn emitter_densities(&self) -> EmitterDensities<f64> {
-        let &Self { direct_pdf, emission_pdf, cos_at_light, .. } = self;
+        let &Self { emission_pdf, cos_at_light, .. } = self;
+        let direct_pdf = self.vertices[self.vertices.len() - 1].direct_pdf;
         EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
     }
 
@@ -282,9 +287,11 @@ impl Path {
 
     fn light_weights(&self, last: usize) -> PartialWeights<f64> {
         let end = self.vertices.len() - 1;
-        let start = PartialWeights::from_emitter(self.emitter_densities(), self.emitter.delta());
+        let delta = self.emitter.delta();
+        let start = PartialWeights::from_emitter(self.emission_pdf, self.cos_at_light, delta);
         let start = start.pass(self.chances[end + 1]);
         let first = start.arrive(self.emitter_distance2(), self.vertices[end].measure_to_light);
+        let first = first.beside_choice(self.vertices[end].direct_pdf);
         (last..end).rev().fold(first, |weights, index| {
             let departed = depart(weights, &self.vertices[index + 1], Vertex::to_sensor);
             let departed = departed.pass(self.chances[index + 1]);
@@ -307,10 +314,12 @@ impl Path {
 
     fn light_merging(&self, last: usize, factors: MergingFactors<f64>) -> MergingWeights<f64> {
         let end = self.vertices.len() - 1;
-        let (emitter, delta) = (self.emitter_densities(), self.emitter.delta());
-        let start = MergingWeights::from_emitter(emitter, delta, factors);
+        let (emission_pdf, cos_at_light) = (self.emission_pdf, self.cos_at_light);
+        let delta = self.emitter.delta();
+        let start = MergingWeights::from_emitter(emission_pdf, cos_at_light, delta, factors);
         let start = start.pass(self.chances[end + 1]);
         let first = start.arrive(self.emitter_distance2(), self.vertices[end].measure_to_light);
+        let first = first.beside_choice(self.vertices[end].direct_pdf);
         (last..end).rev().fold(first, |weights, index| {
             let departed =
                 depart_merging(weights, &self.vertices[index + 1], Vertex::to_sensor, factors);

@@ -4,11 +4,13 @@ use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::columns::Column;
 use crate::math::{LANES, Vector, lanes};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::vantage::towards;
 
-/// Starts the next segment of every row off its surface.
+/// Starts the next segment of every row off its surface, of which it keeps what the choice of
+/// emitters there is to know.
 ///
 /// From: scatter_surfaces, collect_sensor, scatter_light. To: trace_closest.
-/// Writes: paths (rays). Reads: directions, surfaces.
+/// Writes: paths (rays, last). Reads: directions, surfaces.
 pub fn advance_paths<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     directions: &[Column; 3],
@@ -19,6 +21,10 @@ pub fn advance_paths<const N: usize, C>(
         let position = Vector::load(&surfaces.position, row);
         let normal = Vector::load(&surfaces.geometric_normal, row);
         let offset = lanes::load(&surfaces.offset, row);
+        if paths.last.present() {
+            let before = Vector::load(&paths.rays.direction, row);
+            towards(normal, -before).store(&mut paths.last.normal, row, paths.len);
+        }
         let origin = offset_origin(position, normal, direction, offset);
         origin.store(&mut paths.rays.origin, row, paths.len);
         direction.store(&mut paths.rays.direction, row, paths.len);

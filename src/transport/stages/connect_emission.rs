@@ -55,7 +55,7 @@ fn connect<const N: usize>(
     if cosine <= 0.0 {
         return;
     }
-    let factor = cosine * found.pdf_area / (sample.direct_pdf * light_paths);
+    let factor = cosine * found.pdf_area / (sample.start_pdf * light_paths);
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
     let segment = if sample.finite {

@@ -10,6 +10,7 @@ use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::vantage::vantages;
 use crate::transport::{Arrived, Strategy};
 
 /// Connects rows that have arrived to one emitter each.
@@ -37,7 +38,8 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
     let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let Chosen { lanes: chosen, offset } = choose(paths, surfaces, scene, row, path_length);
+        let Chosen { lanes: chosen, offset } =
+            choose(paths, surfaces, scene, (row, live), path_length);
         let vertices = all.at(surfaces, Consecutive(row, live));
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
@@ -86,16 +88,24 @@ fn choose<const N: usize, C>(
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
-    row: usize,
+    (row, live): (usize, usize),
     path_length: u32,
 ) -> Chosen<N> {
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
-    let [choice, _] = draw(seed, iteration, path_length, Purpose::Emitter);
-    let chosen = choice.to_array().map(|u| scene.choose_emitter(u));
+    let choice = draw(seed, iteration, path_length, Purpose::Emitter).map(|u| u.to_array());
+    let (chosen, chance) = if scene.choice.depends_on_vantage() {
+        let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
+        let of = scene.choice.choose(&from, choice, live);
+        (of.map(|(emitter, _)| emitter), of.map(|(_, chance)| chance))
+    } else {
+        let of = lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])));
+        (of, of.map(|emitter| scene.optics.emitters[emitter].probability))
+    };
     let u = draw(seed, iteration, path_length, Purpose::EmitterPosition);
     let offset = F32s::from(chosen.map(|emitter| scene.emitter_offset(emitter)));
-    let lanes = scene.direct.sample(chosen, Vector::load(&surfaces.position, row), u);
+    let reference = Vector::load(&surfaces.position, row);
+    let lanes = scene.direct.sample(chosen, chance.into(), reference, u);
     Chosen { lanes, offset }
 }
 

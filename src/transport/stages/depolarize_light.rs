@@ -8,7 +8,7 @@ use crate::transport::tables::partition::Partition;
 
 /// Folds the intensity of the rows that meet a depolarizer into their throughput.
 ///
-/// From: resolve_surfaces, weigh_arrival. To: store_light_vertices, store_photons,
+/// From: resolve_surfaces, weigh_arrival, weigh_choice. To: store_light_vertices, store_photons,
 /// scatter_surfaces, scatter_medium.
 /// Writes: carriers, beta. Reads: partition.
 pub fn depolarize_light<const N: usize, C: LightSide<N>>(

@@ -5,7 +5,7 @@ use crate::scattering::Scene;
 use crate::scattering::emitter::EmissionSample;
 use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
-use crate::transport::mis::{EmitterDensities, PartialWeights};
+use crate::transport::mis::PartialWeights;
 use crate::transport::sampler::{Stream, path_seed};
 use crate::transport::sides::LightSide;
 use crate::transport::tables::paths::PathTable;
@@ -61,7 +61,6 @@ fn start_row<const N: usize, C>(
         paths.beta[channel][row] = sample.beta[channel];
     }
     paths.mis.pdf_w[row] = if sample.finite { 0.0 } else { f32::INFINITY };
-    let &EmissionSample { direct_pdf, emission_pdf, cos_at_light, delta, .. } = sample;
-    let emitter = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
-    paths.mis.set_row(row, PartialWeights::from_emitter(emitter, delta));
+    let &EmissionSample { emission_pdf, cos_at_light, delta, .. } = sample;
+    paths.mis.set_row(row, PartialWeights::from_emitter(emission_pdf, cos_at_light, delta));
 }

@@ -34,3 +34,4 @@ pub mod store_light_vertices;
 pub mod store_photons;
 pub mod trace_connections;
 pub mod weigh_arrival;
+pub mod weigh_choice;

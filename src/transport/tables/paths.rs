@@ -3,6 +3,7 @@
 use crate::geometry::RayColumns;
 use crate::math::columns::{Channels, Column, Columns, columns};
 use crate::math::{F32s, LANES, U32s, lanes};
+use crate::scattering::emitter::tree::Vantage;
 use crate::transport::mis::{PartialWeights, TurnDensities};
 use crate::transport::sampler::{Purpose, draw};
 
@@ -23,6 +24,8 @@ pub struct PathTable<const N: usize, C> {
     pub beta: Channels<N>,
     /// What weighs strategies against each other.
     pub mis: MisColumns,
+    /// The last vertex, if that matters to the choice of emitters.
+    pub last: LastColumns,
     /// Media, if the scene has any.
     pub media: MediaColumns<N>,
     /// Polarization, for the rows that have any.
@@ -82,6 +85,30 @@ columns! {
     }
 }
 
+columns! {
+    /// What else the choice of emitters is to know of the last vertex, where they are chosen by
+    /// what they bring to it.
+    pub struct LastColumns {
+        /// [`Vantage::normal`].
+        pub normal: [Column; 3],
+    }
+}
+
+impl LastColumns {
+    /// Whether there are columns at all.
+    #[inline(always)]
+    pub fn present(&self) -> bool {
+        !self.normal[0].is_empty()
+    }
+
+    /// Makes the columns for `capacity` rows, unless there are.
+    pub fn make(&mut self, capacity: usize) {
+        if !self.present() {
+            *self = Self::new(capacity);
+        }
+    }
+}
+
 impl MisColumns {
     /// The partial weights of eight rows.
     #[inline(always)]
@@ -138,6 +165,17 @@ impl MisColumns {
     }
 }
 
+impl<const N: usize, C> PathTable<N, C> {
+    /// The last vertex of a row as those see it who choose emitters there.
+    pub fn vantage(&self, row: usize) -> Vantage {
+        let normal = match self.last.present() {
+            true => lanes::row_of(&self.last.normal, row),
+            false => [0.0; 3],
+        };
+        Vantage { position: lanes::row_of(&self.rays.origin, row).into(), normal: normal.into() }
+    }
+}
+
 impl<const N: usize, C: CarrierTable> PathTable<N, C> {
     /// An empty table for `capacity` rows, with or without media.
     pub fn new(capacity: usize, with_media: bool) -> Self {
@@ -147,6 +185,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
             identity: IdentityColumns::new(capacity),
             beta: Columns::with_room(capacity),
             mis: MisColumns::new(capacity),
+            last: LastColumns::absent(),
             media: MediaColumns::if_any(capacity, with_media),
             carriers: C::new(capacity),
         }
@@ -154,13 +193,16 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
 
     /// Takes the rows that `partition` keeps from another table, in its order.
     pub fn take(&mut self, from: &Self, partition: &Partition) {
-        let Self { len, rays, identity, beta, mis, media, carriers } = self;
+        let Self { len, rays, identity, beta, mis, last, media, carriers } = self;
         let order = &partition.order;
         *len = order.len();
         rays.take_rows(&from.rays, order, 0);
         identity.take_rows(&from.identity, order, 0);
         beta.take_rows(&from.beta, order, 0);
         mis.take_rows(&from.mis, order, 0);
+        if last.present() {
+            last.take_rows(&from.last, order, 0);
+        }
         media.take_rows(&from.media, order, 0);
         for part in &partition.parts {
             carriers.gather(&from.carriers, order, part);
