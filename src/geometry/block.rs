@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3A;
 
 use crate::math::{F32s, LANES, U32s, Vector};
 use crate::scene::baked::{NONE, Sphere, Triangle};
@@ -198,6 +199,15 @@ impl SphereBlock {
     #[inline(always)]
     pub fn meet(&self, rays: &Rays) -> Option<Candidates> {
         rays.meet_spheres(self.center, self.radius_squared)
+    }
+
+    /// Centers and radii.
+    pub fn spheres(&self) -> impl Iterator<Item = (Vec3A, f32)> + '_ {
+        let radii = self.radius_squared.to_array().into_iter().enumerate();
+        let in_use = radii.filter(|(_, squared)| *squared >= 0.0);
+        in_use.map(|(lane, squared)| {
+            (Vec3A::from(<[f32; 3]>::from(self.center.lane(lane))), squared.sqrt())
+        })
     }
 
     /// [`SphereBlock::meet`], where the ray enters and where it leaves.

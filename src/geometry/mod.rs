@@ -19,6 +19,7 @@ mod builder;
 mod collapse;
 mod columns;
 mod kernel;
+mod near;
 mod next;
 mod offset;
 mod packet;
@@ -31,6 +32,7 @@ mod walk;
 
 pub use accelerator::{Accelerator, SHORT_SCENE, Statistics};
 pub use columns::{CROSSES, trace_closest, trace_visibility, trace_visibility_past};
+pub use near::{Neighborhood, Planes, Surroundings};
 pub use next::trace_next;
 pub use offset::{offset_distance, offset_origin, reach, reach_of_triangle};
 pub use rays::{Hit, HitColumns, IN_MEDIUM, Ray, RayColumns, medium_met};

@@ -2,7 +2,7 @@
 
 use crate::scattering::Scene;
 use crate::transport::stages::store_photons::store_photons;
-use crate::transport::tables::photon_maps::map_of;
+use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
 use crate::transport::tables::photons::PhotonTable;
 use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
@@ -12,12 +12,14 @@ use super::walk::walk;
 use super::workspace::{WalkTables, Workspace};
 
 /// Traces the light paths of a chunk and stores what they bring. Light that comes straight from
-/// an emitter is found by connections. `batch` has a table for every map ([`map_of`]).
+/// an emitter is found by connections. `batch` has a table for every one of the `maps`
+/// ([`map_of`]).
 pub fn photons<const N: usize, M: LightModel<N>>(
     batch: &mut [PhotonTable<N>],
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
+    maps: &PhotonMaps<N>,
 ) {
     LightWalk::start(w, scene, chunk);
     walk::<LightWalk, N, M>(w, scene, chunk, Strategy::Merging, |w, path_length| {
@@ -26,7 +28,8 @@ pub fn photons<const N: usize, M: LightModel<N>>(
         }
         let (WalkTables { surfaces, partition, .. }, paths) = (&w.walk, &w.light[1]);
         w.profile.time(Stage::Store, || {
-            for (event, rows) in partition.connectable() {
+            let merging = partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
+            for (event, rows) in merging {
                 let arrived = Arrived { paths, surfaces, event, rows, path_length };
                 store_photons(&mut batch[map_of(event.met)], &arrived);
             }

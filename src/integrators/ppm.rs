@@ -1,10 +1,11 @@
 //! Progressive photon mapping (paper, section 4.1; Knaus and Zwicker 2011, "Progressive photon
 //! mapping: a probabilistic approach").
 //!
-//! A path has one vertex, the first from the sensor that is not specular, at which its light is
-//! found: straight from an emitter, by a connection, or else by merging with the photons about
-//! it, which light paths of two segments and more have left. So each path is found in one way,
-//! and nothing needs to be weighed.
+//! A path from the sensor ends at the first vertex whose map merges: mostly the first that is not
+//! specular. There it merges with the photons about it, which light paths of two segments and more
+//! have left. What comes straight from an emitter, there and at vertices before, is found as in
+//! path tracing: by a connection and by the next segment, each weighed by what it is good at. So
+//! the paths that photons bring are found in one way.
 
 use crate::scattering::Scene;
 use crate::transport::stages::merge_photons::merge_photons;
@@ -20,18 +21,27 @@ use super::workspace::Workspace;
 
 const STRATEGY: Strategy = Strategy::Merging;
 
-/// Traces the paths of a chunk through specular events up to their first other vertices, for
-/// which it calls `visit` with the segments so far.
+/// Traces the paths of a chunk up to their first vertices that merge, and to the emitters behind
+/// these, and calls `visit` at every vertex with the segments so far.
 pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
+    maps: &PhotonMaps<N>,
     mut visit: impl FnMut(&mut Workspace<N, M>, u32),
 ) {
     SensorWalk::start(workspace, scene, chunk, 0.0);
-    walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {
-        visit(workspace, path_length);
-        workspace.walk.partition.end_at_connections();
+    workspace.merged.clear();
+    let merges_everywhere = maps.0.iter().all(|map| map.merges);
+    let ends_at_once = merges_everywhere && !scene.has_met_emitters();
+    walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |w, path_length| {
+        visit(w, path_length);
+        if ends_at_once {
+            w.walk.partition.end_at_connections();
+            return;
+        }
+        let merging = w.walk.partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
+        w.merged.extend(merging.map(|(_, rows)| rows));
     });
 }
 
@@ -45,12 +55,15 @@ fn merge<const N: usize, M: LightModel<N>>(
     path_length_max: u32,
 ) {
     for_each_connectable(w, |w, (event, rows)| {
+        if !maps.merge_at(event.met) {
+            return;
+        }
         let map = (maps.of(event.met), path_length_max - path_length);
         let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
         let arrived = Arrived { paths, surfaces, event, rows, path_length };
-        let (measured, order) = (&mut w.measured, &mut w.queries);
+        let (measured, queries) = (&mut w.measured, &mut w.queries);
         w.profile.time(Stage::Merge, || {
-            merge_photons::<N, M>(measured, order, &arrived, map, scene);
+            merge_photons::<N, M>(measured, queries, &arrived, map, scene);
         });
     });
 }
@@ -73,7 +86,7 @@ impl Schedule for Ppm {
         photons: Option<&PhotonMaps<N>>,
     ) {
         let photons = photons.expect("photons are shot before they are gathered");
-        walk_to_merging(workspace, scene, chunk, |workspace, path_length| {
+        walk_to_merging(workspace, scene, chunk, photons, |workspace, path_length| {
             connect_emitters(workspace, scene, path_length, STRATEGY);
             merge(workspace, scene, photons, path_length, chunk.path_length_max);
         });

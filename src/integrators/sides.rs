@@ -2,6 +2,7 @@
 
 use crate::geometry::SurfaceColumns;
 use crate::scattering::{Scene, Side};
+use crate::scene::baked::NONE;
 use crate::transport::chunk::ROWS;
 use crate::transport::emission::Finding;
 use crate::transport::stages::collect_crossed_emission::collect_crossed_emission;
@@ -19,7 +20,7 @@ use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::kernels::KernelColumns;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
-use crate::transport::{Chunk, LightModel};
+use crate::transport::{Chunk, LightModel, Strategy};
 
 use super::profile::{Profile, Stage};
 use super::walk::WalkSide;
@@ -76,6 +77,10 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         (&mut w.sensor, &mut w.walk, &mut w.profile)
     }
 
+    fn vertices_kept(_strategy: Strategy, _path_length: u32) -> f32 {
+        1.0
+    }
+
     fn segments(chunk: &Chunk) -> u32 {
         chunk.path_length_max
     }
@@ -89,6 +94,9 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         w.profile.time(Stage::Emission, || {
             collect_emission(&mut w.measured, paths, hits, scene, finding);
         });
+        for rows in w.merged.drain(..) {
+            w.walk.hits[0].primitive[rows].fill(NONE);
+        }
     }
 
     fn meet_emitters_crossed(
@@ -134,6 +142,16 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
         w: &mut Workspace<N, M>,
     ) -> (&mut [PathTable<N, M::Light>; 2], &mut WalkTables<N>, &mut Profile) {
         (&mut w.light, &mut w.walk, &mut w.profile)
+    }
+
+    /// The light of photons of one segment is found otherwise. Of the others, more cost more to
+    /// merge than they gain where surfaces are bright; dark ones would have too few.
+    fn vertices_kept(strategy: Strategy, path_length: u32) -> f32 {
+        match (strategy, path_length) {
+            (Strategy::Merging, 1) => 0.0,
+            (Strategy::Merging, _) => 0.5,
+            (Strategy::Unidirectional | Strategy::Bidirectional, _) => 1.0,
+        }
     }
 
     /// One more leads to the sensor.

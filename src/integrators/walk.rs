@@ -42,6 +42,9 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
         workspace: &mut Workspace<N, M>,
     ) -> (&mut [PathTable<N, Self::Carriers>; 2], &mut WalkTables<N>, &mut Profile);
 
+    /// How many of the vertices after `path_length` segments are needed if paths end there.
+    fn vertices_kept(strategy: Strategy, path_length: u32) -> f32;
+
     /// Segments that are traced at most.
     fn segments(chunk: &Chunk) -> u32;
 
@@ -225,7 +228,8 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     let WalkTables { surfaces, partition, .. } = tables;
     profile.time(Stage::Sort, || {
         if chunk.plays_roulette(S::SIDE, path_length) {
-            play_roulette(odds, &paths.identity, hits, paths.len, scene, path_length);
+            let kept = S::vertices_kept(strategy, path_length);
+            play_roulette(odds, paths, hits, scene, (path_length, kept));
         } else {
             odds[..paths.len].fill(1.0);
         }

@@ -1,5 +1,7 @@
 //! All tables that a chunk needs, allocated once and reused.
 
+use std::ops::Range;
+
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
 use crate::math::columns::{Column, Columns};
 use crate::transport::LightModel;
@@ -11,7 +13,7 @@ use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
-use crate::transport::tables::photon_queries::QueryOrder;
+use crate::transport::tables::photon_queries::PhotonQueries;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
 use super::profile::Profile;
@@ -25,7 +27,9 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     /// What walks work with beside.
     pub walk: WalkTables<N>,
     /// Vertices that look for photons.
-    pub queries: QueryOrder,
+    pub queries: PhotonQueries,
+    /// Rows of sensor paths that have merged, and of which but an emitter can follow.
+    pub merged: Vec<Range<usize>>,
     /// Connections under test.
     pub connections: ConnectionTable<N>,
     /// Light vertices in the order of storing, and by slot.
@@ -67,7 +71,8 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             sensor: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             walk: WalkTables::new(),
-            queries: QueryOrder::default(),
+            queries: PhotonQueries::default(),
+            merged: Vec::new(),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),

@@ -18,12 +18,24 @@ use super::tiles::Pool;
 /// Light paths that are shot and stored together.
 const BATCH: u32 = 16 * ROWS as u32;
 
+/// Room for photons relative to what the first of them let expect.
+const SPARE_ROOM: f64 = 1.02;
+/// Batches that are shot before they are brought to the maps.
+const BATCHES: u32 = 32;
+
 /// Photons within the first radius (the paper, section 5).
 const NEAREST: usize = 25;
 /// Points of a map that the first radius is found at.
 const PROBES: usize = 1024;
 /// Tiles of the film that they are taken from.
 const PROBED_TILES: usize = 64;
+/// Largest first radius in a medium, relative to its mean free path.
+const PART_OF_FREE_PATH: f32 = 0.5;
+/// Photons within the kernel of a medium below which paths go on instead.
+const PHOTONS_MIN: f32 = 1.0;
+/// Largest first radius, relative to what it would be if the photons of all light paths lay evenly
+/// on the ball about the scene.
+const RADIUS_OF_EVEN: f32 = 3.0;
 /// First radius relative to that of the scene where there are too few photons to tell.
 const RADIUS_OF_SCENE: f32 = 0.01;
 
@@ -63,17 +75,22 @@ impl<const N: usize> PhotonPass<N> {
             }
         };
         let classes: Vec<PhotonClass> = (0..1 + scene.optics.media.len()).map(class_of).collect();
+        let mut maps = PhotonMaps::new(&classes);
+        // Photons in them would hardly ever come along the right way.
+        for (medium, map) in maps.0[1..].iter_mut().enumerate() {
+            map.merges = !scene.medium(medium as u32).is_peaked || scene.hides_lamps();
+        }
         let tables = || classes.iter().map(|&class| PhotonTable::of_class(class, 0)).collect();
         Self {
-            maps: PhotonMaps::new(&classes),
+            maps,
             first_radii: Vec::new(),
-            batches: (0..photons.div_ceil(BATCH)).map(|_| tables()).collect(),
+            batches: (0..photons.div_ceil(BATCH).min(BATCHES)).map(|_| tables()).collect(),
         }
     }
 
     /// Photons in all maps.
     pub fn stored(&self) -> u64 {
-        self.maps.0.iter().map(|map| map.stored.len as u64).sum()
+        self.maps.0.iter().map(|map| map.grid.photons().len as u64).sum()
     }
 
     /// Radii of the kernels, by map.
@@ -91,35 +108,52 @@ impl<const N: usize> PhotonPass<N> {
         profile: &mut Profile,
     ) {
         let light_paths = settings.photons.per_iteration;
-        self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
-            let index = index as u32;
-            batch.iter_mut().for_each(PhotonTable::clear);
-            let end = light_paths.min((index + 1) * BATCH);
-            for first in (index * BATCH..end).step_by(ROWS) {
-                let chunk = chunk(settings, shot, first, end.min(first + ROWS as u32) - first);
-                pool.with(|workspace| photons::photons(batch, workspace, scene, &chunk));
-            }
-        });
-        profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
-            for (index, map) in self.maps.0.iter_mut().enumerate() {
-                map.stored.clear();
-                for batch in &self.batches {
-                    map.stored.append_table(&batch[index]);
+        for map in &mut self.maps.0 {
+            map.grid.unsorted().clear();
+            map.light_paths = light_paths as f32;
+        }
+        for start in (0..light_paths).step_by((BATCHES * BATCH) as usize) {
+            let end = light_paths.min(start + BATCHES * BATCH);
+            self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
+                batch.iter_mut().for_each(PhotonTable::clear);
+                let first = (start + index as u32 * BATCH).min(end);
+                for first in (first..end.min(first + BATCH)).step_by(ROWS) {
+                    let last = end.min(first + ROWS as u32);
+                    let chunk = chunk(settings, shot, first, last - first);
+                    let maps = &self.maps;
+                    pool.with(|workspace| photons::photons(batch, workspace, scene, &chunk, maps));
                 }
-                map.light_paths = light_paths as f32;
-            }
-        });
+            });
+            profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
+                self.collect_batches(f64::from(light_paths) / f64::from(end));
+            });
+        }
         if self.first_radii.is_empty() {
             self.first_radii = self.find_radii(pool, scene, settings, shot);
+            self.give_up_sparse_maps(scene, settings);
         }
         let shrinking = shrinking(settings.photons.alpha, shot.earlier);
         profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
             for (map, first) in self.maps.0.iter_mut().zip(&self.first_radii) {
                 map.radius = first * shrinking.powf(1.0 / f64::from(map.dimensions)) as f32;
-                map.grid.rebuild(&map.stored, map.radius);
+                map.grid.sort(map.radius);
             }
         });
         profile.photons += self.stored();
+    }
+
+    /// Brings the photons of the batches to their maps, where there will be so many times those
+    /// that are there then. Room for them is made at once: what grows has room that is not needed.
+    fn collect_batches(&mut self, share: f64) {
+        for (index, map) in self.maps.0.iter_mut().enumerate() {
+            let photons = map.grid.unsorted();
+            let more: usize = self.batches.iter().map(|batch| batch[index].len).sum();
+            let all = (photons.len + more) as f64 * share * SPARE_ROOM;
+            photons.reserve((all as usize).saturating_sub(photons.len).max(more));
+            for batch in &self.batches {
+                photons.append_table(&batch[index]);
+            }
+        }
     }
 
     /// The radii to begin with: what is asked for, or the median distance from points that the
@@ -135,6 +169,9 @@ impl<const N: usize> PhotonPass<N> {
             return vec![radius; self.maps.0.len()];
         }
         let fallback = RADIUS_OF_SCENE * scene.shapes.bounds.radius;
+        // Where light hardly comes, the nearest photons are those of other places.
+        let evenly = (4.0 * NEAREST as f32 / settings.photons.per_iteration as f32).sqrt();
+        let radius_max = RADIUS_OF_EVEN * evenly * scene.shapes.bounds.radius;
         let points = self.probe(pool, scene, settings, shot);
         self.maps
             .0
@@ -143,12 +180,32 @@ impl<const N: usize> PhotonPass<N> {
             .map(|(map, points)| {
                 let step = points.len().div_ceil(PROBES).max(1);
                 let some: Vec<[f32; 3]> = points.into_iter().step_by(step).collect();
-                let mut distances = nearest_distances(&map.stored, &some, NEAREST);
+                let mut distances = nearest_distances(map.grid.photons(), &some, NEAREST);
                 distances.retain(|distance| distance.is_finite() && *distance > 0.0);
                 distances.sort_by(f32::total_cmp);
-                distances.get(distances.len() / 2).copied().unwrap_or(fallback)
+                let median = distances.get(distances.len() / 2).copied();
+                median.unwrap_or(fallback).min(radius_max)
             })
             .collect()
+    }
+
+    /// Bounds the kernels in media by their mean free paths, beyond which the light of different
+    /// places is mixed up. Where such kernels hold hardly any photons, paths that go on find more,
+    /// unless lamps are hidden from them.
+    fn give_up_sparse_maps(&mut self, scene: &Scene<N>, settings: &Settings) {
+        if settings.photons.radius.is_some() {
+            return;
+        }
+        let media = self.maps.0[1..].iter_mut().zip(&mut self.first_radii[1..]).zip(0..);
+        for ((map, radius), medium) in media {
+            let radius_max = PART_OF_FREE_PATH / scene.medium(medium).reduced;
+            let photons = NEAREST as f32 * (radius_max / *radius).powi(3);
+            if photons < PHOTONS_MIN && !scene.hides_lamps() {
+                map.merges = false;
+                map.grid.unsorted().clear();
+            }
+            *radius = radius.min(radius_max);
+        }
     }
 
     /// Vertices at which photons will be merged, by map, from tiles all over the film.
@@ -166,7 +223,7 @@ impl<const N: usize> PhotonPass<N> {
             let of_pixels = Chunk { sequence: Sequence::PerPath, ..chunk(settings, shot, 0, 0) };
             let chunk = Chunk { x, y, width, height, ..of_pixels };
             pool.with(|workspace| {
-                walk_to_merging(workspace, scene, &chunk, |w, _| {
+                walk_to_merging(workspace, scene, &chunk, &self.maps, |w, _| {
                     for (event, rows) in w.walk.partition.connectable() {
                         let map = map_of(event.met);
                         let [x, y, z] = &w.walk.surfaces.position;

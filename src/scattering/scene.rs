@@ -1,5 +1,6 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -20,6 +21,9 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::surface::{Material, SurfaceKind, Surfaces};
+
+/// Lamps are small whose area is less of that of the ball about the scene.
+const SMALL_LAMP: f64 = 1e-3;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
 pub struct Scene<const N: usize> {
@@ -244,6 +248,22 @@ impl<const N: usize> Scene<N> {
         let materials = self.surfaces.materials();
         let mut used = self.shapes.surfaces.iter().map(|it| &materials[it.material as usize]);
         used.any(|material| material.kind.is_specular())
+    }
+
+    /// Whether some lamps are points, or small against the scene, and some surfaces leave light a
+    /// single way: paths from the sensor do not find those lamps behind these.
+    pub fn hides_lamps(&self) -> bool {
+        let models = || self.optics.emitters.iter().map(|emitter| &emitter.model);
+        let finite = models().filter(|model| model.is_finite() && !emitter::is_delta(model));
+        let size: f64 = finite.map(|model| model.size(&self.shapes)).sum();
+        let whole = (2.0 * PI * f64::from(self.shapes.bounds.radius)).powi(2);
+        let is_small = size > 0.0 && size < SMALL_LAMP * whole;
+        self.has_specular_surfaces() && (is_small || models().any(emitter::is_delta))
+    }
+
+    /// Whether paths can meet some emitters by chance.
+    pub fn has_met_emitters(&self) -> bool {
+        self.optics.emitters.iter().any(|emitter| !emitter::is_delta(&emitter.model))
     }
 
     /// A medium; a clear one for [`NONE`].

@@ -89,8 +89,7 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
         _ if path_length == 1 => 1.0,
-        Strategy::Merging => 1.0,
-        Strategy::Unidirectional => {
+        Strategy::Unidirectional | Strategy::Merging => {
             let pdf_w = paths.mis.pdf_w[row];
             mis::power_of_emission_met(pdf_w, densities(pdf_w.is_finite()), distance2)
         }

@@ -34,6 +34,7 @@
 //! - **bounce**: a vertex of a walk: which segment leads to it, on which side.
 //! - **splat**: light that a connection to the sensor brings to any pixel.
 //! - **merge**: to take vertices of two subpaths for one because they are near.
+//! - **clearing**: the part of a kernel in which photons count, which no shape cuts off.
 //! - **measure**: to add light to the film's side, through the carrier of a sensor row.
 //! - **straight on**: how light goes through polarizers, retarders, thin panes and boundaries of
 //!   media: what is there is no vertex.
@@ -48,6 +49,7 @@
 
 pub mod bounce;
 pub mod chunk;
+pub mod clearing;
 pub mod crossing;
 pub mod emission;
 pub mod flight;

@@ -7,7 +7,7 @@ pub enum Strategy {
     Unidirectional,
     /// All bidirectional strategies (balance heuristic).
     Bidirectional,
-    /// Photons merged: what connections and photons find counts once by rule, and emitters count
-    /// where nothing but specular events lies between them and the sensor.
+    /// Photons merged: of more than one segment, which nothing competes with, and beside them
+    /// emission met by chance and next-event estimation as in [`Strategy::Unidirectional`].
     Merging,
 }

@@ -128,6 +128,10 @@ macro_rules! columns {
                     work,
                 );)*
             }
+
+            fn each(&mut self, work: &impl $crate::math::columns::ColumnWork) {
+                $($crate::math::columns::Columns::each(&mut self.$column, work);)*
+            }
         }
 
         impl $(<const $n: usize>)? $name $(<$n>)? {

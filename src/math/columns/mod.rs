@@ -75,6 +75,9 @@ pub trait Columns: Sized {
     /// Does `work` for every column that is present, with its counterpart in another table.
     fn each_with(&mut self, from: &Self, work: &impl PairWork);
 
+    /// Does `work` for every column that is present.
+    fn each(&mut self, work: &impl ColumnWork);
+
     /// Columns for `capacity` rows.
     fn with_room(capacity: usize) -> Self {
         Self::filled(capacity + LANES, Self::ZERO)
@@ -109,6 +112,12 @@ pub trait Rows: Columns {
 pub trait PairWork {
     /// Does it.
     fn column<T: Value>(&self, to: &mut [T], from: &[T]);
+}
+
+/// Work on a column.
+pub trait ColumnWork {
+    /// Does it; the column keeps its length.
+    fn column<T: Value>(&self, column: &mut Vec<T>);
 }
 
 /// Takes the rows `order` of a column to the rows from `start` on.
@@ -176,6 +185,12 @@ impl<T: Value> Columns for Vec<T> {
             work.column(self, from);
         }
     }
+
+    fn each(&mut self, work: &impl ColumnWork) {
+        if !self.is_empty() {
+            work.column(self);
+        }
+    }
 }
 
 impl<T: Value> Rows for Vec<T> {
@@ -222,6 +237,10 @@ impl<C: Columns, const K: usize> Columns for [C; K] {
         for (columns, from) in self.iter_mut().zip(from) {
             columns.each_with(from, work);
         }
+    }
+
+    fn each(&mut self, work: &impl ColumnWork) {
+        self.iter_mut().for_each(|columns| columns.each(work));
     }
 }
 

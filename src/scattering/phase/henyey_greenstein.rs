@@ -22,6 +22,11 @@ impl<const N: usize> Scatters<N> for HenyeyGreenstein<N> {
         (Form::Depolarizer, true)
     }
 
+    fn moments(&self, wavelength: usize) -> [f32; 2] {
+        let g = self.g[wavelength];
+        [g, (1.0 + g * g) / (1.0 - g * g).powi(2)]
+    }
+
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {
         let mut values = [F32s::splat(0.0); N];

@@ -23,6 +23,10 @@ pub trait Scatters<const N: usize> {
     /// Which elements its phase matrix has, and whether these are the same at all wavelengths.
     fn kernel(&self) -> (Form, bool);
 
+    /// Its mean cosine at a wavelength, and its mean square over the sphere relative to that of an
+    /// even one: how many photons that arrive from anywhere count for as much as one.
+    fn moments(&self, wavelength: usize) -> [f32; 2];
+
     /// The phase function at every wavelength, in 1/sr: also the density of [`Self::sample`].
     fn values(&self, half_sine2: F32s) -> [F32s; N];
 

@@ -96,6 +96,25 @@ impl<const N: usize> Scatters<N> for PhaseLookup<N> {
         (if self.spheres { Form::Block } else { Form::Spheroid }, self.achromatic)
     }
 
+    /// Simpson's rule between nodes, which is exact for what is linear there.
+    fn moments(&self, wavelength: usize) -> [f32; 2] {
+        let (mut cosine, mut square) = (0.0, 0.0);
+        for pair in self.nodes.windows(2) {
+            let [from, to] = [0, 1].map(|end| {
+                let Node { half_sine2, m00, .. } = pair[end];
+                [half_sine2, m00[wavelength]].map(f64::from)
+            });
+            let middle = [0, 1].map(|part| 0.5 * (from[part] + to[part]));
+            for ([half_sine2, value], weight) in [(from, 1.0), (middle, 4.0), (to, 1.0)] {
+                let share = weight / 6.0 * (to[0] - from[0]) * value;
+                cosine += share * (1.0 - 2.0 * half_sine2);
+                square += share * value;
+            }
+        }
+        let sphere = 4.0 * std::f64::consts::PI;
+        [(sphere * cosine) as f32, (sphere * sphere * square) as f32]
+    }
+
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {
         self.values_at(half_sine2, &self.locate(half_sine2).0)

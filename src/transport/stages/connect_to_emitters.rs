@@ -44,11 +44,10 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
         let weight = match strategy {
-            Strategy::Unidirectional => mis::power_of_emitter_connected(chance),
+            Strategy::Unidirectional | Strategy::Merging => mis::power_of_emitter_connected(chance),
             Strategy::Bidirectional => {
                 bidirectional_weight(paths.mis.load(row), &chosen, &turn, chance)
             }
-            Strategy::Merging => F32s::splat(1.0),
         };
         let factor = weight / chosen.pdf_w;
         let mut values = [[0.0; LANES]; N];

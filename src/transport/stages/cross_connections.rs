@@ -103,9 +103,8 @@ fn reweigh<const N: usize>(
 ) {
     for (row, progress) in flights.progress.iter().enumerate() {
         let chance = match strategy {
-            Strategy::Unidirectional => progress.chance * progress.chance,
+            Strategy::Unidirectional | Strategy::Merging => progress.chance * progress.chance,
             Strategy::Bidirectional => progress.chance,
-            Strategy::Merging => 1.0,
         };
         if chance < 1.0 {
             let gain = mis::gain_of_crossing(connections.weight[row], chance);

@@ -2,30 +2,36 @@
 //! equation 13). One scattering kernel acts at the merge, that of the sensor's vertex, on light
 //! that arrives along the photon's direction.
 
-use crate::geometry::SurfaceColumns;
+use glam::Vec3A;
+
+use crate::geometry::{SurfaceColumns, Surroundings};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
-use crate::scattering::Scene;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
+use crate::scattering::{Met, Scene};
+use crate::transport::clearing::Clearing;
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_grid::{PhotonGrid, PhotonVisitor};
 use crate::transport::tables::photon_maps::PhotonMap;
-use crate::transport::tables::photon_queries::QueryOrder;
+use crate::transport::tables::photon_queries::{PhotonQueries, QueryOrder};
 use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTable};
 use crate::transport::tables::states::LightState;
 use crate::transport::{Arrived, LightModel};
+
+/// Largest radius at the boundary of a medium, relative to its mean free path.
+const BOUNDARY_OF_FREE_PATH: f32 = 0.25;
 
 /// Merges rows that have arrived with the photons of their map whose paths have `length_max`
 /// segments at most.
 ///
 /// From: the photon maps, depolarize_sensor. To: the film.
-/// Writes: measured, order. Reads: arrived (paths, surfaces), map, scene.
+/// Writes: measured, queries. Reads: arrived (paths, surfaces), map, scene.
 pub fn merge_photons<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
-    order: &mut QueryOrder,
+    queries: &mut PhotonQueries,
     arrived: &Arrived<N, M::Sensor>,
     (map, length_max): (&PhotonMap<N>, u32),
     scene: &Scene<N>,
@@ -34,9 +40,11 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     if map.grid.photons().len == 0 {
         return;
     }
+    let PhotonQueries { order, around } = queries;
     order.sort(&surfaces.position, rows.clone(), map.grid.cells());
-    let per_volume = map.per_volume();
-    let gather = Gather { measured, paths, surfaces, scene, per_volume, length_max };
+    let (per_volume, radius) = (map.per_volume(), map.radius);
+    let (kernel, met) = (Kernel { per_volume, radius, around }, event.met);
+    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max };
     let grid = &map.grid;
     let points = &surfaces.position;
     for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));
@@ -65,22 +73,52 @@ fn merge<const N: usize, M: LightModel<N>, S: Scatterer<N>>(
     }
 }
 
+/// The kernel of the density estimate.
+struct Kernel<'a> {
+    /// Reciprocal of the disk or ball, over the light paths.
+    per_volume: f32,
+    radius: f32,
+    around: &'a mut Surroundings,
+}
+
 /// What all merges read and write.
 struct Gather<'a, const N: usize, C> {
     measured: &'a mut Measured<N>,
     paths: &'a PathTable<N, C>,
     surfaces: &'a SurfaceColumns,
     scene: &'a Scene<N>,
-    /// The kernel of the density estimate: reciprocal of the disk or ball, over the light paths.
-    per_volume: f32,
+    kernel: Kernel<'a>,
+    met: Met,
     /// Most segments of a photon's path.
     length_max: u32,
 }
 
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
+    /// Where photons count about the vertex in row `query`.
+    fn clearing(&mut self, query: usize) -> Clearing {
+        let Kernel { radius, around, .. } = &mut self.kernel;
+        let (center, accelerator) =
+            (lanes::row_of(&self.surfaces.position, query), &self.scene.accelerator);
+        if let Met::Medium(medium) = self.met {
+            let at_boundary = BOUNDARY_OF_FREE_PATH / self.scene.medium(medium).reduced;
+            return Clearing::in_medium(center, [*radius, at_boundary], accelerator, around);
+        }
+        let normal = Vec3A::from(lanes::row_of(&self.surfaces.geometric_normal, query));
+        let direction = Vec3A::from(lanes::row_of(&self.paths.rays.direction, query));
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        Clearing::on_surface(center, normal, *radius, accelerator, around)
+    }
+
     /// The photons of the packet at `row` that count.
     #[inline(always)]
-    fn counting(&self, photons: &PhotonTable<N>, row: usize, within: F32s) -> F32s {
+    fn counting(
+        &self,
+        clearing: &Clearing,
+        photons: &PhotonTable<N>,
+        row: usize,
+        within: F32s,
+    ) -> F32s {
+        let within = within & clearing.holds(Vector::load(&photons.position, row));
         if self.length_max >= PATH_LENGTH_MAX {
             return within;
         }
@@ -92,12 +130,13 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
         Vector::splat(lanes::row_of(&self.paths.rays.direction, row))
     }
 
-    /// What a row makes of a sum over photons; `factor` is the same in all lanes.
+    /// What a row makes of a sum over photons that is to gain so much; `factor` is the same in all
+    /// lanes.
     #[inline(always)]
-    fn per_sum(&self, row: usize, factor: &[F32s; N]) -> [f32; N] {
+    fn per_sum(&self, (row, gain): (usize, f32), factor: &[F32s; N]) -> [f32; N] {
         let mut values = [0.0; N];
         for (n, value) in values.iter_mut().enumerate() {
-            let beta = self.paths.beta[n][row] * self.per_volume;
+            let beta = self.paths.beta[n][row] * self.kernel.per_volume * gain;
             *value = beta * factor[n].to_array()[0];
         }
         values
@@ -105,8 +144,8 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
 
     /// Adds intensity that scatters towards the sensor, per `factor` of every wavelength.
     #[inline(always)]
-    fn add(&mut self, row: usize, sums: &[F32s; N], factor: &[F32s; N]) {
-        let mut value = self.per_sum(row, factor);
+    fn add(&mut self, (row, gain): (usize, f32), sums: &[F32s; N], factor: &[F32s; N]) {
+        let mut value = self.per_sum((row, gain), factor);
         for (value, sum) in value.iter_mut().zip(sums) {
             *value *= sum.reduce_add();
         }
@@ -136,6 +175,7 @@ struct Even<'a, const N: usize, S, C> {
 
 /// The vertex at which photons are gathered.
 struct SurfaceState<const N: usize> {
+    clearing: Clearing,
     sums: [F32s; N],
     /// Normals, turned to the side from which the sensor looks.
     geometric: Vector<F32s>,
@@ -147,6 +187,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> SurfaceState<N> {
+        let clearing = self.gather.clearing(query);
         let Gather { surfaces, .. } = &self.gather;
         let given = -self.gather.direction(query);
         let turned = |normal: Vector<F32s>| {
@@ -154,6 +195,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
             Vector::select(away, -normal, normal)
         };
         SurfaceState {
+            clearing,
             sums: [F32s::splat(0.0); N],
             geometric: turned(Vector::splat(lanes::row_of(&surfaces.geometric_normal, query))),
             shading: turned(Vector::splat(lanes::row_of(&surfaces.shading_normal, query))),
@@ -168,7 +210,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let within = self.gather.counting(photons, row, within);
+        let within = self.gather.counting(&state.clearing, photons, row, within);
         let direction = photons.directions_of_any_length(row);
         let zero = F32s::splat(0.0);
         let geometric = direction.dot(state.geometric);
@@ -199,7 +241,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
         );
         let reflects = facing.reflects(given, towards);
         let factor = vertex.per_photon().map(|factor| reflects & factor);
-        self.gather.add(row, &state.sums, &factor);
+        self.gather.add((row, state.clearing.gain), &state.sums, &factor);
     }
 }
 
@@ -212,6 +254,7 @@ struct Uneven<'a, const N: usize, S, C> {
 
 /// A vertex that waits for photons.
 struct UnevenState<V, S> {
+    clearing: Clearing,
     vertex: V,
     sums: S,
     pending: Pending,
@@ -278,6 +321,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
         UnevenState {
+            clearing: self.gather.clearing(query),
             vertex: self.all.at(self.gather.surfaces, Same(query)),
             sums: [F32s::splat(0.0); N],
             pending: Pending::default(),
@@ -294,8 +338,8 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { vertex, sums, pending, k_out, .. } = state;
-        let within = self.gather.counting(photons, row, within);
+        let UnevenState { clearing, vertex, sums, pending, k_out, .. } = state;
+        let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
             add_scattered(sums, vertex, photons, *k_out, (rows, within));
         });
@@ -303,11 +347,11 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { vertex, mut sums, pending, k_out, .. } = state;
+        let UnevenState { clearing, vertex, mut sums, pending, k_out, .. } = state;
         pending.finish(|rows, within| {
             add_scattered(&mut sums, &vertex, self.photons, k_out, (rows, within));
         });
-        self.gather.add(row, &sums, &vertex.per_photon());
+        self.gather.add((row, clearing.gain), &sums, &vertex.per_photon());
     }
 }
 
@@ -358,6 +402,7 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
         UnevenState {
+            clearing: self.gather.clearing(query),
             vertex: self.all.at(self.gather.surfaces, Same(query)),
             sums: [Stokes([F32s::splat(0.0); 4]); N],
             pending: Pending::default(),
@@ -374,8 +419,8 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { vertex, sums, pending, k_out, axis } = state;
-        let within = self.gather.counting(photons, row, within);
+        let UnevenState { clearing, vertex, sums, pending, k_out, axis } = state;
+        let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
             let out = (*k_out, *axis);
             add_polarized::<N, COMMON>(sums, vertex, photons, out, (rows, within));
@@ -384,13 +429,13 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { vertex, mut sums, pending, k_out, axis } = state;
+        let UnevenState { clearing, vertex, mut sums, pending, k_out, axis } = state;
         pending.finish(|rows, within| {
             let out = (k_out, axis);
             add_polarized::<N, COMMON>(&mut sums, &vertex, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;
-        let value = gather.per_sum(row, &vertex.per_photon());
+        let value = gather.per_sum((row, clearing.gain), &vertex.per_photon());
         let light = LightState { stokes: sums.map(total), x: axis.lane(0) };
         let place = (row, gather.paths.identity.slot[row] as usize);
         let along = (k_out.lane(0), gather.scene.sensor.up());

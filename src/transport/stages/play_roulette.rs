@@ -5,8 +5,8 @@ use crate::math::columns::Column;
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::NONE;
-use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::paths::{IdentityColumns, PathTable};
+use crate::transport::sampler::Purpose;
+use crate::transport::tables::paths::PathTable;
 
 /// Segments after which even paths that lose nothing are played for.
 const PATIENCE: u32 = 128;
@@ -16,30 +16,41 @@ const PATIENCE: u32 = 128;
 /// is measured and stored there. The probability is local to the event, so both modes play alike;
 /// strategies are weighed without it.
 ///
+/// Where fewer vertices do, those of paths that lose are `kept` with this probability, if the
+/// paths do not go on with a greater one; the others hit nothing.
+///
 /// Beyond [`PATIENCE`] segments it is at most 1 - 1/n after n of them, so that a share of about
 /// 1/n is left of any paths: neither light in a closed white room nor light caught in clear glass
 /// keeps a render from ending, and a path of a length that is not extreme weighs a few times more.
 ///
-/// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, follow_winners.
-/// Writes: odds. Reads: identity, hits, scene.
-pub fn play_roulette<const N: usize>(
+/// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, pay_out.
+/// Writes: odds, paths (beta), hits. Reads: paths (identity), scene.
+pub fn play_roulette<const N: usize, C>(
     odds: &mut Column,
-    identity: &IdentityColumns,
-    hits: &HitColumns,
-    rows: usize,
+    paths: &mut PathTable<N, C>,
+    hits: &mut HitColumns,
     scene: &Scene<N>,
-    path_length: u32,
+    (path_length, kept): (u32, f32),
 ) {
     let longest = if path_length < PATIENCE { 1.0 } else { 1.0 - 1.0 / path_length as f32 };
-    for row in (0..rows).step_by(LANES) {
-        let seed = lanes::load_u32(&identity.seed, row);
-        let iteration = lanes::load_u32(&identity.iteration, row);
-        let [_, u] = draw(seed, iteration, path_length, Purpose::Decision);
-        for (lane, u) in u.to_array().into_iter().enumerate().take(rows - row) {
-            let primitive = hits.primitive[row + lane];
-            let survival = if primitive == NONE { 0.0 } else { scene.survival(primitive) };
-            let survival = survival.min(longest);
-            odds[row + lane] = if u < survival { survival } else { 0.0 };
+    for row in (0..paths.len).step_by(LANES) {
+        let [_, u] = paths.identity.draw(row, path_length, Purpose::Decision);
+        for (lane, u) in u.to_array().into_iter().enumerate().take(paths.len - row) {
+            let row = row + lane;
+            let primitive = hits.primitive[row];
+            if primitive == NONE {
+                odds[row] = 0.0;
+                continue;
+            }
+            let survival = scene.survival(primitive).min(longest);
+            let kept = kept.max(survival);
+            if u >= kept {
+                hits.primitive[row] = NONE;
+            }
+            if kept < 1.0 {
+                paths.beta.iter_mut().for_each(|beta| beta[row] /= kept);
+            }
+            odds[row] = if u < survival { survival / kept } else { 0.0 };
         }
     }
 }

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::math::columns::{Column, Columns, PairWork, Value, take};
+use crate::math::columns::{Column, ColumnWork, Columns, Value, take};
 use crate::math::{F32s, LANES, Vector, hash, lanes};
 
 use super::photon_queries::QueryOrder;
@@ -171,17 +171,28 @@ impl<const N: usize> PhotonGrid<N> {
     /// Takes the photons of a table of the same class, those at finite positions, for gathers
     /// within `radius` (positive, in scene units).
     pub fn rebuild(&mut self, photons: &PhotonTable<N>, radius: f32) {
+        self.photons.clear();
+        self.photons.append_table(photons);
+        self.sort(radius);
+    }
+
+    /// The table in which photons are stored that [`PhotonGrid::sort`] will sort.
+    pub fn unsorted(&mut self) -> &mut PhotonTable<N> {
+        &mut self.photons
+    }
+
+    /// Sorts the photons in place, column by column, and leaves out those that are not at finite
+    /// positions, for gathers within `radius` (positive, in scene units).
+    pub fn sort(&mut self, radius: f32) {
         assert!(radius > 0.0 && radius.is_finite(), "photons are gathered within {radius}");
-        assert_eq!(self.photons.class, photons.class, "photons of another class");
+        let photons = &mut self.photons;
         let radius = radius.clamp(RADIUS_RANGE[0], RADIUS_RANGE[1]);
         let extent = extent_of(&photons.position[0][..photons.len]);
         self.cells = Cells::new(radius, photons.len, extent);
         self.radius_squared = radius * radius;
         let order = self.sort.sort(&mut self.starts, photons, self.cells);
-        self.photons.clear();
-        self.photons.reserve(order.len());
-        self.photons.len = order.len();
-        self.photons.each_with(photons, &TakeOnAllThreads(order));
+        photons.each(&TakeOnAllThreads(order));
+        photons.len = order.len();
     }
 
     /// How space is cut, for [`QueryOrder::sort`].
@@ -446,11 +457,13 @@ fn extent_of(column: &[f32]) -> [f32; 2] {
 /// Takes the rows of an order.
 struct TakeOnAllThreads<'a>(&'a [u32]);
 
-impl PairWork for TakeOnAllThreads<'_> {
-    fn column<T: Value>(&self, to: &mut [T], from: &[T]) {
-        to[..self.0.len()]
+impl ColumnWork for TakeOnAllThreads<'_> {
+    fn column<T: Value>(&self, column: &mut Vec<T>) {
+        let mut taken = vec![T::ZERO; column.len()];
+        taken[..self.0.len()]
             .par_chunks_mut(ROWS)
             .zip(self.0.par_chunks(ROWS))
-            .for_each(|(to, order)| take(to, from, order, 0));
+            .for_each(|(to, order)| take(to, column, order, 0));
+        *column = taken;
     }
 }

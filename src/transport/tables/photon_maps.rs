@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use crate::scattering::Met;
 
 use super::photon_grid::PhotonGrid;
-use super::photons::{PhotonClass, PhotonTable};
+use super::photons::PhotonClass;
 
 /// The maps of all places: that of surfaces first, then those of the media in their order.
 pub struct PhotonMaps<const N: usize>(pub Vec<PhotonMap<N>>);
@@ -15,6 +15,11 @@ impl<const N: usize> PhotonMaps<N> {
     pub fn new(classes: &[PhotonClass]) -> Self {
         let dimensions = std::iter::once(2).chain(std::iter::repeat(3));
         Self(classes.iter().zip(dimensions).map(|(&c, d)| PhotonMap::new(c, d)).collect())
+    }
+
+    /// Whether vertices that have met this find light by photons. Where they do not, paths go on.
+    pub fn merge_at(&self, met: Met) -> bool {
+        self.of(met).merges
     }
 
     /// The map of what a vertex has met.
@@ -33,14 +38,14 @@ pub fn map_of(met: Met) -> usize {
 
 /// Photons of one kind of place, and how they are gathered.
 pub struct PhotonMap<const N: usize> {
-    /// Photons in the order in which the light paths left them.
-    pub stored: PhotonTable<N>,
-    /// The same, sorted into cells.
+    /// The photons, sorted into cells.
     pub grid: PhotonGrid<N>,
     /// Radius of the kernel in this iteration, in scene units.
     pub radius: f32,
     /// Light paths of this iteration.
     pub light_paths: f32,
+    /// Whether photons are stored and merged.
+    pub merges: bool,
     /// 2 on surfaces, 3 in media.
     pub dimensions: u32,
 }
@@ -49,10 +54,10 @@ impl<const N: usize> PhotonMap<N> {
     /// An empty map.
     pub fn new(class: PhotonClass, dimensions: u32) -> Self {
         Self {
-            stored: PhotonTable::of_class(class, 0),
             grid: PhotonGrid::new(class),
             radius: 1.0,
             light_paths: 1.0,
+            merges: true,
             dimensions,
         }
     }

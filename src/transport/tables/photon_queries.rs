@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use crate::geometry::Surroundings;
 use crate::math::columns::Column;
 
 use super::photon_grid::Cells;
@@ -11,6 +12,15 @@ use super::photon_grid::Cells;
 const DIGIT_BITS: u32 = 11;
 /// Below this number of queries, comparing them is cheaper than counting.
 const COUNTED_MIN: usize = 128;
+
+/// Vertices that look for photons, and what is about one of them.
+#[derive(Default)]
+pub struct PhotonQueries {
+    /// In which order they do.
+    pub order: QueryOrder,
+    /// The shapes that cut into the kernel.
+    pub around: Surroundings,
+}
 
 /// A batch of queries in the order of the buckets they start from; keeps its memory.
 #[derive(Default)]
