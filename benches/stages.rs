@@ -71,7 +71,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
     let mut scratch = TraceScratch::default();
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
-    let (odds, mut sorted_odds) = (vec![1.0; ROWS], vec![0.0; ROWS]);
+    paths.odds.fill(1.0);
     let mut partition = Partition::default();
     let mut surfaces = SurfaceColumns::new(ROWS);
     let mut connections = ConnectionTable::new(ROWS);
@@ -90,8 +90,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     });
     group.bench_function("partition_paths", |bench| {
         bench.iter(|| {
-            let to = (&mut sorted_hits, &mut sorted_odds);
-            partition_paths(&mut sorted, to, &mut partition, &paths, (&hits, &odds), &scene);
+            partition_paths(&mut sorted, &mut sorted_hits, &mut partition, &paths, &hits, &scene);
         });
     });
     let live = sorted.len;

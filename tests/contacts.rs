@@ -52,7 +52,7 @@ fn sheets_laid_on_a_display_filter_it() {
         for (gap, scale) in GAPS.into_iter().flat_map(|gap| [(gap, 1.0), (gap, 0.01), (gap, 300.0)])
         {
             let what = format!("gap {gap}, scale {scale}, {integrator:?}");
-            let one = display(&[polarizer.clone()], gap, scale);
+            let one = display(std::slice::from_ref(&polarizer), gap, scale);
             expect(stokes(one, integrator), [0.5, 0.5, 0.0, 0.0], &what);
             let circular = display(&[polarizer.clone(), plate.clone()], gap, scale);
             let [s0, s1, s2, s3] = stokes(circular, integrator);

@@ -224,17 +224,15 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     strategy: Strategy,
 ) {
     let ([paths, sorted], tables, profile) = S::tables(w);
-    let WalkTables { hits: [hits, sorted_hits], odds: [odds, sorted_odds], .. } = tables;
-    let WalkTables { surfaces, partition, .. } = tables;
+    let WalkTables { hits: [hits, sorted_hits], surfaces, partition, .. } = tables;
     profile.time(Stage::Sort, || {
         if chunk.plays_roulette(S::SIDE, path_length) {
             let kept = S::vertices_kept(strategy, path_length);
-            play_roulette(odds, paths, hits, scene, (path_length, kept));
+            play_roulette(paths, hits, scene, path_length, kept);
         } else {
-            odds[..paths.len].fill(1.0);
+            paths.odds[..paths.len].fill(1.0);
         }
-        let to = (&mut *sorted_hits, sorted_odds);
-        partition_paths(sorted, to, partition, paths, (hits, odds), scene);
+        partition_paths(sorted, sorted_hits, partition, paths, hits, scene);
         resolve_surfaces(surfaces, sorted_hits, &sorted.rays, 0..sorted.len, &scene.shapes);
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
@@ -262,7 +260,7 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     }
     let bounce = Bounce { path_length, side: S::SIDE, sampling: chunk.sampling };
     profile.time(Stage::Scatter, || {
-        pay_out(sorted, &walk.odds[1]);
+        pay_out(sorted);
         scatter::<N, M, _>(sorted, walk, scene, bounce);
     });
     let WalkTables { surfaces, partition, departures, .. } = walk;

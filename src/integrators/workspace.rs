@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
-use crate::math::columns::{Column, Columns};
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
@@ -48,8 +47,6 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
 pub struct WalkTables<const N: usize> {
     /// What rays have hit, and where that is sorted to.
     pub hits: [HitColumns; 2],
-    /// The odds of going on from there, likewise.
-    pub odds: [Column; 2],
     /// The surfaces there.
     pub surfaces: SurfaceColumns,
     /// Which rows do what next.
@@ -87,7 +84,6 @@ impl<const N: usize> WalkTables<N> {
     fn new() -> Self {
         Self {
             hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
-            odds: std::array::from_fn(|_| Column::with_room(ROWS)),
             surfaces: SurfaceColumns::new(ROWS),
             partition: Partition::default(),
             departures: DepartureColumns::new(ROWS),

@@ -40,12 +40,12 @@ const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 const CONFINED: [(&str, &[&str]); 8] = [
     ("hecs", &["scene"]),
     ("gltf", &["scene"]),
-    ("obvhs", &["geometry"]),
+    ("obvhs", &["geometry", "scene"]),
     ("memmap2", &["geometry"]),
     ("exr", &["image"]),
     ("plotters", &["bench"]),
     ("clap", &["cli"]),
-    ("rayon", &["geometry", "transport", "film", "render"]),
+    ("rayon", &["scene", "geometry", "scattering", "transport", "film", "render"]),
 ];
 
 /// Modules below the floors' resolution: (files that start so, module they may not import, why).

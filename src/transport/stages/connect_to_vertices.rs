@@ -22,8 +22,8 @@ const ALWAYS: usize = 16;
 /// `vertex_length_max` segments from the emitter.
 ///
 /// What long paths in dense media would cost, length times length, is bounded: of the light
-/// vertices beyond the first [`ALWAYS`] a sensor vertex connects to eight neighbors, drawn with
-/// equal chances among the groups of eight; and beyond [`ALWAYS`] segments it connects with the
+/// vertices beyond the first `ALWAYS` a sensor vertex connects to eight neighbors, drawn with
+/// equal chances among the groups of eight; and beyond `ALWAYS` segments it connects with the
 /// probability `(ALWAYS / n)²` after n of them. Those that are drawn count for the others. The
 /// weights of the strategies do not know of this, for they sum to one as they are; a path of such
 /// a length has so many strategies that the share of each is small.

@@ -1,7 +1,7 @@
 //! Groups rows by what they have met and carrier class, and drops those that end.
 
 use crate::geometry::HitColumns;
-use crate::math::columns::{Column, Columns};
+use crate::math::columns::Columns;
 use crate::scattering::Scene;
 use crate::scattering::event::END;
 use crate::transport::tables::carriers::CarrierTable;
@@ -12,13 +12,13 @@ use crate::transport::tables::paths::PathTable;
 /// have lost behind the others; rows that hit nothing, an absorber, or carry nothing stay behind.
 ///
 /// From: trace_closest, fly_through_media, collect_emission, play_roulette. To: resolve_surfaces.
-/// Writes: sorted, sorted_hits, sorted odds, partition. Reads: paths, hits, odds, scene.
+/// Writes: sorted, sorted_hits, partition. Reads: paths, hits, scene.
 pub fn partition_paths<const N: usize, C: CarrierTable>(
     sorted: &mut PathTable<N, C>,
-    (sorted_hits, sorted_odds): (&mut HitColumns, &mut Column),
+    sorted_hits: &mut HitColumns,
     partition: &mut Partition,
     paths: &PathTable<N, C>,
-    (hits, odds): (&HitColumns, &Column),
+    hits: &HitColumns,
     scene: &Scene<N>,
 ) {
     partition.group(paths.len, &scene.events, C::CLASSES, |row| {
@@ -26,9 +26,8 @@ pub fn partition_paths<const N: usize, C: CarrierTable>(
         let bits = paths.beta.iter().fold(0, |bits, beta| bits | (beta[row].to_bits() << 1));
         let event = scene.event_hit(hits.primitive[row]);
         let event = if bits == 0 { END } else { event };
-        Next { event, class: paths.carriers.place_of_class(row), goes_on: odds[row] > 0.0 }
+        Next { event, class: paths.carriers.place_of_class(row), goes_on: paths.odds[row] > 0.0 }
     });
     sorted.take(paths, partition);
     sorted_hits.take_rows(hits, &partition.order, 0);
-    sorted_odds.take_rows(odds, &partition.order, 0);
 }

@@ -1,7 +1,6 @@
 //! Ends paths at random, by what they have met scatters and by how far they have come.
 
 use crate::geometry::HitColumns;
-use crate::math::columns::Column;
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::NONE;
@@ -19,18 +18,18 @@ const PATIENCE: u32 = 128;
 /// Where fewer vertices do, those of paths that lose are `kept` with this probability, if the
 /// paths do not go on with a greater one; the others hit nothing.
 ///
-/// Beyond [`PATIENCE`] segments it is at most 1 - 1/n after n of them, so that a share of about
+/// Beyond `PATIENCE` segments it is at most 1 - 1/n after n of them, so that a share of about
 /// 1/n is left of any paths: neither light in a closed white room nor light caught in clear glass
 /// keeps a render from ending, and a path of a length that is not extreme weighs a few times more.
 ///
 /// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, pay_out.
-/// Writes: odds, paths (beta), hits. Reads: paths (identity), scene.
+/// Writes: paths (odds, beta), hits. Reads: paths (identity), scene.
 pub fn play_roulette<const N: usize, C>(
-    odds: &mut Column,
     paths: &mut PathTable<N, C>,
     hits: &mut HitColumns,
     scene: &Scene<N>,
-    (path_length, kept): (u32, f32),
+    path_length: u32,
+    kept: f32,
 ) {
     let longest = if path_length < PATIENCE { 1.0 } else { 1.0 - 1.0 / path_length as f32 };
     for row in (0..paths.len).step_by(LANES) {
@@ -39,7 +38,7 @@ pub fn play_roulette<const N: usize, C>(
             let row = row + lane;
             let primitive = hits.primitive[row];
             if primitive == NONE {
-                odds[row] = 0.0;
+                paths.odds[row] = 0.0;
                 continue;
             }
             let survival = scene.survival(primitive).min(longest);
@@ -50,18 +49,18 @@ pub fn play_roulette<const N: usize, C>(
             if kept < 1.0 {
                 paths.beta.iter_mut().for_each(|beta| beta[row] /= kept);
             }
-            odds[row] = if u < survival { survival / kept } else { 0.0 };
+            paths.odds[row] = if u < survival { survival / kept } else { 0.0 };
         }
     }
 }
 
 /// Gives the paths that go on what those that have lost would have carried.
 ///
-/// From: partition_paths, play_roulette. To: scatter_surfaces, scatter_medium.
-/// Writes: paths (beta). Reads: odds.
-pub fn pay_out<const N: usize, C>(paths: &mut PathTable<N, C>, odds: &Column) {
+/// From: play_roulette. To: scatter_surfaces, scatter_medium.
+/// Writes: paths (beta). Reads: paths (odds).
+pub fn pay_out<const N: usize, C>(paths: &mut PathTable<N, C>) {
     for row in (0..paths.len).step_by(LANES) {
-        let inverse = F32s::splat(1.0) / lanes::load(odds, row);
+        let inverse = F32s::splat(1.0) / lanes::load(&paths.odds, row);
         for beta in &mut paths.beta {
             let paid = lanes::load(beta, row) * inverse;
             lanes::store(beta, row, paths.len, paid);

@@ -25,7 +25,7 @@ use crate::transport::{Bounce, Sampling};
 /// path carries, and what a sensor path accepts, stay as they are, and no product of such factors
 /// grows with every event. The weights of strategies keep densities of unpolarized light.
 ///
-/// From: depolarize_sensor, depolarize_light. To: collect_sensor, scatter_light.
+/// From: depolarize_sensor, depolarize_light, pay_out. To: collect_sensor, scatter_light.
 /// Writes: departures, paths (beta, mis, media). Reads: paths, scene, partition.
 pub fn scatter_medium<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     departures: &mut DepartureColumns<N>,

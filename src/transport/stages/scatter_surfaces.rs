@@ -22,7 +22,8 @@ use crate::transport::tables::paths::PathTable;
 /// With `POLARIZED`, also writes one kernel a row of polarizing models: achromatic ones to
 /// channel 0 only.
 ///
-/// From: depolarize_sensor, depolarize_light. To: collect_sensor, scatter_light, advance_paths.
+/// From: depolarize_sensor, depolarize_light, pay_out. To: collect_sensor, scatter_light,
+/// advance_paths.
 /// Writes: departures, paths (beta, mis, media). Reads: paths, surfaces, scene, partition.
 pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
     departures: &mut DepartureColumns<N>,

@@ -22,6 +22,8 @@ pub struct PathTable<const N: usize, C> {
     /// Scalar throughput: what both modes share, times the gains that polarizing events before
     /// the last depolarizer have brought.
     pub beta: Channels<N>,
+    /// The odds of going on from the vertices at hand, of the rows that do; 0 for the others.
+    pub odds: Column,
     /// What weighs strategies against each other.
     pub mis: MisColumns,
     /// The last vertex, if that matters to the choice of emitters.
@@ -184,6 +186,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
             rays: RayColumns::new(capacity),
             identity: IdentityColumns::new(capacity),
             beta: Columns::with_room(capacity),
+            odds: Column::with_room(capacity),
             mis: MisColumns::new(capacity),
             last: LastColumns::absent(),
             media: MediaColumns::if_any(capacity, with_media),
@@ -193,12 +196,13 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
 
     /// Takes the rows that `partition` keeps from another table, in its order.
     pub fn take(&mut self, from: &Self, partition: &Partition) {
-        let Self { len, rays, identity, beta, mis, last, media, carriers } = self;
+        let Self { len, rays, identity, beta, odds, mis, last, media, carriers } = self;
         let order = &partition.order;
         *len = order.len();
         rays.take_rows(&from.rays, order, 0);
         identity.take_rows(&from.identity, order, 0);
         beta.take_rows(&from.beta, order, 0);
+        odds.take_rows(&from.odds, order, 0);
         mis.take_rows(&from.mis, order, 0);
         if last.present() {
             last.take_rows(&from.last, order, 0);
