@@ -32,7 +32,7 @@ use support::filters::FILTERS;
 use support::rendering::{
     MONO, in_package, light_mask, path_finds_everything, replicates, scene, settings, world,
 };
-use support::scenes::{SCENES, two_sheets};
+use support::scenes::{CONTRADICTORY, SCENES, two_sheets};
 use support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
 
 const SIZE: [u32; 2] = [24, 24];
@@ -202,6 +202,14 @@ fn integrators_agree_on_reference_scenes() {
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_small_scenes() {
     check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())), ITERATIONS);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_where_boundaries_contradict() {
+    // Media that are sought where boundaries are crossed take their time.
+    let scenes = CONTRADICTORY.into_iter().map(|(name, build)| (name.to_owned(), build()));
+    check(scenes, ITERATIONS / 16);
 }
 
 fn filters() -> impl Iterator<Item = (String, World)> {

@@ -17,16 +17,21 @@ use support::rendering::{MONO, image, scene, settings};
 /// Gaps that rays would not see: none, and less than they keep off surfaces.
 const GAPS: [f32; 3] = [0.0, 1e-7, -1e-7];
 
-/// The mean of the Stokes vectors of a 4 x 4 film, without noise: all that is seen emits.
-fn stokes(document: Document, integrator: Integrator) -> [f32; 4] {
+/// Samples that leave no noise, as all that is seen emits; and those behind absorbing media, whose
+/// light passes by chance: of 65,536 paths the error is at most 0.002, a fifth of what is allowed.
+const CLEAR: (u32, f32) = (16, 2e-3);
+const FOGGY: (u32, f32) = (4_096, 0.01);
+
+/// The mean of the Stokes vectors of a 4 x 4 film.
+fn stokes(document: Document, integrator: Integrator, samples: u32) -> [f32; 4] {
     let scene = scene::<1>(&document.load("contact"), MONO, [4, 4]);
-    let image = image(&scene, &settings(integrator, Mode::Polarized, MONO, 16, 8));
+    let image = image(&scene, &settings(integrator, Mode::Polarized, MONO, samples, 8));
     std::array::from_fn(|component| image.planes[component].iter().sum::<f32>() / 16.0)
 }
 
-fn expect(found: [f32; 4], expected: [f32; 4], what: &str) {
+fn expect(found: [f32; 4], expected: [f32; 4], most: f32, what: &str) {
     let differ =
-        found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 2e-3);
+        found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > most);
     assert!(!differ, "{found:?}, not {expected:?}: {what}");
 }
 
@@ -53,12 +58,12 @@ fn sheets_laid_on_a_display_filter_it() {
         {
             let what = format!("gap {gap}, scale {scale}, {integrator:?}");
             let one = display(std::slice::from_ref(&polarizer), gap, scale);
-            expect(stokes(one, integrator), [0.5, 0.5, 0.0, 0.0], &what);
+            expect(stokes(one, integrator, CLEAR.0), [0.5, 0.5, 0.0, 0.0], CLEAR.1, &what);
             let circular = display(&[polarizer.clone(), plate.clone()], gap, scale);
-            let [s0, s1, s2, s3] = stokes(circular, integrator);
-            expect([s0, s1, s2, s3.abs()], [0.5, 0.0, 0.0, 0.5], &what);
+            let [s0, s1, s2, s3] = stokes(circular, integrator, CLEAR.0);
+            expect([s0, s1, s2, s3.abs()], [0.5, 0.0, 0.0, 0.5], CLEAR.1, &what);
             let turned = display(&[plate.clone(), polarizer.clone()], gap, scale);
-            expect(stokes(turned, integrator), [0.5, 0.5, 0.0, 0.0], &what);
+            expect(stokes(turned, integrator, CLEAR.0), [0.5, 0.5, 0.0, 0.0], CLEAR.1, &what);
         }
     }
 }
@@ -81,9 +86,9 @@ fn sheets_in_one_place_stand_in_the_order_of_the_file() {
             scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, sheet);
         }
         scene.perspective(Vec3::Z * eye, Vec3::ZERO, 0.05, None);
-        let [s0, s1, _, s3] = stokes(scene, Integrator::Path);
+        let [s0, s1, _, s3] = stokes(scene, Integrator::Path, CLEAR.0);
         let expected = [0.5, 0.5 - circular, 0.0, circular];
-        expect([s0, s1.abs(), 0.0, s3.abs()], expected, &format!("{sheets:?} from {eye}"));
+        expect([s0, s1.abs(), 0.0, s3.abs()], expected, CLEAR.1, &format!("{sheets:?} from {eye}"));
     }
 }
 
@@ -112,7 +117,7 @@ fn media_that_touch_end_where_the_others_begin() {
             scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
             let expected = (-of_first - 2.0 * (1.0 - of_first)).exp();
             let what = format!("{of_first}, swapped {swapped}, {integrator:?}");
-            expect(stokes(scene, integrator), [expected, 0.0, 0.0, 0.0], &what);
+            expect(stokes(scene, integrator, FOGGY.0), [expected, 0.0, 0.0, 0.0], FOGGY.1, &what);
         }
     }
 }
@@ -130,7 +135,12 @@ fn media_of_one_sphere_are_one_within_the_other() {
     scene.sphere(Vec3::ZERO, 0.5, matched);
     scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.02, None);
     let expected = (-1.0_f32).exp();
-    expect(stokes(scene, Integrator::Path), [expected, 0.0, 0.0, 0.0], "a ball of fog in a shell");
+    expect(
+        stokes(scene, Integrator::Path, FOGGY.0),
+        [expected, 0.0, 0.0, 0.0],
+        FOGGY.1,
+        "a ball of fog in a shell",
+    );
 }
 
 /// What touches nothing, or only at its edges, stays where the file puts it, to the bit.

@@ -195,11 +195,15 @@ fn threads_change_no_bit() {
 fn stepping_changes_no_bit() {
     let scene = scene::<3>(&world(&in_package("scenes/tank.gltf")), Color::Rgb, [24, 16]);
     let photons = Photons { per_iteration: 2000, samples: 4, ..Photons::default() };
+    let sampling = Sampling::Intensity;
     for integrator in [Integrator::Ppm, Integrator::Bdpt] {
         // Three iterations of photons, or three waves without.
         let iterations = if integrator == Integrator::Ppm { 12 } else { 48 };
-        let of =
-            |mode| Options { photons, ..settings(integrator, mode, Color::Rgb, iterations, 8) };
+        let of = |mode| Options {
+            photons,
+            sampling,
+            ..settings(integrator, mode, Color::Rgb, iterations, 8)
+        };
         let both = [of(Mode::Scalar), of(Mode::Polarized)];
         let mut renderers = both.map(|options| {
             let settings = Settings::new(options).expect("fit to each other");

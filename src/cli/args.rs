@@ -52,7 +52,7 @@ at once and leaves a former file as it was. An image that cannot be written wher
 into the current folder or that of temporary files.
 
 The image depends on the scene, the options above --threads and the seed alone: the same command \
-gives the same bits on any number of threads, unless --time-limit ends it.";
+gives the same bits on any number of threads, unless there is a --time-limit.";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
@@ -205,7 +205,7 @@ pub struct RenderArguments {
     /// of --samples-per-iteration
     #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub iterations: Option<u32>,
-    /// Stop after this many seconds, with the iterations done by then
+    /// Stop after this many seconds, with what is done by then
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
     /// Also write the image as it is every so many seconds, without variances
@@ -214,10 +214,11 @@ pub struct RenderArguments {
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,
-    /// Also store the variance of every value, from independent replicates (not in every format)
+    /// Also store the variance of every value (not in every format): from blocks of the samples,
+    /// which costs the image nothing and may overestimate it by up to a half, or from --replicates
     #[arg(long, help_heading = SAMPLES)]
     pub variance: bool,
-    /// Independent replicates that the iterations are split into [default: 16 with --variance]
+    /// Independent replicates that the iterations are split into; they cost stratification
     #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub replicates: Option<u32>,
 

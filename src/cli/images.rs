@@ -3,7 +3,8 @@
 use crate::image::visualize::{Map, View, panels, visualize as draw};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, extension};
-use crate::scene::{self, Reading};
+use crate::render::PlacedWorld;
+use crate::scene::{self, Reading, World};
 
 use super::CliError;
 use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments};
@@ -57,13 +58,23 @@ fn or_scenes(error: OutputError) -> OutputError {
     error
 }
 
+/// What is in a scene, and what will become of it.
+fn inspect_scene(world: World) -> String {
+    let text = world.describe();
+    let placed = PlacedWorld::new(world).map_err(|error| error.to_string());
+    match placed.and_then(|placed| placed.describe().map_err(|error| error.to_string())) {
+        Ok(more) => text + &more,
+        Err(error) => text + &format!("warning: it cannot be rendered: {error}\n"),
+    }
+}
+
 /// Prints what is in a file.
 pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
     match extension(&arguments.file).as_str() {
         "gltf" | "glb" => {
             let reading =
                 Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
-            print(scene::load_with(&arguments.file, reading)?.describe().trim_end())
+            print(inspect_scene(scene::load_with(&arguments.file, reading)?).trim_end())
         }
         _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),
     }

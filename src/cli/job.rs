@@ -14,8 +14,6 @@ use super::args::{ColorName, PhotonArguments, RenderArguments};
 
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
-/// Replicates where variances are asked for and no number is given.
-const REPLICATES: u32 = 16;
 /// Wavelength where none is named, in nanometers.
 const WAVELENGTH_NM: f32 = 550.0;
 
@@ -45,6 +43,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         height: arguments.height,
         samples,
         replicates: replicates(arguments, samples / photons.samples)?,
+        variance: arguments.variance,
         path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
         sampling: arguments.sampling.0,
@@ -100,10 +99,14 @@ pub(super) fn color(name: ColorName, wavelength: Option<f32>) -> Result<Color, C
 }
 
 fn replicates(arguments: &RenderArguments, iterations: u32) -> Result<u32, CliError> {
-    let replicates = match (arguments.replicates, arguments.variance) {
-        (Some(replicates), _) => replicates,
-        (None, true) => REPLICATES,
-        (None, false) => return Ok(1),
+    let Some(replicates) = arguments.replicates else {
+        return match (arguments.variance, iterations) {
+            (true, 0..2) => {
+                let problem = "--variance needs two iterations or more".to_owned();
+                Err(CliError::Usage(problem))
+            }
+            _ => Ok(1),
+        };
     };
     let least = if arguments.variance { 2 } else { 1 };
     if (least..=iterations).contains(&replicates) {

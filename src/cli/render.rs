@@ -80,6 +80,10 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let interrupted = interrupt.signal().filter(|_| !is_done);
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
+    if arguments.variance && image.variance.is_none() {
+        say("warning: no variances are stored: the render ended before there was anything to \
+             compare; give it more time");
+    }
     notes::doubts(&image, &settings, &profile).iter().for_each(say);
     report(arguments, &statistics, &image)?;
     match interrupted {

@@ -1,5 +1,7 @@
 //! The photons of an iteration: shot, stored and sorted.
 
+use std::time::Instant;
+
 use rayon::prelude::*;
 
 use crate::integrators::photons;
@@ -98,36 +100,41 @@ impl<const N: usize> PhotonPass<N> {
         self.maps.0.iter().map(|map| map.radius).collect()
     }
 
-    /// Shoots the photons of an iteration and sorts them.
+    /// Shoots the photons of an iteration and sorts them. With an end, only for so long: false if
+    /// not all were shot then, unless those that were will do.
     pub fn shoot<M: LightModel<N>>(
         &mut self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
         settings: &Settings,
-        shot: Shot,
+        (shot, end): (Shot, Option<(Instant, bool)>),
         profile: &mut Profile,
-    ) {
-        let light_paths = settings.photons.per_iteration;
-        for map in &mut self.maps.0 {
-            map.grid.unsorted().clear();
-            map.light_paths = light_paths as f32;
-        }
-        for start in (0..light_paths).step_by((BATCHES * BATCH) as usize) {
-            let end = light_paths.min(start + BATCHES * BATCH);
+    ) -> bool {
+        let asked_for = settings.photons.per_iteration;
+        let is_late = || end.is_some_and(|(end, _)| Instant::now() > end);
+        self.maps.0.iter_mut().for_each(|map| map.grid.unsorted().clear());
+        let mut light_paths = 0;
+        while light_paths < asked_for && !(light_paths > 0 && is_late()) {
+            let start = light_paths;
+            light_paths = asked_for.min(start + BATCHES * BATCH);
             self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
                 batch.iter_mut().for_each(PhotonTable::clear);
-                let first = (start + index as u32 * BATCH).min(end);
-                for first in (first..end.min(first + BATCH)).step_by(ROWS) {
-                    let last = end.min(first + ROWS as u32);
+                let first = (start + index as u32 * BATCH).min(light_paths);
+                for first in (first..light_paths.min(first + BATCH)).step_by(ROWS) {
+                    let last = light_paths.min(first + ROWS as u32);
                     let chunk = chunk(settings, shot, first, last - first);
                     let maps = &self.maps;
                     pool.with(|workspace| photons::photons(batch, workspace, scene, &chunk, maps));
                 }
             });
             profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
-                self.collect_batches(f64::from(light_paths) / f64::from(end));
+                self.collect_batches(f64::from(asked_for) / f64::from(light_paths));
             });
         }
+        if light_paths < asked_for && end.is_some_and(|(_, some_will_do)| !some_will_do) {
+            return false;
+        }
+        self.maps.0.iter_mut().for_each(|map| map.light_paths = light_paths as f32);
         if self.first_radii.is_empty() {
             self.first_radii = self.find_radii(pool, scene, settings, shot);
             self.give_up_sparse_maps(scene, settings);
@@ -140,6 +147,7 @@ impl<const N: usize> PhotonPass<N> {
             }
         });
         profile.photons += self.stored();
+        true
     }
 
     /// Brings the photons of the batches to their maps, where there will be so many times those

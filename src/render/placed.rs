@@ -11,6 +11,7 @@ use crate::scene::{SceneError, World, bake_optics, bake_shapes};
 use crate::spectrum::Color;
 
 use super::RenderError;
+use super::immersed::immersed;
 use super::memory::{check_tree, check_world};
 use super::settings::{Options, SettingsError, check_film};
 
@@ -79,6 +80,22 @@ impl PlacedWorld {
     /// When such a film could not be counted or stored.
     pub fn film_size(&self, options: &Options) -> Result<[u32; 2], SettingsError> {
         film_size(options, &self.0.shapes.camera)
+    }
+
+    /// In words: what of the world is not rendered as it was described, the coefficients that its
+    /// media compute, in RGB, and the media that the camera and the emitters are in. Nothing where
+    /// there are no media and no doubts.
+    ///
+    /// # Errors
+    /// When the world cannot be seen in RGB.
+    pub fn describe(&self) -> Result<String, SceneError> {
+        let Placed { world, shapes, .. } = &*self.0;
+        let warnings = shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
+        let media = match world.media_names().is_empty() {
+            true => String::new(),
+            false => immersed(world, &*self.rgb(Color::Rgb, [1, 1])?),
+        };
+        Ok(media + &warnings.collect::<String>())
     }
 
     pub(super) fn rgb(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::image::StokesImage;
 use crate::integrators::profile::Profile;
@@ -122,7 +122,7 @@ impl Renderer {
     /// behind [`Renderer::is_done`], as long as anybody asks for them.
     pub fn step(&mut self) {
         let left = self.settings.samples.saturating_sub(self.samples());
-        self.step_at_most(if left == 0 { u32::MAX } else { left });
+        self.step_at_most(if left == 0 { u32::MAX } else { left }, None);
     }
 
     /// Renders `samples` more samples per pixel, in the same waves, whatever was asked for; with
@@ -133,7 +133,7 @@ impl Renderer {
         let end = self.samples().saturating_add(samples);
         while self.samples() < end && !self.stop.is_set() {
             let before = self.samples();
-            self.step_at_most(end - before);
+            self.step_at_most(end - before, None);
             if self.samples() == before {
                 break;
             }
@@ -145,15 +145,32 @@ impl Renderer {
     pub fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) {
         let start = Instant::now();
         let time_limit = self.settings.time_limit;
-        let is_late = || time_limit.is_some_and(|limit| start.elapsed() > limit);
+        let end = time_limit.and_then(|limit| start.checked_add(limit));
+        let is_late = || end.is_some_and(|end| Instant::now() > end);
         while !(self.is_done() || self.stop.is_set() || (self.samples() > 0 && is_late())) {
-            self.step();
+            let most = match time_limit {
+                Some(limit) => self.samples_in(limit.saturating_sub(start.elapsed()), start),
+                None => u32::MAX,
+            };
+            let left = self.settings.samples - self.samples();
+            self.step_at_most(most.min(left), end);
             let (samples, total) = (self.samples(), self.settings.samples);
             let Self { settings, steps, .. } = self;
             if progress(&Progress { samples, total, settings, steps: &**steps }).is_break() {
                 break;
             }
         }
+    }
+
+    /// Samples per pixel that a wave may have of the `left` time, if it goes on as since `start`:
+    /// half of it, so that waves grow from one sample on, and shrink in the end. Photons come in
+    /// whole iterations.
+    fn samples_in(&self, left: Duration, start: Instant) -> u32 {
+        if self.settings.integrator.shoots_photons() {
+            return u32::MAX;
+        }
+        let rate = f64::from(self.samples()) / start.elapsed().as_secs_f64().max(1e-9);
+        ((0.5 * rate * left.as_secs_f64()) as u32).clamp(1, self.samples().max(1))
     }
 
     /// Samples per pixel so far.
@@ -214,9 +231,9 @@ impl Renderer {
         image
     }
 
-    fn step_at_most(&mut self, samples: u32) {
+    fn step_at_most(&mut self, samples: u32, end: Option<Instant>) {
         let steps = &mut self.steps;
-        on(self.threads.as_deref(), || steps.step(samples));
+        on(self.threads.as_deref(), || steps.step(samples, end));
     }
 }
 
@@ -240,6 +257,15 @@ fn roulette_after(settings: &Settings) -> String {
     }
 }
 
+/// Where the variances of an image come from.
+fn variance_in_words(settings: &Settings) -> &'static str {
+    match (settings.replicates, settings.variance) {
+        (2.., _) => "between replicates",
+        (_, true) => "between blocks of one sequence: may be overestimated",
+        (_, false) => "none",
+    }
+}
+
 fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
     [
         ("integrator", settings.integrator.name().to_owned()),
@@ -247,6 +273,7 @@ fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
         ("color", settings.color.to_string()),
         ("iterations", samples.to_string()),
         ("replicates", settings.replicates.to_string()),
+        ("variance", variance_in_words(settings).to_owned()),
         ("max path length", settings.path_length_max.to_string()),
         ("roulette after", roulette_after(settings)),
         ("sampling", settings.sampling.name().to_owned()),

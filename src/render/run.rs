@@ -1,6 +1,7 @@
 //! A render in the making, for one number of wavelengths and one mode.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::film::Film;
 use crate::image::StokesImage;
@@ -18,8 +19,9 @@ const WAVE: u32 = 16;
 
 /// What a render does whose wavelengths and mode are known to itself alone.
 pub trait Steps: Send + Sync {
-    /// Renders the next wave, `most` samples per pixel at most, and less where a replicate ends.
-    fn step(&mut self, most: u32);
+    /// Renders the next wave, `most` samples per pixel at most, and less where a replicate or block
+    /// ends; none if photons are not ready before `end`.
+    fn step(&mut self, most: u32, end: Option<Instant>);
     /// Samples per pixel so far.
     fn samples(&self) -> u32;
     /// The image so far, without variances.
@@ -30,8 +32,8 @@ pub trait Steps: Send + Sync {
     fn radii(&self) -> Vec<f32>;
     /// Whether some surfaces leave light a single way.
     fn has_specular_surfaces(&self) -> bool;
-    /// The image of all that has been done, with variances where two replicates or more have
-    /// begun.
+    /// The image of all that has been done, with variances where two replicates or blocks, or more,
+    /// have begun.
     fn finish(self: Box<Self>) -> StokesImage;
 }
 
@@ -49,18 +51,20 @@ pub struct Run<const N: usize, M: LightModel<N>> {
     replicate: u32,
     /// Samples per pixel of it so far.
     of_replicate: u32,
+    /// Samples per pixel since a replicate or block has ended, and those until one ends.
+    of_block: u32,
+    left_of_block: u32,
 }
 
 impl<const N: usize, M: LightModel<N>> Run<N, M> {
     /// Black film, no photons.
     pub fn new(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
         let (width, height) = (scene.sensor.width, scene.sensor.height);
-        let with_variance = settings.replicates > 1;
         let components = settings.mode.components();
         let photons = (settings.integrator.shoots_photons())
             .then(|| PhotonPass::new(&scene, settings.photons.per_iteration, M::POLARIZED));
         Self {
-            film: Film::new(width, height, settings.color, components, with_variance),
+            film: Film::new(width, height, settings.color, components, settings.has_variance()),
             pool: Pool::new(components, scene.has_media()),
             scene,
             settings: *settings,
@@ -69,6 +73,8 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
             done: 0,
             replicate: 0,
             of_replicate: 0,
+            of_block: 0,
+            left_of_block: block(settings, 0, 0),
         }
     }
 
@@ -77,31 +83,27 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         if self.photons.is_some() { self.settings.photons.samples } else { WAVE }
     }
 
-    /// Samples per pixel that the current replicate still gets; one alone goes on for as long as
-    /// it is asked to.
-    fn left_of_replicate(&self) -> u32 {
-        if self.settings.replicates == 1 {
-            return u32::MAX;
+    /// Goes on to the next replicate or block where one has ended.
+    fn begin_block(&mut self) {
+        let is_last = self.replicate + 1 == self.settings.replicates;
+        if self.left_of_block > 0 || (self.settings.replicates > 1 && is_last) {
+            return;
         }
-        let [end, start] = [self.replicate + 1, self.replicate].map(|r| share(&self.settings, r));
-        end - start - self.of_replicate
-    }
-
-    /// Goes on to the next replicate where one has ended.
-    fn begin_replicate(&mut self) {
-        if self.left_of_replicate() == 0 && self.replicate + 1 < self.settings.replicates {
-            self.film.finish_replicate(self.of_replicate);
+        self.film.finish_replicate(self.of_block);
+        self.of_block = 0;
+        if !is_last {
             self.replicate += 1;
             self.of_replicate = 0;
         }
+        self.left_of_block = block(&self.settings, self.replicate, self.done);
     }
 }
 
 impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
-    fn step(&mut self, most: u32) {
-        self.begin_replicate();
+    fn step(&mut self, most: u32, end: Option<Instant>) {
+        self.begin_block();
         let wave_of = self.wave_of();
-        let count = wave_of.min(most).min(self.left_of_replicate());
+        let count = wave_of.min(most).min(self.left_of_block);
         if count == 0 {
             return;
         }
@@ -109,12 +111,18 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         let Self { scene, settings, film, pool, photons, profile, done, .. } = self;
         if let Some(photons) = photons {
             let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
-            photons.shoot(pool, scene, settings, shot, profile);
+            // An image of some photons is better than none.
+            let end = end.map(|end| (end, *done == 0));
+            if !photons.shoot(pool, scene, settings, (shot, end), profile) {
+                return;
+            }
         }
         let maps = photons.as_ref().map(|photons| &photons.maps);
         wave(film, profile, pool, scene, settings, (first, count, seed), maps);
         self.done += count;
         self.of_replicate += count;
+        self.of_block += count;
+        self.left_of_block -= count;
     }
 
     fn samples(&self) -> u32 {
@@ -122,7 +130,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 
     fn preview(&self) -> StokesImage {
-        self.film.preview(self.of_replicate)
+        self.film.preview(self.of_block)
     }
 
     fn profile(&self) -> Profile {
@@ -140,8 +148,8 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 
     fn finish(mut self: Box<Self>) -> StokesImage {
-        if self.of_replicate > 0 {
-            self.film.finish_replicate(self.of_replicate);
+        if self.of_block > 0 {
+            self.film.finish_replicate(self.of_block);
         }
         // Photons and working tables take memory that the image may need.
         let film = {
@@ -150,6 +158,28 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         };
         film.develop()
     }
+}
+
+/// Samples per pixel until the film takes a mean for the variances: of the whole replicate, or of a
+/// block of the sequence. One replicate alone goes on for as long as it is asked to.
+///
+/// Blocks are of powers of two, of which low-discrepancy sequences are made, and are about a
+/// sixteenth of all. They begin small, as nobody knows how far a render will come.
+fn block(settings: &Settings, replicate: u32, done: u32) -> u32 {
+    const BLOCKS: u32 = 16;
+    const LEAST: u32 = 4;
+    let unit = settings.samples_per_iteration();
+    if settings.replicates > 1 {
+        let [end, start] = [replicate + 1, replicate].map(|r| share(settings, r));
+        return end - start;
+    }
+    if !settings.variance {
+        return u32::MAX;
+    }
+    let power_of_two = |value: u32| 1 << value.max(1).ilog2();
+    let planned: u32 = power_of_two(settings.samples / unit / BLOCKS);
+    let least = if settings.time_limit.is_some() { 1 } else { LEAST };
+    planned.min(power_of_two(done / unit * 2 / BLOCKS).max(least)) * unit
 }
 
 /// Samples per pixel of the first `replicates` replicates: whole numbers of iterations of photons,

@@ -16,7 +16,7 @@ pub const PATH_LENGTH_MAX: u32 = 1_000_000;
 /// Most light paths an iteration: their photons are counted in 32 bits.
 pub const PHOTONS_MAX: u32 = 1 << 28;
 /// Largest film edge in pixels: what a Radiance picture can have.
-pub const EDGE_MAX: u32 = 1_000_000;
+pub const EDGE_MAX: u32 = 65_535;
 /// Most pixels of a film: they are counted in 32 bits.
 pub const PIXELS_MAX: u64 = 1 << 31;
 
@@ -108,6 +108,11 @@ pub struct Options {
     /// Independent randomizations that the samples are split into, from 1 to their number (of
     /// iterations, with photons); variances come with two or more.
     pub replicates: u32,
+    /// Variances of the image without replicates, from the spread of blocks of the one sequence
+    /// that the samples are. That costs the image nothing. As blocks are stratified among each
+    /// other too, which their spread does not show, the variance may be overestimated: by the gain
+    /// of a whole sequence over blocks of a sixteenth of it.
+    pub variance: bool,
     /// Most segments of a path, at least one: 1 shows emitters only, 2 adds direct light. By
     /// default [`PATH_LENGTH_MAX`], which keeps nothing but a render that would not end.
     pub path_length_max: u32,
@@ -120,7 +125,8 @@ pub struct Options {
     pub seed: u32,
     /// Photons, where they are used.
     pub photons: Photons,
-    /// Stop after the first wave of samples that ends later than this.
+    /// Stop when this is over. Waves of samples are short then; photons of a first iteration are as
+    /// many as there is time for, and a later one that would be late is left out.
     pub time_limit: Option<Duration>,
 }
 
@@ -135,6 +141,7 @@ impl Default for Options {
             height: None,
             samples: 64,
             replicates: 1,
+            variance: false,
             path_length_max: PATH_LENGTH_MAX,
             roulette_after: None,
             sampling: Sampling::Stokes,
@@ -199,6 +206,11 @@ impl Options {
             after[side as usize] = of(side);
         }
         after
+    }
+
+    /// Whether the image comes with variances.
+    pub fn has_variance(&self) -> bool {
+        self.variance || self.replicates > 1
     }
 
     /// Samples per pixel that come together: those of an iteration of photons, or one.

@@ -9,7 +9,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::immersion::{Immersion, STEPS, Seen, spread};
 use crate::geometry::{Accelerator, offset_distance};
@@ -137,7 +136,7 @@ fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
         let (is_closed, size) = (patches.is_closed(), patches.size());
         Boundary { surface, points, step, is_closed, size, seen }
     };
-    bounding.par_iter().map(boundary).collect()
+    bounding.iter().map(boundary).collect()
 }
 
 /// The primitives of a surface.

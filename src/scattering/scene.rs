@@ -197,6 +197,11 @@ impl<const N: usize> Scene<N> {
         sides[usize::from(direction.dot(sample.normal) < 0.0)]
     }
 
+    /// The media before and behind an emitter.
+    pub fn media_of_emitter(&self, emitter: usize) -> Around<[u32; 2]> {
+        self.emitter_media[emitter]
+    }
+
     /// Whether any light of an emitter enters a medium at once.
     pub fn is_immersed(&self, emitter: usize) -> bool {
         self.emitter_media[emitter] != Around::Same([NONE; 2])

@@ -215,7 +215,8 @@ fn errors_are_those_of_compare() {
     let cornell = scene("cornell");
     let size = ["--width", "24", "--height", "16"];
     let render = |name: &str, more: &[&str]| {
-        let words = ["render", &cornell, "-o", name, "--quiet"];
+        // Measurements have a limit by default, renders none.
+        let words = ["render", &cornell, "-o", name, "--quiet", "--max-path-length", "16"];
         sunstone(&here, &[&words[..], &size, more].concat()).done();
     };
     render("reference.exr", &["--spp", "64", "--seed", "9", "--variance"]);

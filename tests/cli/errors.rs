@@ -299,7 +299,7 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--color", "mono", "--wavelength", "0"], "--wavelength"),
         (&["--replicates", "65"], "--replicates"),
         (&["--variance", "--replicates", "1"], "--replicates"),
-        (&["--variance", "--spp", "2"], "--replicates"),
+        (&["--variance", "--spp", "1"], "--variance"),
         (&["--integrator", "photon"], "path, light, bdpt"),
         (&["--mode", "grey"], "scalar, intensity, polarized"),
         (&["--no-such-option"], "--no-such-option"),

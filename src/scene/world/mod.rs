@@ -126,6 +126,23 @@ impl World {
         [parts, balls].concat()
     }
 
+    /// The names of the media, in their order, and whether particles say their coefficients.
+    pub(crate) fn media_names(&self) -> Vec<(String, bool)> {
+        self.in_order::<(&Name, &Medium), _>(|(name, medium)| {
+            (name.0.clone(), medium.sigma_a.is_none() || medium.sigma_s.is_none())
+        })
+    }
+
+    /// The names of the lights that have a place and shine, in their order.
+    pub(crate) fn lamp_names(&self) -> Vec<String> {
+        let lamps = self.in_order::<(&Name, &Punctual), _>(|(name, light)| {
+            let shines = light.intensity.values().iter().any(|value| *value > 0.0);
+            let is_lamp = shines && light.kind != PunctualKind::Directional;
+            is_lamp.then(|| name.0.clone())
+        });
+        lamps.into_iter().flatten().collect()
+    }
+
     /// Entities that match a query, in their order, each turned into what `f` makes of it.
     pub(super) fn in_order<Q: hecs::Query, T>(
         &self,
