@@ -8,7 +8,7 @@ use super::accelerator::Accelerator;
 use super::block::{Node, Reference, TriangleBlock};
 use super::tree::View;
 
-/// Shapes that are found at most.
+/// Shapes that are found at least, if as many are near; the nearest.
 pub const SHAPES_MAX: usize = 64;
 
 /// Bounds are taken to be this much wider than they are, relative to the coordinates.
@@ -44,29 +44,31 @@ pub struct Surroundings {
     pub triangles: Vec<[Vec3A; 3]>,
     /// Centers and radii of spheres.
     pub spheres: Vec<(Vec3A, f32)>,
+    /// Where they are looked for, which shrinks when there are too many.
+    center: Vec3A,
+    reach: f32,
+    distances: Vec<f32>,
     stack: Vec<Reference>,
 }
 
 impl Surroundings {
     /// Finds the shapes whose surfaces may be in the ball and cross a plane: none that do is
-    /// missing. If there are more than [`SHAPES_MAX`] it finds about as many.
+    /// missing. If there are more than twice [`SHAPES_MAX`] of them, some of the farthest are.
     pub fn find(&mut self, accelerator: &Accelerator, near: &Neighborhood) {
         self.triangles.clear();
         self.spheres.clear();
         self.stack.clear();
+        (self.center, self.reach) = (near.center, near.radius);
         self.look(&accelerator.tree.view(), near, None);
     }
 
     /// Looks through a tree; `near` is in its space, which `to_world` leads out of.
     fn look(&mut self, tree: &View, near: &Neighborhood, to_world: Option<&Affine3A>) {
         let bottom = self.stack.len();
-        let slack = (near.center.abs().max_element() + tree.reach) * PADDING;
-        let ball = Ball {
-            center: Vector::splat(near.center.to_array()),
-            radius_squared: F32s::splat((near.radius + slack).powi(2)),
-        };
+        let mut ball = Ball::new(near, tree.reach);
+        let stretch = near.radius / self.reach;
         self.stack.push(tree.root);
-        while self.stack.len() > bottom && self.len() <= SHAPES_MAX {
+        while self.stack.len() > bottom {
             let Some(next) = self.stack.pop() else { return };
             if !next.is_leaf() {
                 let node = &tree.nodes[next.row()];
@@ -79,6 +81,7 @@ impl Surroundings {
             } else if let Some(row) = next.as_instance() {
                 let instance = &tree.instances[row];
                 let object = &tree.objects[instance.object as usize].view();
+                let near = Neighborhood { radius: self.reach, ..*near };
                 let inside = near.inside(&instance.to_world, &instance.to_object);
                 self.look(object, &inside, Some(&instance.to_world));
             } else {
@@ -87,8 +90,30 @@ impl Surroundings {
                     self.spheres.extend(near_ones);
                 }
             }
+            if self.len() > 2 * SHAPES_MAX {
+                self.keep_nearest();
+                let radius = stretch * self.reach;
+                ball = Ball::new(&Neighborhood { radius, ..*near }, tree.reach);
+            }
         }
-        self.stack.truncate(bottom);
+    }
+
+    /// Keeps [`SHAPES_MAX`] shapes, the nearest, whatever the order in which they were found, and
+    /// goes on looking nearer than the last of them.
+    fn keep_nearest(&mut self) {
+        let of_triangle = |corners: &[Vec3A; 3]| distance_to_triangle(self.center, corners);
+        let of_sphere =
+            |&(center, radius): &(Vec3A, f32)| ((center - self.center).length() - radius).abs();
+        self.distances.clear();
+        self.distances.extend(self.triangles.iter().map(of_triangle));
+        self.distances.extend(self.spheres.iter().map(of_sphere));
+        let (_, &mut farthest, _) =
+            self.distances.select_nth_unstable_by(SHAPES_MAX - 1, f32::total_cmp);
+        self.triangles.retain(|corners| of_triangle(corners) <= farthest);
+        self.triangles.truncate(SHAPES_MAX);
+        self.spheres.retain(|sphere| of_sphere(sphere) <= farthest);
+        self.spheres.truncate(SHAPES_MAX - self.triangles.len());
+        self.reach = farthest;
     }
 
     /// Shapes found.
@@ -156,6 +181,35 @@ impl Neighborhood {
     }
 }
 
+fn distance_to_triangle(point: Vec3A, corners: &[Vec3A; 3]) -> f32 {
+    (point - nearest_in_triangle(point, corners)).length()
+}
+
+/// The point of a triangle that is nearest to `point` (Ericson 2005, "Real-time collision
+/// detection", section 5.1.5).
+pub fn nearest_in_triangle(point: Vec3A, &[a, b, c]: &[Vec3A; 3]) -> Vec3A {
+    let (ab, ac) = (b - a, c - a);
+    let from = |corner: Vec3A| [ab.dot(point - corner), ac.dot(point - corner)];
+    let ([d1, d2], [d3, d4], [d5, d6]) = (from(a), from(b), from(c));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        a + ab * (d1 / (d1 - d3))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        a + ac * (d2 / (d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
+    } else {
+        let sum = va + vb + vc;
+        a + ab * (vb / sum) + ac * (vc / sum)
+    }
+}
+
 /// The ball for eight tests at a time.
 struct Ball {
     center: Vector<F32s>,
@@ -163,6 +217,15 @@ struct Ball {
 }
 
 impl Ball {
+    /// That of a neighborhood in a tree whose largest coordinate is `reach`.
+    fn new(near: &Neighborhood, reach: f32) -> Self {
+        let slack = (near.center.abs().max_element() + reach) * PADDING;
+        Self {
+            center: Vector::splat(near.center.to_array()),
+            radius_squared: F32s::splat((near.radius + slack).powi(2)),
+        }
+    }
+
     /// Which children's bounds the ball meets.
     #[inline(always)]
     fn meets_bounds(&self, node: &Node) -> u32 {
@@ -253,7 +316,7 @@ mod tests {
             let crossed = (query % 2 == 1).then_some(planes);
             let near = Neighborhood { center: center.into(), radius: 0.05, crossed };
             around.find(&accelerator, &near);
-            if around.len() > SHAPES_MAX {
+            if around.len() >= SHAPES_MAX {
                 continue;
             }
             for triangle in &triangles {
@@ -284,12 +347,32 @@ mod tests {
     }
 
     #[test]
-    fn of_too_many_shapes_some_are_found() {
+    fn of_too_many_shapes_the_nearest_are_found() {
+        let flake = |row| Triangle {
+            corners: [1, 2, 3].map(|salt| point(9, row) + 0.02 * point(salt, row)),
+        };
+        let flakes: Vec<Triangle> = (0..20 * SHAPES_MAX).map(flake).collect();
+        let accelerator = Accelerator::build(&flakes, &[]);
+        let center = Vec3A::splat(0.5);
+        let distance = |corners: &[Vec3A; 3]| distance_to_triangle(center, corners);
+        let mut distances: Vec<f32> =
+            flakes.iter().map(|it| distance(&it.corners.map(Vec3A::from))).collect();
+        distances.sort_by(f32::total_cmp);
+        let mut around = Surroundings::default();
+        around.find(&accelerator, &Neighborhood { center, radius: 1.0, crossed: None });
+        let mut found: Vec<f32> = around.triangles.iter().map(distance).collect();
+        found.sort_by(f32::total_cmp);
+        assert_eq!(found[..SHAPES_MAX], distances[..SHAPES_MAX]);
+        assert!(found.len() <= 2 * SHAPES_MAX, "{}", found.len());
+    }
+
+    #[test]
+    fn of_many_shapes_in_one_place_some_are_found() {
         let flake = Triangle { corners: [Vec3::ZERO, Vec3::X, Vec3::Y] };
         let accelerator = Accelerator::build(&vec![flake; 10 * SHAPES_MAX], &[]);
         let near = Neighborhood { center: Vec3A::ZERO, radius: 0.1, crossed: None };
         let mut around = Surroundings::default();
         around.find(&accelerator, &near);
-        assert!((SHAPES_MAX + 1..=2 * SHAPES_MAX).contains(&around.len()), "{}", around.len());
+        assert!((SHAPES_MAX..=2 * SHAPES_MAX).contains(&around.len()), "{}", around.len());
     }
 }

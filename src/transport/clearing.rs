@@ -12,7 +12,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3, Vec3A};
 
-use crate::geometry::{Accelerator, Neighborhood, Planes, Surroundings};
+use crate::geometry::{Accelerator, Neighborhood, Planes, Surroundings, nearest_in_triangle};
 use crate::math::{F32s, LANES, Vector, lanes};
 
 /// Planes that keep shapes out at most, the nearest: more is cut off by fine meshes alone, of which
@@ -261,31 +261,6 @@ fn cut_of_triangle(center: Vec3A, corners: &[Vec3A; 3]) -> Cut {
     let is_face = side.abs() >= distance * (1.0 - TOUCHING) && of_face != Vec3A::ZERO;
     let normal = if is_face { of_face * 1.0_f32.copysign(side) } else { offset / distance };
     Cut { distance, normal, points: *corners }
-}
-
-/// The point of a triangle that is nearest to `point` (Ericson 2005, "Real-time collision
-/// detection", section 5.1.5).
-fn nearest_in_triangle(point: Vec3A, &[a, b, c]: &[Vec3A; 3]) -> Vec3A {
-    let (ab, ac) = (b - a, c - a);
-    let from = |corner: Vec3A| [ab.dot(point - corner), ac.dot(point - corner)];
-    let ([d1, d2], [d3, d4], [d5, d6]) = (from(a), from(b), from(c));
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if d1 <= 0.0 && d2 <= 0.0 {
-        a
-    } else if d3 >= 0.0 && d4 <= d3 {
-        b
-    } else if d6 >= 0.0 && d5 <= d6 {
-        c
-    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        a + ab * (d1 / (d1 - d3))
-    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        a + ac * (d2 / (d2 - d6))
-    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
-    } else {
-        let sum = va + vb + vc;
-        a + ab * (vb / sum) + ac * (vc / sum)
-    }
 }
 
 /// The plane in which the disk of a surface is looked at.
