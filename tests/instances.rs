@@ -40,6 +40,16 @@ fn one_mesh_in_many_places_is_kept_once() {
     assert!((a.center - b.center).length() < 1e-5 && (a.radius - b.radius).abs() < 1e-5);
 }
 
+/// Half of the instances are mirrored, and filled with fog: they are apart, so what is in them is
+/// known without looking around.
+#[test]
+fn mirrored_instances_are_filled_as_copies_are() {
+    for kind in [Flock::Instances, Flock::Copies] {
+        let scene = flock_of(kind);
+        assert!(scene.shapes.bodies.is_empty(), "{:?}", scene.shapes.bodies);
+    }
+}
+
 /// Differences of images with the same seeds: their means are zero but for noise, and far less
 /// noisy than with other seeds, since all but few of the paths are the same.
 #[test]

@@ -1,5 +1,7 @@
 //! All primitives of a scene, ready to be traced.
 
+use std::cell::RefCell;
+
 use glam::Vec3;
 
 use crate::math::Vector;
@@ -35,6 +37,12 @@ pub(super) struct ShortScene {
     pub triangles: Vec<[usize; 3]>,
     /// Centers and squared radii.
     pub spheres: Vec<([f32; 3], f32)>,
+}
+
+thread_local! {
+    /// What rays that are traced one by one need: to make it anew for each takes longer than to
+    /// trace it.
+    static SCRATCH: RefCell<TraceScratch> = RefCell::default();
 }
 
 impl ShortScene {
@@ -117,7 +125,8 @@ impl Accelerator {
     /// The nearest hit of a ray beyond another of the same ray; of several at one distance, the
     /// next primitive.
     pub fn next(&self, origin: Vec3, direction: Vec3, hit: Hit) -> Hit {
-        next_hit(&self.tree.view(), [origin, direction], hit)
+        let rays = [origin, direction];
+        SCRATCH.with_borrow_mut(|scratch| next_hit(&self.tree.view(), rays, hit, scratch))
     }
 
     /// Whether anything is hit with `0 < t < t_max`.
@@ -135,12 +144,13 @@ impl Accelerator {
         mut better: impl FnMut(Hit),
     ) {
         let load = |_| (Vector::splat(origin), Vector::splat(direction));
-        let scratch = &mut TraceScratch::default();
         let better = |_, hit| {
             better(hit);
             true
         };
-        walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, better);
+        SCRATCH.with_borrow_mut(|scratch| {
+            walk::<1, ANY>(&self.tree, 0..1, load, |_| t_max, scratch, better);
+        });
     }
 
     /// Counts and memory.

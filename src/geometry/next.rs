@@ -37,9 +37,9 @@ pub fn trace_next(
 }
 
 /// The hit of a ray beyond `last`, or [`Hit::MISS`].
-pub(super) fn next_hit(tree: &View, ray: [Vec3; 2], last: Hit) -> Hit {
+pub(super) fn next_hit(tree: &View, ray: [Vec3; 2], last: Hit, scratch: &mut TraceScratch) -> Hit {
     let mut search = Search::beyond(last, f32::INFINITY);
-    search.look(tree, ray.map(Vec3A::from), 0, &mut TraceScratch::default());
+    search.look(tree, ray.map(Vec3A::from), 0, scratch);
     search.next
 }
 

@@ -54,20 +54,18 @@ fn emitters(
             let surface = scene.shapes.surface_of(primitive) as usize;
             (surface, surfaces[surface].clone())
         };
-        let (key, sides) = match emitter.model {
-            EmitterModel::Triangle(it) => {
-                (of_primitive(it.primitive), 1 + usize::from(it.two_sided))
-            }
-            EmitterModel::Sphere(it) => (of_primitive(it.primitive), 1),
+        let key = match emitter.model {
+            EmitterModel::Triangle(it) => of_primitive(it.primitive),
+            EmitterModel::Sphere(it) => of_primitive(it.primitive),
             EmitterModel::Point(_) | EmitterModel::Spot(_) => {
                 let Some(name) = lamps.next() else { continue };
-                ((surfaces.len() + row, name), 1)
+                (surfaces.len() + row, name)
             }
             EmitterModel::Directional(_) | EmitterModel::Environment(_) => continue,
         };
         let media = found.entry(key).or_default();
         match scene.media_of_emitter(row) {
-            Around::Same(around) => media.extend(around[..sides].iter().copied().map(&name_of)),
+            Around::Same(around) => media.extend(around.map(&name_of)),
             Around::Varies => drop(media.insert("both sides of a boundary".to_owned())),
         }
     }

@@ -125,12 +125,19 @@ fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
         let points = patches.points(count);
         let step = patches.step();
         let look = |side: f32| {
-            let looks = points.iter().zip(spread(points.len()));
-            let look = |(&(point, normal), aside): (&(Vec3, Vec3), Vec3)| {
+            let ray = |(&(point, normal), aside): (&(Vec3, Vec3), Vec3)| {
                 let outwards = normal * side;
-                immersion.see(point + step * outwards, (outwards + 0.99 * aside).normalize())
+                (point + step * outwards, (outwards + 0.99 * aside).normalize())
             };
-            looks.map(look).collect()
+            let rays = || points.iter().zip(spread(points.len())).map(ray);
+            let seen: Vec<Seen> =
+                rays().map(|(origin, direction)| immersion.see(origin, direction)).collect();
+            if seen.iter().any(|seen| *seen != Seen::Nothing) {
+                return seen;
+            }
+            let around =
+                |(index, (origin, direction))| immersion.see_around(origin, direction, index);
+            (0..).zip(rays()).map(around).collect()
         };
         let seen = [look(-1.0), look(1.0)];
         let (is_closed, size) = (patches.is_closed(), patches.size());
@@ -158,7 +165,10 @@ impl Patches {
         });
         let corners = |&primitive: &u32| match shapes.instanced.find(primitive) {
             Some((instance, object, row)) => {
-                object.triangles[row].corners.map(|it| instance.to_world.transform_point3(it))
+                let corners = object.triangles[row].corners;
+                let [a, b, c] = corners.map(|it| instance.to_world.transform_point3(it));
+                // Normals keep their side where an instance is mirrored.
+                if instance.to_world.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
             }
             None => shapes.triangles[primitive as usize].corners,
         };

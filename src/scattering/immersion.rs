@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Accelerator, offset_distance, reach_of_triangle};
+use crate::math::hash;
 use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
 /// Directions in which to look for the nearest boundary at first; the majority rules, as one of
@@ -17,8 +18,13 @@ const DIRECTIONS: [Vec3; 7] = [
     Vec3::new(-0.365, -0.183, 0.913),
 ];
 
-/// Directions in which to look then, if walls hid all boundaries.
+/// Directions in which to look then, if walls hid all boundaries, and walls from which to look on
+/// in each: what is bounded by them and the boundaries together is one medium.
 const MORE_DIRECTIONS: usize = 128;
+const WALLS: usize = 8;
+
+/// The majority of looks is certain when it leads by so many.
+const LEAD: usize = 3;
 
 /// Surfaces that a look goes through before it gives up.
 const SURFACES_MAX: usize = 256;
@@ -78,58 +84,86 @@ impl<'a> Immersion<'a> {
 
     /// The medium around a point: a row in `media`, or [`NONE`].
     ///
-    /// What the boundaries say that can be seen from there. Opaque walls say nothing; where there
-    /// is nothing else to be seen, it is the medium of the scene. Where boundaries contradict each
-    /// other, it is what fills the smallest body around the point.
+    /// What the boundaries say that can be seen from there, or from the walls seen from there.
+    /// Opaque walls say nothing; where there is nothing else to be seen, it is the medium of the
+    /// scene. Where boundaries contradict each other, it is what fills the smallest body around
+    /// the point.
     pub fn at(&self, point: Vec3) -> u32 {
         if !self.has_media {
             return NONE;
         }
-        if let Some(filling) = self.filling(point) {
-            return filling;
-        }
-        let first = self.majority(point, DIRECTIONS.into_iter());
-        let more = || self.majority(point, spread(MORE_DIRECTIONS));
-        first.or_else(more).unwrap_or(self.shapes.scene_medium)
+        let near = self.in_sight(point).or_else(|| self.round_corners(point));
+        near.unwrap_or(self.shapes.scene_medium)
     }
 
-    /// The medium about points; none are looked for where there are no media.
+    /// The medium about points that are close together; none are looked for where there are no
+    /// media.
     pub fn about(&self, points: impl IntoIterator<Item = Vec3>) -> Around<u32> {
         if !self.has_media {
             return Around::Same(NONE);
         }
-        let media = points.into_iter().map(|point| self.at(point));
-        Around::of(media).unwrap_or(Around::Same(self.shapes.scene_medium))
+        // Where walls are all around, they are around the others too.
+        let mut is_walled_in = false;
+        let at = |point: Vec3| {
+            let near = self.in_sight(point).or_else(|| {
+                let far = if is_walled_in { None } else { self.round_corners(point) };
+                is_walled_in = far.is_none();
+                far
+            });
+            near.unwrap_or(self.shapes.scene_medium)
+        };
+        Around::of(points.into_iter().map(at)).unwrap_or(Around::Same(self.shapes.scene_medium))
     }
 
     /// The media before and behind the points of an emitter, with the normals there; those of the
-    /// scene if it has no place.
+    /// scene if it has no place. Behind an emitter that shines to its front alone nobody asks for
+    /// it: it is taken to be the same.
     pub fn about_emitter(
         &self,
         places: impl FnOnce(&Shapes) -> Vec<(Vec3, Vec3)>,
         primitive: u32,
+        is_two_sided: bool,
     ) -> Around<[u32; 2]> {
         if !self.has_media {
             return Around::Same([NONE; 2]);
         }
         let places = places(self.shapes);
-        let sides = places.iter().map(|&(point, normal)| self.of_sides(primitive, point, normal));
-        Around::of(sides).unwrap_or(Around::Same([self.shapes.scene_medium; 2]))
+        let about = |side: f32| {
+            let stated = self.stated(primitive, usize::from(side < 0.0));
+            stated.map(Around::Same).unwrap_or_else(|| {
+                let step = side * self.step_off(primitive);
+                self.about(places.iter().map(|&(point, normal)| point + step * normal))
+            })
+        };
+        let front = about(1.0);
+        let back = if is_two_sided { about(-1.0) } else { front };
+        let (Around::Same(front), Around::Same(back)) = (front, back) else {
+            return Around::Varies;
+        };
+        Around::Same([front, back])
     }
 
-    /// The media before and behind a primitive, whose normal at `point` is `normal`; about the
+    /// The medium before or behind a primitive, whose normal at `point` is `normal`; about the
     /// point itself where there is no primitive ([`NONE`]).
-    pub fn of_sides(&self, primitive: u32, point: Vec3, normal: Vec3) -> [u32; 2] {
+    pub fn of_side(&self, primitive: u32, side: usize, point: Vec3, normal: Vec3) -> u32 {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let off = || point + sign * self.step_off(primitive) * normal;
+        self.stated(primitive, side).unwrap_or_else(|| self.at(off()))
+    }
+
+    /// What the surface of a primitive says about its front (0) or back (1).
+    fn stated(&self, primitive: u32, side: usize) -> Option<u32> {
         if primitive == NONE {
-            return [self.at(point); 2];
+            return None;
         }
         let surface = &self.shapes.surfaces[self.shapes.surface_of(primitive) as usize];
-        let step = normal * (STEPS * offset_distance(self.reach(primitive)));
-        let side = |stated: u32, point: Vec3| match stated {
-            KEEP | SOUGHT => self.at(point),
-            stated => stated,
-        };
-        [side(surface.exterior, point + step), side(surface.interior, point - step)]
+        let stated = [surface.exterior, surface.interior][side];
+        (stated != KEEP && stated != SOUGHT).then_some(stated)
+    }
+
+    /// How far off a primitive one is on a side of it.
+    fn step_off(&self, primitive: u32) -> f32 {
+        if primitive == NONE { 0.0 } else { STEPS * offset_distance(self.reach(primitive)) }
     }
 
     /// The largest coordinate of a primitive that is not instanced.
@@ -144,18 +178,36 @@ impl<'a> Immersion<'a> {
         }
     }
 
-    /// What most looks have found, of those that have found anything.
-    fn majority(&self, point: Vec3, directions: impl Iterator<Item = Vec3>) -> Option<u32> {
-        let found: Vec<u32> =
-            directions.filter_map(|it| self.look(point, it.normalize())).collect();
-        let votes = |medium: u32| found.iter().filter(|&&other| other == medium).count();
-        found.iter().copied().max_by_key(|&medium| votes(medium))
+    /// What fills the smallest body around a point, or else what most of a few looks find.
+    fn in_sight(&self, point: Vec3) -> Option<u32> {
+        let look = |direction: Vec3| self.see(point, direction.normalize());
+        self.filling(point).or_else(|| self.majority(DIRECTIONS.into_iter().map(look)))
     }
 
-    /// The medium on the near side of the first boundary in a direction; that of the scene if
-    /// there is none, nothing if a wall hides what there is.
-    fn look(&self, origin: Vec3, direction: Vec3) -> Option<u32> {
-        let medium = match self.see(origin, direction) {
+    /// What most of many looks find that go on from the walls they meet.
+    fn round_corners(&self, point: Vec3) -> Option<u32> {
+        let looks = (0..).zip(spread(MORE_DIRECTIONS));
+        self.majority(looks.map(|(index, direction)| self.see_around(point, direction, index)))
+    }
+
+    /// What most looks have found, of those that have found anything.
+    fn majority(&self, looks: impl Iterator<Item = Seen>) -> Option<u32> {
+        let mut votes: Vec<(u32, usize)> = Vec::new();
+        let mut count = 0;
+        for medium in looks.filter_map(|seen| self.said_by(seen)) {
+            count += 1;
+            match votes.iter_mut().find(|(voted, _)| *voted == medium) {
+                Some((_, votes)) if 2 * (*votes + 1) >= count + LEAD => return Some(medium),
+                Some((_, votes)) => *votes += 1,
+                None => votes.push((medium, 1)),
+            }
+        }
+        votes.into_iter().max_by_key(|&(_, votes)| votes).map(|(medium, _)| medium)
+    }
+
+    /// The medium that is where one sees this from, unless a wall hides it.
+    fn said_by(&self, seen: Seen) -> Option<u32> {
+        let medium = match seen {
             Seen::Nothing => return None,
             Seen::Outside => self.shapes.scene_medium,
             Seen::Side(surface, side) => self.sides(surface)[side],
@@ -163,31 +215,54 @@ impl<'a> Immersion<'a> {
         (medium != SOUGHT).then_some(medium)
     }
 
+    /// [`Immersion::see`], and on from the walls that are met; `index` tells looks apart.
+    pub fn see_around(&self, mut origin: Vec3, mut direction: Vec3, index: usize) -> Seen {
+        for wall in 0..=WALLS {
+            let (seen, place) = self.cast(origin, direction);
+            let (Seen::Nothing, Some((position, normal))) = (seen, place) else { return seen };
+            let reach = position.abs().max_element().max(position.distance(origin));
+            let aside = hash::combine(hash::combine(0, index as u32), wall as u32);
+            let number = |salt: u32| (hash::combine(aside, salt) >> 8) as f32 / (1 << 24) as f32;
+            let (z, angle) = (2.0 * number(0) - 1.0, std::f32::consts::TAU * number(1));
+            let radius = (1.0 - z * z).sqrt();
+            let aside = Vec3::new(radius * angle.cos(), radius * angle.sin(), z);
+            origin = position + STEPS * offset_distance(reach) * normal;
+            direction = (normal + 0.99 * aside).normalize();
+        }
+        Seen::Nothing
+    }
+
     /// The first side of a boundary in a direction; of several in one place, one that is stated.
     pub fn see(&self, origin: Vec3, direction: Vec3) -> Seen {
+        self.cast(origin, direction).0
+    }
+
+    /// [`Immersion::see`], and where a wall hid everything, with the normal to this side.
+    fn cast(&self, origin: Vec3, direction: Vec3) -> (Seen, Option<(Vec3, Vec3)>) {
         let mut first: Option<(f32, Seen)> = None;
         let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
         for _ in 0..SURFACES_MAX {
-            let is_beyond = |(t, _): (f32, _)| hit.primitive == NONE || hit.t > t;
-            if let Some(first) = first
-                && is_beyond(first)
+            if let Some((end, seen)) = first
+                && (hit.primitive == NONE || hit.t > end)
             {
-                return first.1;
+                return (seen, None);
             }
             if hit.primitive == NONE {
-                return Seen::Outside;
+                return (Seen::Outside, None);
             }
             let row = self.shapes.surface_of(hit.primitive);
             let surface = &self.shapes.surfaces[row as usize];
-            if surface.is_opaque {
-                return first.map_or(Seen::Nothing, |(_, seen)| seen);
-            }
             let position = origin + direction * hit.t;
             let normal = self.shapes.geometric_normal(hit.primitive, position);
             let side = usize::from(direction.dot(normal) < 0.0);
+            if surface.is_opaque {
+                let normal = if side == 1 { normal } else { -normal };
+                let wall = (Seen::Nothing, Some((position, normal)));
+                return first.map_or(wall, |(_, seen)| (seen, None));
+            }
             if self.sides(row)[side] != KEEP {
                 if !surface.unstated[side] {
-                    return Seen::Side(row, side);
+                    return (Seen::Side(row, side), None);
                 }
                 let reach = position.abs().max_element().max(hit.t);
                 let end = hit.t + STEPS * offset_distance(reach);
@@ -195,7 +270,7 @@ impl<'a> Immersion<'a> {
             }
             hit = self.accelerator.next(origin, direction, hit);
         }
-        Seen::Nothing
+        (Seen::Nothing, None)
     }
 
     fn sides(&self, surface: u32) -> [u32; 2] {

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::geometry::{
     Accelerator, RayColumns, SurfaceColumns, medium_met, offset_distance, offset_origin,
@@ -103,7 +104,7 @@ impl<const N: usize> Scene<N> {
         let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
         let sensor = Sensor::new(&shapes.camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
-        let emitter_media = optics.emitters.iter().map(media_of).collect();
+        let emitter_media = optics.emitters.par_iter().map(media_of).collect();
         let offset_of =
             |emitter: &Emitter<N>| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
@@ -187,14 +188,14 @@ impl<const N: usize> Scene<N> {
 
     /// The medium into which a point of an emitter sends light along `direction`.
     pub fn medium_at_emitter(&self, sample: &EmissionSample<N>, direction: Vec3) -> u32 {
-        let sides = match self.emitter_media[sample.emitter] {
-            Around::Same(sides) => sides,
+        let side = usize::from(direction.dot(sample.normal) < 0.0);
+        match self.emitter_media[sample.emitter] {
+            Around::Same(sides) => sides[side],
             Around::Varies => {
                 let primitive = emitter::primitive(&self.optics.emitters[sample.emitter].model);
-                self.immersion().of_sides(primitive, sample.position, sample.normal)
+                self.immersion().of_side(primitive, side, sample.position, sample.normal)
             }
-        };
-        sides[usize::from(direction.dot(sample.normal) < 0.0)]
+        }
     }
 
     /// The media before and behind an emitter.
@@ -337,7 +338,11 @@ fn media_about<const N: usize>(
     immersion: &Immersion,
     Emitter { model, .. }: &Emitter<N>,
 ) -> Around<[u32; 2]> {
-    immersion.about_emitter(|shapes| emitter::places(model, shapes), emitter::primitive(model))
+    immersion.about_emitter(
+        |shapes| emitter::places(model, shapes),
+        emitter::primitive(model),
+        emitter::is_two_sided(model),
+    )
 }
 
 /// The kinds of the materials that let light straight on.

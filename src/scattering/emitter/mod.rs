@@ -85,6 +85,11 @@ pub trait Emits: Extent {
         NONE
     }
 
+    /// Whether it shines to its back too.
+    fn is_two_sided(&self) -> bool {
+        false
+    }
+
     /// Points all over it, with its front's normals, zero if it has no surface; none if it is
     /// infinitely far away.
     fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)>;
@@ -249,6 +254,13 @@ macro_rules! dispatched {
         pub fn primitive(model: &EmitterModel) -> u32 {
             match model {
                 $(EmitterModel::$Model(model) => Emits::primitive(model),)*
+            }
+        }
+
+        /// [`Emits::is_two_sided`].
+        pub fn is_two_sided(model: &EmitterModel) -> bool {
+            match model {
+                $(EmitterModel::$Model(model) => model.is_two_sided(),)*
             }
         }
 

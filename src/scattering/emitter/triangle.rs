@@ -99,6 +99,10 @@ impl Emits for Triangle {
         self.primitive
     }
 
+    fn is_two_sided(&self) -> bool {
+        self.two_sided
+    }
+
     fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
         let [a, b, c] = shapes.triangles[self.primitive as usize].corners;
         let front = (b - a).cross(c - a).normalize();
