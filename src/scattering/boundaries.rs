@@ -10,8 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec3;
 
-use super::immersion::{Immersion, STEPS, Seen, spread};
-use crate::geometry::{Accelerator, offset_distance};
+use super::immersion::{Immersion, Seen, spread};
+use super::nesting::nest;
+use super::patches::{Patches, primitives_of_surfaces};
+use crate::geometry::Accelerator;
 use crate::scene::baked::{Body, KEEP, SOUGHT, Shapes};
 
 /// Looks from all boundaries together, about, and from one of them.
@@ -20,9 +22,6 @@ const LOOKS_OF_SURFACE: [usize; 2] = [8, 64];
 
 /// The share of looks that may disagree with the others: they slip through seams, or along edges.
 const SLIPS: f64 = 1.0 / 32.0;
-
-/// How much of the area of a surface its triangles may leave open.
-const OPEN_SHARE: f64 = 1e-3;
 
 /// Rounds in which unstated sides learn from each other.
 const ROUNDS: usize = 64;
@@ -70,6 +69,7 @@ type Tally = BTreeMap<u32, (usize, Option<u32>)>;
 
 /// Finds what boundaries do not say, and what they say wrongly.
 pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
+    nest(shapes);
     if is_one_medium(shapes) {
         return Vec::new();
     }
@@ -110,15 +110,7 @@ fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
     let bounding: Vec<u32> = rows.filter(|&row| sides_of(shapes, row) != [KEEP; 2]).collect();
     let [least, most] = LOOKS_OF_SURFACE;
     let count = (LOOKS / bounding.len().max(1)).clamp(least, most);
-    let mut primitives: Vec<Vec<u32>> = vec![Vec::new(); shapes.surfaces.len()];
-    for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
-        primitives[surface as usize].push(primitive);
-    }
-    for instance in shapes.instanced.instances() {
-        let count = shapes.instanced.objects()[instance.object as usize].triangles.len() as u32;
-        let first = instance.first_primitive;
-        primitives[instance.surface as usize].extend(first..first + count);
-    }
+    let primitives = primitives_of_surfaces(shapes);
     let immersion = Immersion::new(shapes, accelerator, true);
     let boundary = |&surface: &u32| {
         let patches = Patches::new(shapes, &primitives[surface as usize]);
@@ -144,96 +136,6 @@ fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
         Boundary { surface, points, step, is_closed, size, seen }
     };
     bounding.iter().map(boundary).collect()
-}
-
-/// The primitives of a surface.
-struct Patches {
-    /// Corners of the triangles.
-    triangles: Vec<[Vec3; 3]>,
-    /// Running sum of their areas.
-    areas: Vec<f64>,
-    /// Center and radius, if it is a sphere.
-    sphere: Option<(Vec3, f32)>,
-}
-
-impl Patches {
-    fn new(shapes: &Shapes, primitives: &[u32]) -> Self {
-        let own = shapes.triangles.len();
-        let sphere = primitives.first().and_then(|&primitive| {
-            let row = (primitive as usize).checked_sub(own)?;
-            shapes.spheres.get(row).map(|sphere| (sphere.center, sphere.radius))
-        });
-        let corners = |&primitive: &u32| match shapes.instanced.find(primitive) {
-            Some((instance, object, row)) => {
-                let corners = object.triangles[row].corners;
-                let [a, b, c] = corners.map(|it| instance.to_world.transform_point3(it));
-                // Normals keep their side where an instance is mirrored.
-                if instance.to_world.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
-            }
-            None => shapes.triangles[primitive as usize].corners,
-        };
-        let triangles: Vec<[Vec3; 3]> =
-            if sphere.is_some() { Vec::new() } else { primitives.iter().map(corners).collect() };
-        let mut sum = 0.0;
-        let areas = triangles.iter().map(|triangle| {
-            sum += area_vector(triangle).length();
-            sum
-        });
-        Self { areas: areas.collect(), triangles, sphere }
-    }
-
-    /// Points all over them, by area, with the normals there.
-    fn points(&self, count: usize) -> Vec<(Vec3, Vec3)> {
-        if let Some((center, radius)) = self.sphere {
-            return spread(count).map(|normal| (center + radius * normal, normal)).collect();
-        }
-        let Some(total) = self.areas.last() else { return Vec::new() };
-        // The plastic sequence (Roberts 2018).
-        let fraction = |index: usize, step: f64| (0.5 + index as f64 * step).fract() as f32;
-        let point = |index: usize| {
-            let at = total * (index as f64 + 0.5) / count as f64;
-            let row = self.areas.partition_point(|sum| *sum < at).min(self.areas.len() - 1);
-            let [a, b, c] = self.triangles[row];
-            let (mut u, mut v) =
-                (fraction(index, 0.754_877_666_246_693), fraction(index, 0.569_840_290_998_053));
-            if u + v > 1.0 {
-                (u, v) = (1.0 - u, 1.0 - v);
-            }
-            (a + u * (b - a) + v * (c - a), area_vector(&[a, b, c]).normalize().as_vec3())
-        };
-        (0..count).map(point).collect()
-    }
-
-    fn step(&self) -> f32 {
-        let corners = self.triangles.as_flattened().iter();
-        let reach = match self.sphere {
-            Some((center, radius)) => center.abs().max_element() + radius,
-            None => corners.fold(0.0, |reach: f32, at| reach.max(at.abs().max_element())),
-        };
-        STEPS * offset_distance(reach)
-    }
-
-    fn is_closed(&self) -> bool {
-        let open: glam::DVec3 = self.triangles.iter().map(area_vector).sum();
-        let total = self.areas.last().copied().unwrap_or(0.0);
-        self.sphere.is_some() || open.length() < OPEN_SHARE * total
-    }
-
-    fn size(&self) -> f32 {
-        if let Some((_, radius)) = self.sphere {
-            return (2.0 * radius).powi(3);
-        }
-        let corners = self.triangles.as_flattened().iter();
-        let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] = corners.fold(none, |[low, high], at| [low.min(*at), high.max(*at)]);
-        (high - low).element_product().max(0.0)
-    }
-}
-
-/// Half the area of a triangle, along its normal.
-fn area_vector([a, b, c]: &[Vec3; 3]) -> glam::DVec3 {
-    let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
-    0.5 * (b - a).cross(c - a)
 }
 
 /// Settles the sides that are not stated, nearest to what is stated first; what the looks from all
@@ -360,7 +262,13 @@ fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u
     let body = |boundary: &Boundary| {
         let filling = sides_of(shapes, boundary.surface)[0];
         let is_body = boundary.is_closed && filling != KEEP;
-        is_body.then_some(Body { surface: boundary.surface, filling, size: boundary.size })
+        let priority = shapes.surfaces[boundary.surface as usize].priority;
+        is_body.then_some(Body {
+            surface: boundary.surface,
+            filling,
+            priority,
+            size: boundary.size,
+        })
     };
     shapes.bodies = boundaries.iter().filter_map(body).collect();
     for &surface in sought {

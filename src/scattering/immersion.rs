@@ -8,7 +8,7 @@ use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
 /// Directions in which to look for the nearest boundary at first; the majority rules, as one of
 /// them may run along an edge.
-const DIRECTIONS: [Vec3; 7] = [
+pub const DIRECTIONS: [Vec3; 7] = [
     Vec3::new(0.267, 0.535, 0.802),
     Vec3::new(-0.802, 0.267, 0.535),
     Vec3::new(0.535, -0.802, 0.267),
@@ -80,6 +80,11 @@ impl<'a> Immersion<'a> {
     /// What it looks at.
     pub fn shapes(&self) -> &'a Shapes {
         self.shapes
+    }
+
+    /// What finds them.
+    pub fn accelerator(&self) -> &'a Accelerator {
+        self.accelerator
     }
 
     /// The medium around a point: a row in `media`, or [`NONE`].
@@ -290,8 +295,9 @@ impl<'a> Immersion<'a> {
     fn innermost(&self, point: Vec3, direction: Vec3) -> Option<u32> {
         let around = self.leaves(point, direction);
         let bodies = self.shapes.bodies.iter().filter(|body| around.contains(&body.surface));
-        let smaller = |a: &&Body, b: &&Body| a.size.total_cmp(&b.size);
-        bodies.min_by(smaller).map(|body| body.filling)
+        let rank =
+            |a: &&Body, b: &&Body| a.priority.cmp(&b.priority).then(b.size.total_cmp(&a.size));
+        bodies.max_by(rank).map(|body| body.filling)
     }
 
     /// Whether a point is inside of a surface that is closed.

@@ -9,6 +9,8 @@ pub mod emitter;
 pub mod event;
 pub mod immersion;
 pub mod medium;
+pub mod nesting;
+pub mod patches;
 pub mod phase;
 pub mod scene;
 pub mod sensor;

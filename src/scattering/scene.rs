@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::geometry::{
     Accelerator, RayColumns, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
-use crate::math::{Vector, lanes};
+use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::Emitter;
 
@@ -21,6 +21,8 @@ use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
+use super::nesting::Interfaces;
+use super::surface::model::LaneRows;
 use super::surface::{Material, SurfaceKind, Surfaces};
 
 /// Lamps are small whose area is less of that of the ball about the scene.
@@ -66,6 +68,8 @@ pub struct Scene<const N: usize> {
     emitter_media: Vec<Around<[u32; 2]>>,
     /// Which emitter is chosen how often.
     pub choice: Choice,
+    /// What is refracted where solids overlap or touch, if any do.
+    pub interfaces: Option<Interfaces>,
 }
 
 impl<const N: usize> Scene<N> {
@@ -88,7 +92,8 @@ impl<const N: usize> Scene<N> {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
         let material_of_primitive: Vec<u32> =
             shapes.surface_of_primitive.iter().map(material_of).collect();
-        let surfaces = Surfaces::new(&optics.materials);
+        let mut surfaces = Surfaces::new(&optics.materials);
+        let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
         let materials = surfaces.materials();
         let event_of = |&row: &u32| materials[row as usize].kind.event();
         let event_of_hit = std::iter::once(END)
@@ -121,6 +126,7 @@ impl<const N: usize> Scene<N> {
             direct: DirectTable::new(&shapes, &optics),
             emitter_offsets,
             choice: Choice::new(&shapes, &optics.emitters),
+            interfaces,
             has_polarizing_vertices,
             events,
             has_straight_on,
@@ -302,6 +308,34 @@ impl<const N: usize> Scene<N> {
         let of = |columns| Vec3::from(lanes::row_of(columns, row));
         let step = STEPS * surfaces.offset[row] * if to_front { 1.0 } else { -1.0 };
         self.immersion().at(of(&surfaces.position) + step * of(&surfaces.geometric_normal))
+    }
+
+    /// The rows in the table of dielectrics at surfaces that are hit: those of what is on the two
+    /// sides there if solids overlap or touch, else of the material, as given.
+    #[cold]
+    pub fn rows_of_interfaces(
+        &self,
+        surfaces: &SurfaceColumns,
+        hits: [usize; LANES],
+        given: LaneRows,
+    ) -> LaneRows {
+        let given = given.numbers().to_array();
+        let Some(interfaces) = &self.interfaces else {
+            return LaneRows::Each(given.map(|row| row as usize));
+        };
+        let row_of = |lane: usize| {
+            let hit = hits[lane];
+            let solid = self.shapes.surfaces[surfaces.surface[hit] as usize].solid;
+            if solid == NONE {
+                return given[lane] as usize;
+            }
+            let of = |columns| Vec3::from(lanes::row_of(columns, hit));
+            let (position, normal) = (of(&surfaces.position), of(&surfaces.geometric_normal));
+            let off = surfaces.offset[hit] * normal;
+            let sides = self.immersion().solids_at(solid, [position + off, position - off]);
+            interfaces.row(sides)
+        };
+        LaneRows::Each(lanes::each(row_of))
     }
 
     /// The probability with which roulette lets a path go on from what it hit.

@@ -59,6 +59,9 @@ pub struct Shapes {
     /// What closed surfaces bound, if boundaries overlap or touch: then the medium of a point is
     /// that of the smallest body around it. Empty where every surface knows its two sides.
     pub bodies: Vec<Body>,
+    /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on which
+    /// of them are on its two sides. Empty where all are apart.
+    pub solids: Vec<Solid>,
     /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
     /// The camera.
@@ -156,6 +159,12 @@ pub struct Surface {
     pub unstated: [bool; 2],
     /// Whether nothing passes.
     pub is_opaque: bool,
+    /// Whether it is of a dielectric that does not say what is before it.
+    pub is_body: bool,
+    /// Which of overlapping bodies counts: the higher one.
+    pub priority: i32,
+    /// Its row in `solids`, or [`NONE`].
+    pub solid: u32,
 }
 
 /// What a closed surface bounds.
@@ -165,8 +174,25 @@ pub struct Body {
     pub surface: u32,
     /// What fills it: a row in `media` or [`NONE`].
     pub filling: u32,
-    /// Volume of its box; of bodies around a point the smallest counts, hence the innermost.
+    /// Of bodies around a point the highest counts.
+    pub priority: i32,
+    /// Volume of its box; of bodies of the same priority the smallest counts, hence the innermost.
     pub size: f32,
+}
+
+/// A closed body of a dielectric, which may be of several surfaces, among others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Row in `materials`.
+    pub material: u32,
+    /// Of solids around a point the highest counts.
+    pub priority: i32,
+    /// Volume of its box; of solids of the same priority the smallest counts, hence the innermost.
+    pub size: f32,
+    /// The corners of its box.
+    pub bounds: [Vec3; 2],
+    /// The solids whose boxes reach into its own.
+    pub others: Vec<u32>,
 }
 
 /// A material at the wavelengths of the render.

@@ -29,6 +29,9 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         exterior: KEEP,
         unstated: [false; 2],
         is_opaque: true,
+        is_body: false,
+        priority: 0,
+        solid: NONE,
     };
     Shapes {
         triangles: triangles.to_vec(),
@@ -38,6 +41,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         surface_of_primitive: (0..count).rev().collect(),
         surfaces: vec![surface; count as usize],
         bodies: Vec::new(),
+        solids: Vec::new(),
         scene_medium: NONE,
         camera: Camera {
             projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },

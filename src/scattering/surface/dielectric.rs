@@ -20,6 +20,8 @@ impl Dielectric {
 }
 
 impl Surface for Dielectric {
+    const NESTS: bool = true;
+
     fn scattered(&self) -> f32 {
         1.0
     }

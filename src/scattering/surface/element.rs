@@ -1,7 +1,7 @@
 //! What polarizers and retarders have in common: sheets that let light straight on and act on its
 //! polarization about an axis of their own.
 
-use super::model::{Incidence, ModelLanes, Passage};
+use super::model::{Incidence, ModelLanes, Passage, Surface};
 use crate::math::{F32s, Vector};
 use crate::polarization::Block;
 use crate::polarization::elements::{exact_sin_cos_deg, transmission_axis};
@@ -26,7 +26,7 @@ impl Element {
 
     /// Straight on, with the weight `m00` of unpolarized light.
     #[inline(always)]
-    pub fn pass<M, const N: usize, const POLARIZED: bool>(
+    pub fn pass<M: Surface, const N: usize, const POLARIZED: bool>(
         at: &Incidence<M>,
         element: impl Fn(&M) -> &Self + Copy,
         m00: F32s,
@@ -50,7 +50,7 @@ impl Element {
 
     /// The axis, turned within its surface and then laid across the light.
     #[inline(always)]
-    fn axis<M>(at: &Incidence<M>, element: impl Fn(&M) -> &Self + Copy) -> Vector<F32s> {
+    fn axis<M: Surface>(at: &Incidence<M>, element: impl Fn(&M) -> &Self + Copy) -> Vector<F32s> {
         let node_x = Vector::gather(|lane| at.surface(lane).axis_x.to_array());
         let node_y = Vector::gather(|lane| at.surface(lane).axis_y.to_array());
         let normal = at.geometric;

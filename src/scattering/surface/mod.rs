@@ -395,6 +395,11 @@ impl<const N: usize> Surfaces<N> {
         surfaces
     }
 
+    /// Adds the interface between two indices of refraction; its row in the table of dielectrics.
+    pub fn add_interface(&mut self, ior: f32, exterior_ior: f32) -> u32 {
+        self.add(&SurfaceModel::Dielectric { ior, exterior_ior }).0
+    }
+
     /// The materials, in the order of the baked ones.
     #[inline(always)]
     pub fn materials(&self) -> &[Material] {

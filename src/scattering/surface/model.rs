@@ -19,6 +19,10 @@ use super::facing::Facing;
 
 /// A surface model with its parameters at the wavelengths of the render.
 pub trait Surface: Copy {
+    /// Whether other bodies may be on its two sides, so that its parameters are of the place: see
+    /// [`crate::scattering::nesting`].
+    const NESTS: bool = false;
+
     /// The largest share of light that it scatters, over the wavelengths: within [0, 1], or near
     /// enough to steer roulette by. It looks at neither the path's throughput nor its
     /// polarization (polarizers: of unpolarized light; conductors: at normal incidence).
@@ -227,7 +231,7 @@ pub struct Incidence<'a, M> {
     surface: [u32; LANES],
 }
 
-impl<'a, M> Incidence<'a, M> {
+impl<'a, M: Surface> Incidence<'a, M> {
     /// The rows from `row` on, of which `live` are in use, with their `direction`. `models` is the
     /// table of the model.
     #[inline(always)]
@@ -244,13 +248,17 @@ impl<'a, M> Incidence<'a, M> {
         let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
         let material = LaneRows::Each(lanes::each(material));
         let materials = scene.surfaces.materials();
+        let mut rows = material.map(|row| materials[row].row as usize);
+        if M::NESTS && scene.interfaces.is_some() {
+            rows = scene.rows_of_interfaces(surfaces, lanes::each(used), rows);
+        }
         Self {
             direction,
             geometric,
             normal,
             cos_i: (-direction.dot(normal)).min(F32s::splat(1.0)),
             front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
-            models: ModelLanes::new(models, material.map(|row| materials[row].row as usize)),
+            models: ModelLanes::new(models, rows),
             materials,
             material,
             shapes: &scene.shapes,

@@ -74,6 +74,7 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         surface_of_primitive: primitives.surface_of_primitive,
         surfaces: primitives.surfaces,
         bodies: Vec::new(),
+        solids: Vec::new(),
         scene_medium: rows.scene_medium,
         camera: camera(world, origin)?,
         origin,

@@ -8,7 +8,7 @@ use hecs::Entity;
 use super::apart::{Yields, set_apart};
 use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
-use crate::scene::baked::{KEEP, LEAST_COSINE, Sphere, Surface, Triangle};
+use crate::scene::baked::{KEEP, LEAST_COSINE, NONE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
 use crate::scene::warnings::Warnings;
@@ -113,6 +113,9 @@ fn surface(
         exterior,
         unstated: sides.map(|(_, is_unstated)| is_unstated),
         is_opaque: !bsdf.transmits(),
+        is_body: matches!(bsdf, Bsdf::Dielectric { exterior_ior: 1.0, .. }),
+        priority: boundary.priority,
+        solid: NONE,
     };
     (surface, yields)
 }

@@ -46,7 +46,7 @@ pub const MATERIAL: Keys = Keys {
 /// Keys of a node.
 pub const NODE: Keys = Keys {
     definition: "node",
-    known: &["exterior", "interior", "material", "shape", "sphere_radius"],
+    known: &["exterior", "interior", "material", "priority", "shape", "sphere_radius"],
     planned: &[],
 };
 /// Keys of a camera.
@@ -247,6 +247,18 @@ impl<'a> Body<'a> {
             return Err(SceneError::new(field, "is not a number", String::new()));
         };
         finite(number, field).map(Some)
+    }
+
+    /// A whole number that 32 bits hold.
+    pub fn integer(&self, key: &str) -> Result<Option<i32>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        match value.as_i64().and_then(|number| i32::try_from(number).ok()) {
+            Some(number) => Ok(Some(number)),
+            None => {
+                let problem = format!("{value} is not a whole number");
+                Err(SceneError::new(field, problem, "give one, the higher the more it counts"))
+            }
+        }
     }
 
     /// An index into an array of the file.

@@ -110,6 +110,10 @@ impl Import<'_> {
             let clear = Filling::Clear;
             Ok(index.map(|index| index.map_or(clear, |index| Filling::Medium(self.media[index]))))
         };
-        Ok(Boundary { interior: filling("interior")?, exterior: filling("exterior")? })
+        Ok(Boundary {
+            interior: filling("interior")?,
+            exterior: filling("exterior")?,
+            priority: node.integer("priority")?.unwrap_or(0),
+        })
     }
 }

@@ -180,7 +180,9 @@ impl<'a> Import<'a> {
             return Err(SceneError::new(body.field("material"), "belongs to a sphere", remedy));
         } else if let Some(mesh) = node.mesh {
             self.add_mesh(mesh.value(), &body, boundary, placed.to_world)?;
-        } else if let Some(key) = ["interior", "exterior"].into_iter().find(|key| body.has(key)) {
+        } else if let Some(key) =
+            ["interior", "exterior", "priority"].into_iter().find(|key| body.has(key))
+        {
             let remedy = "move it to the node of the mesh";
             return Err(SceneError::new(body.field(key), "belongs to a mesh or sphere", remedy));
         }

@@ -42,6 +42,9 @@ pub struct Boundary {
     pub interior: Option<Filling>,
     /// Before the surface.
     pub exterior: Option<Filling>,
+    /// Where closed bodies overlap or touch, the one of the highest priority counts, and of several
+    /// the smallest.
+    pub priority: i32,
 }
 
 impl Boundary {
@@ -60,6 +63,11 @@ impl Boundary {
             let problem = "an opaque surface has nothing behind it";
             let remedy = "remove it, or use a material that transmits: dielectric or null";
             return Err(Fault::new(field, problem, remedy));
+        }
+        if self.priority != 0 && !bsdf.transmits() {
+            let problem = "light gets to the inside of no opaque body";
+            let remedy = "remove it, or use a material that transmits: dielectric or null";
+            return Err(Fault::new("priority", problem, remedy));
         }
         if stated.is_none() && bsdf.passage() == Passage::Boundary {
             let problem = "a null surface without media is not there at all";
@@ -107,6 +115,14 @@ impl Skin {
     #[must_use]
     pub fn exterior(mut self, filling: impl Into<Filling>) -> Self {
         self.boundary.exterior = Some(filling.into());
+        self
+    }
+
+    /// The same material, for a body that counts where ones of lower priority, 0 if none is given,
+    /// overlap with it or touch it.
+    #[must_use]
+    pub fn priority(mut self, priority: i32) -> Self {
+        self.boundary.priority = priority;
         self
     }
 }

@@ -1,0 +1,127 @@
+//! The primitives of surfaces, taken together.
+
+use glam::Vec3;
+
+use super::immersion::{STEPS, spread};
+use crate::geometry::offset_distance;
+use crate::scene::baked::Shapes;
+
+/// How much of the area of a surface its triangles may leave open.
+const OPEN_SHARE: f64 = 1e-3;
+
+/// The primitives of all surfaces.
+pub fn primitives_of_surfaces(shapes: &Shapes) -> Vec<Vec<u32>> {
+    let mut primitives: Vec<Vec<u32>> = vec![Vec::new(); shapes.surfaces.len()];
+    for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
+        primitives[surface as usize].push(primitive);
+    }
+    for instance in shapes.instanced.instances() {
+        let count = shapes.instanced.objects()[instance.object as usize].triangles.len() as u32;
+        let first = instance.first_primitive;
+        primitives[instance.surface as usize].extend(first..first + count);
+    }
+    primitives
+}
+
+/// The primitives of a surface.
+pub struct Patches {
+    /// Corners of the triangles.
+    triangles: Vec<[Vec3; 3]>,
+    /// Running sum of their areas.
+    areas: Vec<f64>,
+    /// Center and radius, if it is a sphere.
+    sphere: Option<(Vec3, f32)>,
+}
+
+impl Patches {
+    /// Those in some rows; spheres only by themselves.
+    pub fn new(shapes: &Shapes, primitives: &[u32]) -> Self {
+        let own = shapes.triangles.len();
+        let sphere = primitives.first().and_then(|&primitive| {
+            let row = (primitive as usize).checked_sub(own)?;
+            shapes.spheres.get(row).map(|sphere| (sphere.center, sphere.radius))
+        });
+        let corners = |&primitive: &u32| match shapes.instanced.find(primitive) {
+            Some((instance, object, row)) => {
+                let corners = object.triangles[row].corners;
+                let [a, b, c] = corners.map(|it| instance.to_world.transform_point3(it));
+                // Normals keep their side where an instance is mirrored.
+                if instance.to_world.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
+            }
+            None => shapes.triangles[primitive as usize].corners,
+        };
+        let triangles: Vec<[Vec3; 3]> =
+            if sphere.is_some() { Vec::new() } else { primitives.iter().map(corners).collect() };
+        let mut sum = 0.0;
+        let areas = triangles.iter().map(|triangle| {
+            sum += area_vector(triangle).length();
+            sum
+        });
+        Self { areas: areas.collect(), triangles, sphere }
+    }
+
+    /// Points all over them, by area, with the normals there.
+    pub fn points(&self, count: usize) -> Vec<(Vec3, Vec3)> {
+        if let Some((center, radius)) = self.sphere {
+            return spread(count).map(|normal| (center + radius * normal, normal)).collect();
+        }
+        let Some(total) = self.areas.last() else { return Vec::new() };
+        // The plastic sequence (Roberts 2018).
+        let fraction = |index: usize, step: f64| (0.5 + index as f64 * step).fract() as f32;
+        let point = |index: usize| {
+            let at = total * (index as f64 + 0.5) / count as f64;
+            let row = self.areas.partition_point(|sum| *sum < at).min(self.areas.len() - 1);
+            let [a, b, c] = self.triangles[row];
+            let (mut u, mut v) =
+                (fraction(index, 0.754_877_666_246_693), fraction(index, 0.569_840_290_998_053));
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            (a + u * (b - a) + v * (c - a), area_vector(&[a, b, c]).normalize().as_vec3())
+        };
+        (0..count).map(point).collect()
+    }
+
+    /// How far off them one is on a side of them for sure.
+    pub fn step(&self) -> f32 {
+        let corners = self.triangles.as_flattened().iter();
+        let reach = match self.sphere {
+            Some((center, radius)) => center.abs().max_element() + radius,
+            None => corners.fold(0.0, |reach: f32, at| reach.max(at.abs().max_element())),
+        };
+        STEPS * offset_distance(reach)
+    }
+
+    /// Whether nothing gets out but through them.
+    pub fn is_closed(&self) -> bool {
+        let open: glam::DVec3 = self.triangles.iter().map(area_vector).sum();
+        let total = self.areas.last().copied().unwrap_or(0.0);
+        self.sphere.is_some() || open.length() < OPEN_SHARE * total
+    }
+
+    /// Volume of the box.
+    pub fn size(&self) -> f32 {
+        let [low, high] = self.bounds();
+        (high - low).element_product().max(0.0)
+    }
+
+    /// The corners of the box about them.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        if let Some((center, radius)) = self.sphere {
+            return [center - radius, center + radius];
+        }
+        let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        self.corners().fold(none, |[low, high], at| [low.min(at), high.max(at)])
+    }
+
+    /// The corners of all triangles.
+    pub fn corners(&self) -> impl Iterator<Item = Vec3> {
+        self.triangles.as_flattened().iter().copied()
+    }
+}
+
+/// Half the area of a triangle, along its normal.
+fn area_vector([a, b, c]: &[Vec3; 3]) -> glam::DVec3 {
+    let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
+    0.5 * (b - a).cross(c - a)
+}

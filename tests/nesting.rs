@@ -1,0 +1,207 @@
+//! Nested dielectrics: what comes through glass and water that touch, overlap or are inside one
+//! another, along the normal, where it follows from the indices of refraction on both sides of each
+//! interface; and that none of it makes or loses light.
+
+use std::ops::ControlFlow;
+
+use sunstone::glam::{DVec3, Vec3};
+use sunstone::hecs::Entity;
+use sunstone::world::{Bsdf, Geometry, Lens, Material, Skin, Transform};
+use sunstone::{Color, Integrator, Mode, Options, PlacedWorld, Renderer, Settings, World};
+
+/// Of 20,000 normal numbers, one exceeds it with a chance of 1e-3; 60 are compared.
+const LIMIT: f64 = 5.5;
+const SIZE: u32 = 12;
+const GLASS: f32 = 1.5;
+const WATER: f32 = 1.33;
+
+/// A world with a camera that looks down the z axis, slightly off it.
+struct Bench(World);
+
+impl Bench {
+    fn new() -> Self {
+        let mut world = World::new("bench");
+        let lens = Lens::Orthographic { half_width: 0.1, half_height: 0.1 };
+        let aside = DVec3::new(0.031, 0.017, 0.0);
+        let place = Transform::looking(aside + 8.0 * DVec3::Z, aside, DVec3::Y);
+        world.set_camera("eye", lens, place).unwrap();
+        world.set_resolution([SIZE; 2]).unwrap();
+        Self(world)
+    }
+
+    fn body(&mut self, ior: f32) -> Entity {
+        self.0.add_material("body", Bsdf::dielectric(ior)).unwrap()
+    }
+
+    /// A box about the z axis.
+    fn slab(&mut self, ior: f32, z: [f32; 2], half: f32, priority: i32) {
+        let [low, high] = [Vec3::new(-half, -half, z[0]), Vec3::new(half, half, z[1])];
+        let skin = Skin::from(self.body(ior)).priority(priority);
+        self.0.add_mesh("slab", Geometry::cuboid(low, high), skin, Transform::IDENTITY).unwrap();
+    }
+
+    fn ball(&mut self, ior: f32, center: DVec3, radius: f64) {
+        let skin = Skin::from(self.body(ior));
+        self.0.add_sphere("ball", radius, skin, center).unwrap();
+    }
+
+    /// Lit from the other end of the z axis alone.
+    fn wall(&mut self) {
+        let dark = self.0.add_material("wall", Material::emitter(1.0)).unwrap();
+        let quad = Geometry::quad(Vec3::NEG_Z * 4.0, Vec3::X * 2.0, Vec3::Y * 2.0);
+        self.0.add_mesh("wall", quad, dark, Transform::IDENTITY).unwrap();
+    }
+
+    /// The mean of the pixels, and its standard error as they differ.
+    fn mean(self, integrator: Integrator, mode: Mode) -> (f64, f64) {
+        let options = Options {
+            integrator,
+            mode,
+            color: Color::Mono { wavelength_nm: 550.0 },
+            samples: 256,
+            ..Options::default()
+        };
+        let placed = PlacedWorld::new(self.0).unwrap();
+        let mut renderer = Renderer::new(&placed, &Settings::new(options).unwrap()).unwrap();
+        renderer.run(|_| ControlFlow::Continue(()));
+        let values: Vec<f64> =
+            renderer.finish().planes[0].iter().map(|&value| f64::from(value)).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        (mean, (squares / (count - 1.0) / count).sqrt())
+    }
+}
+
+/// What comes through interfaces between these indices of refraction along their normals, with all
+/// reflections between them.
+fn through(indices: &[f32]) -> f64 {
+    let lost = indices.windows(2).map(|pair| {
+        let [a, b] = [pair[0], pair[1]].map(f64::from);
+        let reflectance = ((a - b) / (a + b)).powi(2);
+        reflectance / (1.0 - reflectance)
+    });
+    1.0 / (1.0 + lost.sum::<f64>())
+}
+
+#[track_caller]
+fn check(build: impl Fn(&mut Bench), expected: f64, integrators: &[Integrator]) {
+    for &integrator in integrators {
+        for mode in [Mode::Scalar, Mode::Polarized] {
+            let mut bench = Bench::new();
+            build(&mut bench);
+            let (mean, error) = bench.mean(integrator, mode);
+            // Strata leave less noise than pixels show; single precision leaves the rest.
+            let off = (mean - expected).abs() - 2e-5;
+            assert!(off < LIMIT * error, "{integrator:?} {mode:?}: {mean} +- {error}, {expected}");
+        }
+    }
+}
+
+#[track_caller]
+fn check_through(build: impl Fn(&mut Bench), indices: &[f32]) {
+    let lit = |bench: &mut Bench| {
+        build(bench);
+        bench.wall();
+    };
+    check(lit, through(indices), &[Integrator::Path, Integrator::Bdpt]);
+}
+
+#[test]
+fn faces_in_one_place_are_one_interface() {
+    let layers = [(GLASS, [0.0, 1.0]), (WATER, [1.0, 2.0]), (GLASS, [2.0, 3.0])];
+    for order in [[0, 1, 2], [2, 1, 0], [1, 0, 2]] {
+        for gap in [0.0, 1e-7] {
+            let build = |bench: &mut Bench| {
+                for which in order {
+                    let (ior, [low, high]) = layers[which];
+                    bench.slab(ior, [low + gap, high - gap], 1.0, 0);
+                }
+            };
+            check_through(build, &[1.0, GLASS, WATER, GLASS, 1.0]);
+        }
+    }
+    let optical_contact = |bench: &mut Bench| {
+        bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+        bench.slab(GLASS, [1.0, 2.0], 0.5, 0);
+    };
+    check_through(optical_contact, &[1.0, GLASS, 1.0]);
+    let apart = |bench: &mut Bench| {
+        bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+        bench.slab(GLASS, [1.0001, 2.0], 1.0, 0);
+    };
+    check_through(apart, &[1.0, GLASS, 1.0, GLASS, 1.0]);
+}
+
+#[test]
+fn of_overlapping_bodies_the_higher_priority_counts_then_the_smaller() {
+    let lens = |priority: i32| {
+        move |bench: &mut Bench| {
+            bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+            bench.slab(WATER, [0.8, 2.2], 1.2, priority);
+            bench.slab(GLASS, [2.0, 3.0], 1.0, 0);
+        }
+    };
+    check_through(lens(1), &[1.0, GLASS, WATER, GLASS, 1.0]);
+    check_through(lens(-1), &[1.0, GLASS, WATER, GLASS, 1.0]);
+    let inside = |priority: i32| {
+        move |bench: &mut Bench| {
+            bench.slab(WATER, [-1.0, 3.0], 1.5, priority);
+            bench.slab(2.4, [0.0, 1.0], 0.5, 0);
+        }
+    };
+    check_through(inside(0), &[1.0, WATER, 2.4, WATER, 1.0]);
+    check_through(inside(1), &[1.0, WATER, 1.0]);
+    let twice = |bench: &mut Bench| {
+        bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+        bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+    };
+    check_through(twice, &[1.0, GLASS, 1.0]);
+}
+
+/// In light from everywhere nothing is seen of what absorbs nothing.
+#[test]
+fn no_light_is_made_or_lost() {
+    let surrounded = |build: fn(&mut Bench)| {
+        move |bench: &mut Bench| {
+            build(bench);
+            bench.0.set_environment(1.0).unwrap();
+        }
+    };
+    let clusters: [fn(&mut Bench); 4] = [
+        |bench| {
+            bench.ball(GLASS, DVec3::X * -0.5, 1.0);
+            bench.ball(WATER, DVec3::X * 0.5, 1.0);
+        },
+        |bench| {
+            bench.slab(WATER, [-1.0, 1.0], 1.0, 0);
+            bench.ball(GLASS, DVec3::ZERO, 0.7);
+            bench.ball(2.4, DVec3::X * 0.3, 0.3);
+            bench.ball(1.8, DVec3::Z, 0.4);
+        },
+        |bench| {
+            for index in 0..9_i32 {
+                let at = f64::from(index);
+                let center = DVec3::new(0.1 * at - 0.4, 0.2 * (3.0 * at).sin(), 0.1 * at);
+                bench.ball(1.2 + 0.1 * (index % 5) as f32, center, 0.4);
+            }
+        },
+        |bench| {
+            bench.slab(GLASS, [-1.5, -0.5], 1.0, 0);
+            bench.slab(WATER, [-0.5, 0.5], 1.0, 0);
+            bench.slab(GLASS, [0.5, 1.5], 1.0, 0);
+        },
+    ];
+    for build in clusters {
+        check(surrounded(build), 1.0, &[Integrator::Path]);
+    }
+}
+
+#[test]
+fn an_opaque_body_has_no_priority() {
+    let mut world = World::new("opaque");
+    let paint = world.add_material("paint", Bsdf::diffuse(0.5)).unwrap();
+    let skin = Skin::from(paint).priority(1);
+    let error = world.add_sphere("ball", 1.0, skin, DVec3::ZERO).unwrap_err().to_string();
+    assert!(error.contains("priority") && error.contains("opaque"), "{error}");
+}
