@@ -92,6 +92,37 @@ fn sheets_in_one_place_stand_in_the_order_of_the_file() {
     }
 }
 
+/// Glass, of one mesh or of six, on a display: there is air between, and nothing gets under it.
+#[test]
+fn glass_stands_on_what_it_touches() {
+    let gaps = GAPS.into_iter().chain([1e-6, 1e-5, 1e-3]);
+    for (gap, is_first) in gaps.flat_map(|gap| [(gap, true), (gap, false)]) {
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            let mut scene = Document::default();
+            let face = scene.material(json!({"bsdf": "absorber"}));
+            let face = scene.emits(face, 1.0);
+            let glass = scene.material(json!({"bsdf": "dielectric", "ior": 1.5}));
+            let mut add = |is_glass: bool| {
+                if is_glass {
+                    let half = Vec3::new(0.8, 0.8, 0.25);
+                    scene.cuboid(Vec3::Z * (0.25 + gap), half, glass);
+                } else {
+                    scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, face);
+                }
+            };
+            for is_glass in [is_first, !is_first] {
+                add(is_glass);
+            }
+            scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
+            // Of all reflections within a plate: (1 - R) / (1 + R).
+            let expected = 2.0 * 1.5 / (1.5 * 1.5 + 1.0);
+            let what = format!("gap {gap}, first {is_first}, {integrator:?}");
+            // The error of 65,536 samples is 0.001.
+            expect(stokes(scene, integrator, FOGGY.0), [expected, 0.0, 0.0, 0.0], 6e-3, &what);
+        }
+    }
+}
+
 /// Light through two bodies of fog side by side, one within the other, and in a box whose walls
 /// they share: Bouguer's law.
 #[test]

@@ -13,9 +13,10 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 
-use super::immersion::{DIRECTIONS, Immersion};
+use super::immersion::{DIRECTIONS, Immersion, STEPS};
 use super::patches::{Patches, primitives_of_surfaces};
 use super::surface::Surfaces;
+use crate::geometry::offset_distance;
 use crate::scene::baked::{NONE, Optics, Shapes, Solid};
 use crate::scene::world::SurfaceModel;
 
@@ -107,16 +108,16 @@ fn meet(found: &mut [(Vec<u32>, Solid, f32)]) {
 }
 
 impl Immersion<'_> {
-    /// The solids that count before and behind a surface of `solid`, at points on those sides;
-    /// [`NONE`] where there is none.
-    pub fn solids_at(&self, solid: u32, [before, behind]: [Vec3; 2]) -> [u32; 2] {
+    /// The solids that count before and behind a surface of `solid`, at a point on it from which
+    /// `off` leads to the front; [`NONE`] where there is none.
+    pub fn solids_at(&self, solid: u32, point: Vec3, off: Vec3) -> [u32; 2] {
         let others = &self.shapes().solids[solid as usize].others;
-        let winner = |point: Vec3, own: Option<u32>| {
-            let around = others.iter().copied().filter(|&other| self.is_in(other, point));
+        let winner = |off: Vec3, own: Option<u32>| {
+            let around = others.iter().copied().filter(|&other| self.is_in(other, point, off));
             let rank = |a: &u32, b: &u32| self.rank(*a, *b);
             around.chain(own).max_by(rank).unwrap_or(NONE)
         };
-        [winner(before, None), winner(behind, Some(solid))]
+        [winner(off, None), winner(-off, Some(solid))]
     }
 
     /// Which of two solids counts where both are.
@@ -126,13 +127,18 @@ impl Immersion<'_> {
         by_priority.then(second.size.total_cmp(&first.size)).then(b.cmp(&a))
     }
 
-    /// Whether a point is in a solid, as most of three looks have it.
-    fn is_in(&self, solid: u32, point: Vec3) -> bool {
+    /// Whether what is `off` a point of a surface is in a solid, as most of three looks away from
+    /// that surface have it.
+    fn is_in(&self, solid: u32, point: Vec3, off: Vec3) -> bool {
+        let point = point + off;
         let [low, high] = self.shapes().solids[solid as usize].bounds;
         if !(low.cmple(point).all() && point.cmple(high).all()) {
             return false;
         }
-        let gets_out = |direction: Vec3| self.gets_out(solid, point, direction.normalize());
+        let gets_out = |direction: Vec3| {
+            let away = direction * 1.0_f32.copysign(direction.dot(off));
+            self.gets_out(solid, point, away.normalize())
+        };
         let [a, b, c, ..] = DIRECTIONS;
         let (first, second) = (gets_out(a), gets_out(b));
         if first == second { first } else { gets_out(c) }
@@ -143,7 +149,8 @@ impl Immersion<'_> {
         let (shapes, accelerator) = (self.shapes(), self.accelerator());
         let [low, high] = shapes.solids[solid as usize].bounds;
         let far = Vec3::select(direction.cmpgt(Vec3::ZERO), high, low);
-        let end = 1.001 * ((far - origin) / direction).min_element();
+        let slack = STEPS * offset_distance(low.abs().max(high.abs()).max_element());
+        let end = ((far - origin) / direction + slack / direction.abs()).min_element();
         let mut count = 0;
         let mut hit = accelerator.closest(origin, direction, f32::INFINITY);
         while hit.primitive != NONE && hit.t <= end {

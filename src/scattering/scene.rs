@@ -332,8 +332,7 @@ impl<const N: usize> Scene<N> {
             let of = |columns| Vec3::from(lanes::row_of(columns, hit));
             let (position, normal) = (of(&surfaces.position), of(&surfaces.geometric_normal));
             let off = surfaces.offset[hit] * normal;
-            let sides = self.immersion().solids_at(solid, [position + off, position - off]);
-            interfaces.row(sides)
+            interfaces.row(self.immersion().solids_at(solid, position, off))
         };
         LaneRows::Each(lanes::each(row_of))
     }

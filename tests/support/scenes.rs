@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 36] = [
+pub const SCENES: [Named; 37] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -48,6 +48,7 @@ pub const SCENES: [Named; 36] = [
     ("lamps and sky about a partition", lamps_and_sky),
     ("lamps in fog", lamps_in_fog),
     ("large sphere light on the floor", sphere_on_the_floor),
+    ("glass and water that touch", glass_and_water),
 ];
 
 /// In which boundaries contradict each other.
@@ -332,6 +333,21 @@ fn metals_and_glass() -> World {
     scene.sphere(v(0.5, 0.1, -0.3), 0.4, copper);
     scene.sphere(v(0.2, -0.6, 0.5), 0.35, glass);
     pinhole(scene).load("two metals and glass")
+}
+
+/// Glass on the floor, water that absorbs up to it and over it, and a ball half in the water.
+fn glass_and_water() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let [glass, water, ruby] =
+        [1.5, 1.33, 1.76].map(|ior| scene.material(json!({"bsdf": "dielectric", "ior": ior})));
+    let murk = scene.medium(json!({"phase": "isotropic", "sigma_a": 0.5, "sigma_s": 0.0}));
+    scene.cuboid(v(-0.3, -0.7, 0.0), v(0.3, 0.3, 0.5), glass);
+    scene.around(Some(murk), None, |scene| {
+        scene.cuboid(v(0.3, -0.7, 0.1), v(0.3, 0.2, 0.4), water);
+    });
+    scene.sphere(v(0.3, -0.5, 0.2), 0.15, ruby);
+    pinhole(scene).load("glass and water")
 }
 
 fn glass_and_point_light() -> World {

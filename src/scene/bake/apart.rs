@@ -1,13 +1,16 @@
-//! Sets surfaces that let light straight on apart from what they lie on.
+//! Sets surfaces that light goes through apart from what they lie on.
 //!
 //! A polarizer on a display, fog that fills a room to its walls, two such bodies side by side, two
-//! sheets in one place: which of them a ray meets first would be left to rounding, and differ
-//! between rays from the sensor and from the emitters. So they are moved by a few times what rays
-//! keep off surfaces ([`CLEARANCE`]), once and for all rays:
+//! sheets in one place, glass on a table: which of them a ray meets first would be left to
+//! rounding, and differ between rays from the sensor and from the emitters. So they are moved by a
+//! few times what rays keep off surfaces ([`CLEARANCE`]), once and for all rays:
 //!
 //! - sheets to the front of what they lie on, or apart from each other, in the order of the file;
 //! - boundaries of media into what they bound: it shrinks, and of two in one place the one that
-//!   bounds more stays outside.
+//!   bounds more stays outside;
+//! - bodies of glass off opaque surfaces, twice as far, so that sheets and boundaries stay between:
+//!   they shrink, so that they stand there with air between, but coat what faces the same way. Two
+//!   of them are left where they are: see [`crate::scattering::nesting`].
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -31,12 +34,23 @@ const PARALLEL: f64 = 0.999;
 /// How a surface gives way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Yields {
-    /// Not at all: it blocks, reflects or refracts what it meets.
-    Never,
+    /// Not at all: it is opaque.
+    Never {
+        /// Whether its back is as good as its front.
+        two_sided: bool,
+    },
+    /// To opaque surfaces.
+    AsBody,
     /// To the front of what it lies on.
     AsSheet,
     /// Into what it bounds.
     AsBoundary,
+}
+
+impl Yields {
+    fn is_opaque(self) -> bool {
+        matches!(self, Self::Never { .. })
+    }
 }
 
 /// What a primitive that gives way lies on.
@@ -58,13 +72,13 @@ pub fn set_apart(tables: &mut Primitives, yields: &[Yields]) {
         })
         .collect();
     move_spheres(tables, yields, &moved);
-    move_corners(tables, &moved);
+    move_corners(tables, yields, &moved);
 }
 
 /// All pairs of a primitive that gives way and another surface's in the same place.
 fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
     let count = tables.triangles.len() + tables.spheres.len();
-    let gives_way = |primitive: &usize| yields_at(tables, yields, *primitive) != Yields::Never;
+    let gives_way = |primitive: &usize| !yields_at(tables, yields, *primitive).is_opaque();
     let yielding: Vec<usize> = (0..count).filter(gives_way).collect();
     if yielding.is_empty() {
         return Vec::new();
@@ -77,6 +91,10 @@ fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
             let first = node.first_index as usize;
             for &index in &tree.primitive_indices[first..first + node.prim_count as usize] {
                 let primitive = yielding[index as usize];
+                let [one, two] = [primitive, other].map(|it| yields_at(tables, yields, it));
+                if one == Yields::AsBody && !two.is_opaque() {
+                    continue;
+                }
                 if let Some(clearance) = touch(tables, primitive, other) {
                     found.push(Contact { primitive, other, clearance });
                 }
@@ -217,10 +235,18 @@ fn step_of(
     before.sort_unstable();
     before.dedup();
     let (direction, steps) = match yields_at(tables, yields, primitive) {
-        Yields::Never => return None,
+        Yields::Never { .. } => return None,
+        Yields::AsBody => {
+            let coats = |contact: &Contact| {
+                let is_alike = own.dot(front(tables, contact.other)) > 0.0;
+                is_alike && sort(contact) == Yields::Never { two_sided: false }
+            };
+            (if contacts.iter().any(coats) { own } else { -own }, 2)
+        }
         Yields::AsSheet => {
-            let ground = contacts.iter().find(|contact| sort(contact) == Yields::Never);
-            match ground {
+            let opaque = contacts.iter().find(|contact| sort(contact).is_opaque());
+            let body = || contacts.iter().find(|contact| sort(contact) == Yields::AsBody);
+            match opaque.or_else(body) {
                 Some(ground) => (front(tables, ground.other), before.len() + 1),
                 None => (canonical(own), before.len()),
             }
@@ -235,7 +261,7 @@ fn step_of(
 fn is_before(tables: &Primitives, yields: &[Yields], one: usize, other: usize) -> bool {
     let order = |primitive: usize| tables.surface_of_primitive[primitive];
     match yields_at(tables, yields, one) {
-        Yields::Never => false,
+        Yields::Never { .. } | Yields::AsBody => false,
         Yields::AsSheet => order(one) < order(other),
         Yields::AsBoundary => {
             let sizes = [one, other].map(|primitive| area(tables, primitive));
@@ -272,11 +298,11 @@ fn canonical(direction: DVec3) -> DVec3 {
     if direction[largest] < 0.0 { -direction } else { direction }
 }
 
-/// Boundaries shrink; sheets grow, to the front of what they lie on.
+/// Boundaries shrink; sheets grow, to the front of what they lie on, and bodies, which coat it.
 fn move_spheres(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVec3)]) {
     for &(primitive, step) in moved {
         let Some(row) = primitive.checked_sub(tables.triangles.len()) else { continue };
-        let grows = yields_at(tables, yields, primitive) == Yields::AsSheet;
+        let grows = yields_at(tables, yields, primitive) != Yields::AsBoundary;
         let radius = f64::from(tables.spheres[row].radius);
         let radius = if grows { radius + step.length() } else { radius - step.length() };
         tables.spheres[row].radius = radius.max(f64::from(f32::MIN_POSITIVE)) as f32;
@@ -284,10 +310,16 @@ fn move_spheres(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVe
 }
 
 /// Moves corners, together with those of the same surface in the same place, so that it stays
-/// closed: as far along every step as that is long.
-fn move_corners(tables: &mut Primitives, moved: &[(usize, DVec3)]) {
-    let key = |surface: u32, corner: Vec3| (surface, corner.to_array().map(f32::to_bits));
-    let mut steps: HashMap<(u32, [u32; 3]), DVec3> = HashMap::new();
+/// closed: as far along every step as that is long. Bodies may be of several surfaces of one
+/// material.
+fn move_corners(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVec3)]) {
+    let surfaces = &tables.surfaces;
+    let key = |surface: u32, corner: Vec3| {
+        let is_body = yields[surface as usize] == Yields::AsBody;
+        let whole = if is_body { surfaces[surface as usize].material } else { surface };
+        (is_body, whole, corner.to_array().map(f32::to_bits))
+    };
+    let mut steps: HashMap<(bool, u32, [u32; 3]), DVec3> = HashMap::new();
     for &(primitive, step) in moved.iter().filter(|(it, _)| *it < tables.triangles.len()) {
         let surface = tables.surface_of_primitive[primitive];
         for corner in tables.triangles[primitive].corners {

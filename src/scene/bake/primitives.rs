@@ -13,7 +13,7 @@ use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Transform, World,
+    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Sides, Transform, World,
 };
 
 /// Shading normals that are this close to the geometric one are the geometric one.
@@ -100,8 +100,10 @@ fn surface(
     let bsdf = bsdf.as_deref().unwrap_or(&Bsdf::Absorber);
     let sides = rows.sides(bsdf, boundary);
     let [interior, exterior] = sides.map(|(row, _)| row);
+    let is_two_sided = world.entities().get::<&Sides>(material).is_ok_and(|sides| sides.two_sided);
     let yields = match bsdf.passage() {
-        Passage::Closed | Passage::Body => Yields::Never,
+        Passage::Closed => Yields::Never { two_sided: is_two_sided },
+        Passage::Body => Yields::AsBody,
         Passage::Sheet if [interior, exterior] == [KEEP; 2] => Yields::AsSheet,
         Passage::Sheet | Passage::Boundary => Yields::AsBoundary,
     };
