@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::immersion::{Immersion, Seen, spread};
 use super::nesting::nest;
-use super::patches::{Patches, primitives_of_surfaces};
+use super::patches::{Patches, join, primitives_of_surfaces, wholes};
 use crate::geometry::Accelerator;
 use crate::scene::baked::{Body, KEEP, SOUGHT, Shapes};
 
@@ -52,6 +52,8 @@ pub enum Doubt {
 /// A surface that bounds something.
 struct Boundary {
     surface: u32,
+    /// The first of the surfaces that bound the same together.
+    whole: u32,
     /// Points on it and the normals there.
     points: Vec<(Vec3, Vec3)>,
     /// How far off it one is on a side of it.
@@ -69,11 +71,13 @@ type Tally = BTreeMap<u32, (usize, Option<u32>)>;
 
 /// Finds what boundaries do not say, and what they say wrongly.
 pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
-    nest(shapes);
+    let primitives = primitives_of_surfaces(shapes);
+    join(shapes, &primitives);
+    nest(shapes, &primitives);
     if is_one_medium(shapes) {
         return Vec::new();
     }
-    let boundaries = look_around(shapes, accelerator);
+    let boundaries = look_around(shapes, accelerator, &primitives);
     let tallies = learn(shapes, &boundaries);
     let mut doubts = Vec::new();
     let mut sought = BTreeSet::new();
@@ -105,12 +109,16 @@ fn is_one_medium(shapes: &Shapes) -> bool {
 }
 
 /// All boundaries, with what is seen from both sides of each.
-fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
+fn look_around(
+    shapes: &Shapes,
+    accelerator: &Accelerator,
+    primitives: &[Vec<u32>],
+) -> Vec<Boundary> {
     let rows = 0..shapes.surfaces.len() as u32;
     let bounding: Vec<u32> = rows.filter(|&row| sides_of(shapes, row) != [KEEP; 2]).collect();
     let [least, most] = LOOKS_OF_SURFACE;
     let count = (LOOKS / bounding.len().max(1)).clamp(least, most);
-    let primitives = primitives_of_surfaces(shapes);
+    let wholes = wholes(shapes, primitives);
     let immersion = Immersion::new(shapes, accelerator, true);
     let boundary = |&surface: &u32| {
         let patches = Patches::new(shapes, &primitives[surface as usize]);
@@ -132,8 +140,10 @@ fn look_around(shapes: &Shapes, accelerator: &Accelerator) -> Vec<Boundary> {
             (0..).zip(rays()).map(around).collect()
         };
         let seen = [look(-1.0), look(1.0)];
-        let (is_closed, size) = (patches.is_closed(), patches.size());
-        Boundary { surface, points, step, is_closed, size, seen }
+        let whole = shapes.surfaces[surface as usize].whole;
+        let all = Patches::new(shapes, &wholes[&whole]);
+        let (is_closed, size) = (all.is_closed(), all.size());
+        Boundary { surface, whole, points, step, is_closed, size, seen }
     };
     bounding.iter().map(boundary).collect()
 }
@@ -207,16 +217,17 @@ fn judge(
         return;
     }
     let mut partners: Vec<u32> = tally.values().filter_map(|(_, by)| *by).collect();
-    partners.retain(|&partner| partner != surface);
+    let whole_of = |row: &u32| immersion.shapes().surfaces[*row as usize].whole;
+    partners.retain(|partner| whole_of(partner) != boundary.whole);
     let other = |row: u32| boundaries.iter().find(|it| it.surface == row);
     let closed: Vec<&Boundary> =
         partners.iter().filter_map(|&row| other(row)).filter(|it| it.is_closed).collect();
     if boundary.is_closed && closed.len() == partners.len() && !closed.is_empty() {
-        sought.extend(closed.iter().map(|it| it.surface).chain([surface]));
+        sought.extend(closed.iter().map(|it| it.whole).chain([boundary.whole]));
         let meetings: Vec<Meeting> =
             closed.iter().map(|other| meeting(immersion, boundary, other)).collect();
         if let Some(at) = meetings.iter().position(|it| *it == Meeting::Overlap) {
-            let [a, b] = [surface, closed[at].surface];
+            let [a, b] = [boundary.whole, closed[at].whole];
             doubts.push(Doubt::Overlap([a.min(b), a.max(b)]));
             return;
         }
@@ -245,7 +256,7 @@ fn meeting(immersion: &Immersion, a: &Boundary, b: &Boundary) -> Meeting {
     let mut is_touching = false;
     for (boundary, other) in [(a, b), (b, a)] {
         let is_within = |side: f32, &(point, normal): &(Vec3, Vec3)| {
-            immersion.is_within(other.surface, point + side * boundary.step * normal)
+            immersion.is_within(other.whole, point + side * boundary.step * normal)
         };
         let before: Vec<_> = boundary.points.iter().filter(|point| is_within(1.0, point)).collect();
         let inside = before.iter().filter(|point| is_within(-1.0, point)).count();
@@ -261,7 +272,7 @@ fn meeting(immersion: &Immersion, a: &Boundary, b: &Boundary) -> Meeting {
 fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u32>) {
     let body = |boundary: &Boundary| {
         let filling = sides_of(shapes, boundary.surface)[0];
-        let is_body = boundary.is_closed && filling != KEEP;
+        let is_body = boundary.is_closed && filling != KEEP && boundary.surface == boundary.whole;
         let priority = shapes.surfaces[boundary.surface as usize].priority;
         is_body.then_some(Body {
             surface: boundary.surface,
@@ -271,8 +282,9 @@ fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u
         })
     };
     shapes.bodies = boundaries.iter().filter_map(body).collect();
-    for &surface in sought {
-        let surface = &mut shapes.surfaces[surface as usize];
-        (surface.interior, surface.exterior) = (SOUGHT, SOUGHT);
+    for surface in &mut shapes.surfaces {
+        if sought.contains(&surface.whole) {
+            (surface.interior, surface.exterior) = (SOUGHT, SOUGHT);
+        }
     }
 }

@@ -300,7 +300,8 @@ impl<'a> Immersion<'a> {
         bodies.max_by(rank).map(|body| body.filling)
     }
 
-    /// Whether a point is inside of a surface that is closed.
+    /// Whether a point is inside of a surface that is closed, or of several that are so together,
+    /// of which this is the first.
     pub fn is_within(&self, surface: u32, point: Vec3) -> bool {
         let votes = DIRECTIONS[..3].iter().map(|it| self.leaves(point, it.normalize()));
         votes.filter(|around| around.contains(&surface)).count() >= 2
@@ -312,12 +313,13 @@ impl<'a> Immersion<'a> {
         let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
         while hit.primitive != NONE {
             let row = self.shapes.surface_of(hit.primitive);
+            let whole = self.shapes.surfaces[row as usize].whole;
             let position = origin + direction * hit.t;
             let normal = self.shapes.geometric_normal(hit.primitive, position);
             let step = if direction.dot(normal) > 0.0 { 1 } else { -1 };
-            match counts.iter_mut().find(|(surface, _)| *surface == row) {
+            match counts.iter_mut().find(|(surface, _)| *surface == whole) {
                 Some((_, count)) => *count += step,
-                None => counts.push((row, step)),
+                None => counts.push((whole, step)),
             }
             hit = self.accelerator.next(origin, direction, hit);
         }

@@ -1,12 +1,12 @@
 //! Nested dielectrics: what is refracted where closed bodies of glass or water overlap or touch.
 //!
 //! Of the bodies around a point the one of the highest priority counts, and of several the smallest
-//! (in the manner of Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"). Which
-//! that is does not hang on how a path got there: it is looked for on both sides of what is hit,
-//! just as far off it as rays start. So paths of either side know the same, whatever is inside or
-//! around, and faces in one place are one interface: what is hit first tells what is before it and
-//! behind it, and the ray that goes on starts beyond both. Bodies that are apart from all others
-//! are not looked for.
+//! (in the manner of Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images").
+//! Which that is does not hang on how a path got there: it is looked for on both sides of what is
+//! hit, just as far off it as rays start. So paths of either side know the same, whatever is inside
+//! or around, and faces in one place are one interface: what is hit first tells what is before it
+//! and behind it, and the ray that goes on starts beyond both. Bodies that are apart from all
+//! others are not looked for.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -14,47 +14,40 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 
 use super::immersion::{DIRECTIONS, Immersion, STEPS};
-use super::patches::{Patches, primitives_of_surfaces};
+use super::patches::{Patches, wholes};
 use super::surface::Surfaces;
 use crate::geometry::offset_distance;
 use crate::scene::baked::{NONE, Optics, Shapes, Solid};
 use crate::scene::world::SurfaceModel;
 
-/// Finds the solids whose boxes reach into those of others. A solid is a closed surface, or several
-/// open ones of one material that share corners and are closed together.
-pub fn nest(shapes: &mut Shapes) {
-    let candidates: Vec<u32> =
-        (0..).zip(&shapes.surfaces).filter(|(_, it)| it.is_body).map(|(row, _)| row).collect();
-    if candidates.is_empty() {
-        return;
-    }
-    let primitives = primitives_of_surfaces(shapes);
-    let patches_of = |&surface: &u32| Patches::new(shapes, &primitives[surface as usize]);
-    let (closed, open): (Vec<u32>, Vec<u32>) =
-        candidates.iter().partition(|surface| patches_of(surface).is_closed());
-    let mut bodies: Vec<Vec<u32>> = closed.into_iter().map(|surface| vec![surface]).collect();
-    bodies.extend(joined(shapes, &open, &primitives));
-    let mut found: Vec<(Vec<u32>, Solid, f32)> = Vec::new();
-    for surfaces in bodies {
-        let all: Vec<u32> =
-            surfaces.iter().flat_map(|&row| primitives[row as usize].iter().copied()).collect();
+/// Finds the solids whose boxes reach into those of others.
+pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
+    let mut found: Vec<(u32, Solid, f32)> = Vec::new();
+    for (whole, all) in wholes(shapes, primitives) {
+        let surface = &shapes.surfaces[whole as usize];
+        if !surface.is_body {
+            continue;
+        }
         let patches = Patches::new(shapes, &all);
         if patches.is_closed() {
-            let surface = &shapes.surfaces[surfaces[0] as usize];
             let (bounds, size) = (patches.bounds(), patches.size());
             let (material, priority) = (surface.material, surface.priority);
             let solid = Solid { material, priority, size, bounds, others: Vec::new() };
-            found.push((surfaces, solid, patches.step()));
+            found.push((whole, solid, patches.step()));
         }
     }
     meet(&mut found);
     let mut new_row = BTreeMap::new();
-    for (row, (surfaces, solid, _)) in (0_u32..).zip(&found) {
+    let mut solid_of = BTreeMap::new();
+    for (row, (whole, solid, _)) in (0_u32..).zip(&found) {
         if !solid.others.is_empty() {
             let kept = new_row.len() as u32;
             new_row.insert(row, kept);
-            surfaces.iter().for_each(|&it| shapes.surfaces[it as usize].solid = kept);
+            solid_of.insert(*whole, kept);
         }
+    }
+    for surface in &mut shapes.surfaces {
+        surface.solid = solid_of.get(&surface.whole).copied().unwrap_or(NONE);
     }
     let kept = found.into_iter().map(|(_, solid, _)| solid).filter(|it| !it.others.is_empty());
     let renumbered = |mut solid: Solid| {
@@ -64,31 +57,9 @@ pub fn nest(shapes: &mut Shapes) {
     shapes.solids = kept.map(renumbered).collect();
 }
 
-/// Groups of surfaces of one material and priority that share corners.
-fn joined(shapes: &Shapes, open: &[u32], primitives: &[Vec<u32>]) -> Vec<Vec<u32>> {
-    let mut group_of: Vec<usize> = (0..open.len()).collect();
-    let mut first_at = BTreeMap::new();
-    for (index, &row) in open.iter().enumerate() {
-        let surface = &shapes.surfaces[row as usize];
-        for corner in Patches::new(shapes, &primitives[row as usize]).corners() {
-            let place = (corner.to_array().map(f32::to_bits), surface.material, surface.priority);
-            let other: usize = *first_at.entry(place).or_insert(index);
-            let [from, to] = [group_of[index], group_of[other]];
-            if from != to {
-                group_of.iter_mut().filter(|group| **group == from).for_each(|it| *it = to);
-            }
-        }
-    }
-    let mut groups: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
-    for (group, &row) in group_of.iter().zip(open) {
-        groups.entry(*group).or_default().push(row);
-    }
-    groups.into_values().collect()
-}
-
 /// Tells solids of the others whose boxes reach into theirs, or up to them.
-fn meet(found: &mut [(Vec<u32>, Solid, f32)]) {
-    let wide = |(_, solid, step): &(Vec<u32>, Solid, f32)| {
+fn meet(found: &mut [(u32, Solid, f32)]) {
+    let wide = |(_, solid, step): &(u32, Solid, f32)| {
         let [low, high] = solid.bounds;
         [low - *step, high + *step]
     };

@@ -1,13 +1,71 @@
 //! The primitives of surfaces, taken together.
 
+use std::collections::{BTreeMap, HashMap};
+
 use glam::Vec3;
 
 use super::immersion::{STEPS, spread};
 use crate::geometry::offset_distance;
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{KEEP, Shapes, Surface};
 
 /// How much of the area of a surface its triangles may leave open.
 const OPEN_SHARE: f64 = 1e-3;
+
+/// Finds the surfaces that bound bodies together: open ones of one material, and with the same on
+/// their sides, that share corners and are closed together.
+pub fn join(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
+    let is_open = |row: &u32| {
+        let surface = &shapes.surfaces[*row as usize];
+        let bounds = surface.is_body || [surface.interior, surface.exterior] != [KEEP; 2];
+        bounds && !Patches::new(shapes, &primitives[*row as usize]).is_closed()
+    };
+    let open: Vec<u32> = (0..shapes.surfaces.len() as u32).filter(is_open).collect();
+    for group in groups(shapes, &open, primitives) {
+        let all: Vec<u32> =
+            group.iter().flat_map(|&row| primitives[row as usize].iter().copied()).collect();
+        if Patches::new(shapes, &all).is_closed() {
+            group.iter().for_each(|&row| shapes.surfaces[row as usize].whole = group[0]);
+        }
+    }
+}
+
+/// Surfaces that are alike and share corners.
+fn groups(shapes: &Shapes, open: &[u32], primitives: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut group_of: Vec<usize> = (0..open.len()).collect();
+    let mut first_at = HashMap::new();
+    for (index, &row) in open.iter().enumerate() {
+        let Surface { material, interior, exterior, priority, .. } = shapes.surfaces[row as usize];
+        for corner in Patches::new(shapes, &primitives[row as usize]).corners() {
+            let place =
+                (corner.to_array().map(f32::to_bits), material, interior, exterior, priority);
+            let other: usize = *first_at.entry(place).or_insert(index);
+            let [from, to] = [root(&group_of, index), root(&group_of, other)];
+            group_of[from.max(to)] = from.min(to);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+    for (index, &row) in open.iter().enumerate() {
+        groups.entry(root(&group_of, index)).or_default().push(row);
+    }
+    groups.into_values().collect()
+}
+
+/// The first of a group.
+fn root(group_of: &[usize], mut index: usize) -> usize {
+    while group_of[index] != index {
+        index = group_of[index];
+    }
+    index
+}
+
+/// The primitives of all surfaces that bound something together, by the first surface.
+pub fn wholes(shapes: &Shapes, primitives: &[Vec<u32>]) -> BTreeMap<u32, Vec<u32>> {
+    let mut wholes: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (surface, primitives) in shapes.surfaces.iter().zip(primitives) {
+        wholes.entry(surface.whole).or_default().extend(primitives);
+    }
+    wholes
+}
 
 /// The primitives of all surfaces.
 pub fn primitives_of_surfaces(shapes: &Shapes) -> Vec<Vec<u32>> {

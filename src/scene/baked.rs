@@ -59,8 +59,8 @@ pub struct Shapes {
     /// What closed surfaces bound, if boundaries overlap or touch: then the medium of a point is
     /// that of the smallest body around it. Empty where every surface knows its two sides.
     pub bodies: Vec<Body>,
-    /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on which
-    /// of them are on its two sides. Empty where all are apart.
+    /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on
+    /// which of them are on its two sides. Empty where all are apart.
     pub solids: Vec<Solid>,
     /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
@@ -163,6 +163,9 @@ pub struct Surface {
     pub is_body: bool,
     /// Which of overlapping bodies counts: the higher one.
     pub priority: i32,
+    /// The row of the first of the surfaces that bound one body together: of itself, if it does so
+    /// alone.
+    pub whole: u32,
     /// Its row in `solids`, or [`NONE`].
     pub solid: u32,
 }
@@ -170,7 +173,7 @@ pub struct Surface {
 /// What a closed surface bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Row in `surfaces`.
+    /// Row in `surfaces`, of the first if it is of several.
     pub surface: u32,
     /// What fills it: a row in `media` or [`NONE`].
     pub filling: u32,

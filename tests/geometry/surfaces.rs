@@ -31,6 +31,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         is_opaque: true,
         is_body: false,
         priority: 0,
+        whole: NONE,
         solid: NONE,
     };
     Shapes {

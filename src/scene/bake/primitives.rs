@@ -117,6 +117,7 @@ fn surface(
         is_opaque: !bsdf.transmits(),
         is_body: matches!(bsdf, Bsdf::Dielectric { exterior_ior: 1.0, .. }),
         priority: boundary.priority,
+        whole: NONE,
         solid: NONE,
     };
     (surface, yields)
@@ -124,9 +125,10 @@ fn surface(
 
 impl Primitives {
     fn add_surface(&mut self, (surface, yields): (Surface, Yields)) -> u32 {
-        self.surfaces.push(surface);
+        let row = self.surfaces.len() as u32;
+        self.surfaces.push(Surface { whole: row, ..surface });
         self.yields.push(yields);
-        (self.surfaces.len() - 1) as u32
+        row
     }
 
     /// Adds the surfaces of all parts, and the triangles of those that are not shared; returns
