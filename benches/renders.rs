@@ -23,7 +23,7 @@ fn renders(criterion: &mut Criterion) {
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
             for mode in [Mode::Scalar, Mode::Polarized] {
                 let settings = Settings::new(Options {
-                    integrator,
+                    integrator: Some(integrator),
                     mode,
                     width: Some(EDGE),
                     height: Some(EDGE),

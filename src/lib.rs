@@ -28,7 +28,7 @@
 //! world.set_resolution([32, 32])?;
 //!
 //! // Rendered with polarization, and stopped before the end.
-//! let options = Options { integrator: Integrator::Path, ..Options::default() };
+//! let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
 //! let mut renderer = Renderer::new(&PlacedWorld::new(world)?, &Settings::new(options)?)?;
 //! renderer.run(|progress| match progress.samples {
 //!     32.. => ControlFlow::Break(()),
@@ -89,8 +89,8 @@ pub use crate::integrators::Integrator;
 pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{
-    Mode, Options, Photons, PlacedWorld, Progress, RenderError, Renderer, Settings, SettingsError,
-    Stop,
+    Mode, Options, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer, Resolved, Rule,
+    Settings, SettingsError, Stop,
 };
 pub use crate::scene::{Reading, SceneError, World, load, load_with, world};
 pub use crate::spectrum::{Color, Spectrum};

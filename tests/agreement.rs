@@ -80,7 +80,7 @@ fn render_all<const N: usize>(
         // A kernel so small that its bias drowns in the noise.
         let share = if scene.has_media() { 0.011 } else { 0.006 };
         let radius = Some(share * scene.shapes.bounds.radius);
-        let photons = Photons { per_iteration: 10_000, samples: 4, alpha: 1.0, radius };
+        let photons = Photons { per_iteration: Some(10_000), samples: Some(4), alpha: 1.0, radius };
         let settings = Options { roulette_after: Some(roulette_after), seed, photons, ..settings };
         Rendered { integrator, images: replicates(scene, &settings, REPLICATES), mask }
     };

@@ -53,7 +53,7 @@ impl Bench {
         self.world.set_camera("eye", lens, place).unwrap();
         self.world.set_resolution([2, 2]).unwrap();
         let options = Options {
-            integrator: Integrator::Path,
+            integrator: Some(Integrator::Path),
             mode: Mode::Scalar,
             color: Color::Mono { wavelength_nm: 550.0 },
             samples: 4,

@@ -222,7 +222,7 @@ fn plot(curves: &[Curve]) -> String {
 }
 
 fn photons(per_iteration: u32, radius: f32, alpha: f32) -> Photons {
-    Photons { per_iteration, samples: 1, alpha, radius: Some(radius) }
+    Photons { per_iteration: Some(per_iteration), samples: Some(1), alpha, radius: Some(radius) }
 }
 
 /// Measures noise or, if the truth is given, bias.

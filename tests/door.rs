@@ -33,8 +33,9 @@ fn room() -> Result<World, Error> {
 }
 
 fn options() -> Options {
-    let photons = Photons { per_iteration: 2000, samples: 4, ..Photons::default() };
-    Options { samples: 48, path_length_max: 6, photons, ..Options::default() }
+    let photons = Photons { per_iteration: Some(2000), samples: Some(4), ..Photons::default() };
+    let integrator = Some(Integrator::Bdpt);
+    Options { integrator, samples: 48, path_length_max: 6, photons, ..Options::default() }
 }
 
 fn done(world: &PlacedWorld, options: Options) -> StokesImage {
@@ -141,7 +142,7 @@ fn neither_steps_nor_threads_change_a_bit() {
     let world = PlacedWorld::new(room().expect("sound")).expect("sound");
     let threads = Arc::new(Threads::start(Some(3)).expect("threads start"));
     for &integrator in Integrator::ALL {
-        let options = Options { integrator, ..options() };
+        let options = Options { integrator: Some(integrator), ..options() };
         let whole = done(&world, options);
         let settings = Settings::new(options).expect("sound options");
         let mut stepped = Renderer::new(&world, &settings).expect("sound").on(&threads);
@@ -159,7 +160,7 @@ fn neither_steps_nor_threads_change_a_bit() {
 
 #[test]
 fn settings_that_would_be_black_are_refused() {
-    let ppm = Options { integrator: Integrator::Ppm, ..options() };
+    let ppm = Options { integrator: Some(Integrator::Ppm), ..options() };
     let with = |photons| Options { photons, ..ppm };
     let photons = ppm.photons;
     let cases = [
@@ -172,8 +173,8 @@ fn settings_that_would_be_black_are_refused() {
         (Options { color: Color::Mono { wavelength_nm: 0.0 }, ..options() }, "wavelength must"),
         (Options { samples: 46, ..ppm }, "samples must be a multiple of the 4"),
         (Options { replicates: 13, ..ppm }, "replicates must be from 1 to 12"),
-        (with(Photons { per_iteration: 0, ..photons }), "photons must be from 1"),
-        (with(Photons { samples: 0, ..photons }), "samples_per_iteration must be from 1"),
+        (with(Photons { per_iteration: Some(0), ..photons }), "photons must be from 1"),
+        (with(Photons { samples: Some(0), ..photons }), "samples_per_iteration must be from 1"),
         (with(Photons { alpha: 0.0, ..photons }), "alpha must be greater than 0"),
         (with(Photons { alpha: f32::NAN, ..photons }), "alpha must be greater than 0"),
         (with(Photons { radius: Some(0.0), ..photons }), "radius must be a length"),

@@ -58,7 +58,7 @@ fn instances_render_as_copies_do() {
     let [shared, copied] = [Flock::Instances, Flock::Copies].map(flock_of);
     for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
         let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 6);
-        let photons = Photons { per_iteration: 10_000, samples: 4, ..settings.photons };
+        let photons = Photons { per_iteration: Some(10_000), samples: Some(4), ..settings.photons };
         let settings = Options { photons, ..settings };
         let ours = replicates(&shared, &settings, REPLICATES);
         let theirs = replicates(&copied, &settings, REPLICATES);

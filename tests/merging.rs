@@ -34,7 +34,8 @@ struct Effort {
 fn options(integrator: Integrator, effort: Effort) -> Options {
     let Effort { iterations, photons, path_length } = effort;
     let options = settings(integrator, Mode::Scalar, MONO, iterations, path_length);
-    Options { photons: Photons { per_iteration: photons, ..Photons::default() }, ..options }
+    let photons = Photons { per_iteration: Some(photons), samples: Some(1), ..Photons::default() };
+    Options { photons, ..options }
 }
 
 /// The mean of S0 over the film.

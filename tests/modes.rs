@@ -166,7 +166,11 @@ fn threads_change_no_bit() {
         for integrator in INTEGRATORS {
             for mode in [Mode::Scalar, Mode::Intensity, Mode::Polarized] {
                 let settings = settings(integrator, mode, Color::Rgb, 39, 8);
-                let photons = Photons { per_iteration: 40_000, samples: 13, ..Photons::default() };
+                let photons = Photons {
+                    per_iteration: Some(40_000),
+                    samples: Some(13),
+                    ..Photons::default()
+                };
                 let settings =
                     Options { replicates: 3, roulette_after: Some(4), photons, ..settings };
                 let with_threads = |threads: usize| {
@@ -194,7 +198,7 @@ fn threads_change_no_bit() {
 #[test]
 fn stepping_changes_no_bit() {
     let scene = scene::<3>(&world(&in_package("scenes/tank.gltf")), Color::Rgb, [24, 16]);
-    let photons = Photons { per_iteration: 2000, samples: 4, ..Photons::default() };
+    let photons = Photons { per_iteration: Some(2000), samples: Some(4), ..Photons::default() };
     let sampling = Sampling::Intensity;
     for integrator in [Integrator::Ppm, Integrator::Bdpt] {
         // Three iterations of photons, or three waves without.

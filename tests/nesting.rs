@@ -55,7 +55,7 @@ impl Bench {
     /// The mean of the pixels, and its standard error as they differ.
     fn mean(self, integrator: Integrator, mode: Mode) -> (f64, f64) {
         let options = Options {
-            integrator,
+            integrator: Some(integrator),
             mode,
             color: Color::Mono { wavelength_nm: 550.0 },
             samples: 256,

@@ -295,7 +295,12 @@ fn light_renders_rayleigh() {
 
 /// Photons whose kernel does not shrink, but is small enough for its bias to drown in the noise.
 fn photons(per_iteration: u32, radius: f32) -> Photons {
-    Photons { per_iteration, samples: 4, alpha: 1.0, radius: Some(radius) }
+    Photons {
+        per_iteration: Some(per_iteration),
+        samples: Some(4),
+        alpha: 1.0,
+        radius: Some(radius),
+    }
 }
 
 #[test]
@@ -316,7 +321,7 @@ fn ppm_renders_media_at_full_length() {
     for (case, edge, radius) in [(&TANK, 4, 0.006), (&INSIDE_RAYLEIGH, 2, 0.01)] {
         println!("{}", case.name);
         // What is circularly polarized in the tank takes sensor paths rather than photons.
-        let photons = Photons { samples: 256, ..photons(1_000_000, radius) };
+        let photons = Photons { samples: Some(256), ..photons(1_000_000, radius) };
         check_photons(case, Integrator::Ppm, 8192, edge, photons);
     }
 }

@@ -13,7 +13,7 @@ use sunstone::internals::scattering::Scene;
 use support::rendering::{MONO, in_package, rendered, scene, settings, world};
 
 fn options(integrator: Integrator, samples: u32) -> Options {
-    let photons = Photons { per_iteration: 2_000, samples: 1, ..Photons::default() };
+    let photons = Photons { per_iteration: Some(2_000), samples: Some(1), ..Photons::default() };
     let settings = settings(integrator, Mode::Scalar, MONO, samples, 6);
     Options { photons, variance: true, ..settings }
 }
@@ -36,7 +36,8 @@ fn ends_in_time(scene: &Arc<Scene<1>>, integrator: Integrator, limit: Duration) 
 
 /// A pass of photons that would take minutes.
 fn photons_end_in_time(scene: &Arc<Scene<1>>) {
-    let photons = Photons { per_iteration: 50_000_000, samples: 1, ..Photons::default() };
+    let photons =
+        Photons { per_iteration: Some(50_000_000), samples: Some(1), ..Photons::default() };
     let time_limit = Some(Duration::from_millis(300));
     let options = Options { photons, time_limit, ..options(Integrator::Ppm, 64) };
     let start = Instant::now();

@@ -19,7 +19,7 @@ fn cornell() -> Arc<Scene<1>> {
 }
 
 fn options(integrator: Integrator, samples: u32) -> Options {
-    let photons = Photons { per_iteration: 2_000, samples: 1, ..Photons::default() };
+    let photons = Photons { per_iteration: Some(2_000), samples: Some(1), ..Photons::default() };
     let settings = settings(integrator, Mode::Scalar, MONO, samples, 6);
     Options { photons, variance: true, ..settings }
 }

@@ -11,6 +11,7 @@ use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::Mode;
+use crate::render::settings::AUTO;
 use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
@@ -26,7 +27,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   sunstone render scenes/cornell.gltf -o cornell.exr
-      a polarized RGB render with bidirectional path tracing
+      a polarized RGB render by the integrator that suits the scene
   sunstone render scenes/cornell.gltf -o cornell.exr --mode scalar --integrator path --spp 256
       the same scene without polarization, by path tracing
   sunstone visualize cornell.exr -o panels.png
@@ -82,6 +83,30 @@ impl ValueEnum for IntegratorName {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.0.name()).help(self.0.summary()))
+    }
+}
+
+/// An integrator by its name, or none: what suits the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorChoice(pub Option<Integrator>);
+
+impl ValueEnum for IntegratorChoice {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<Vec<IntegratorChoice>> = LazyLock::new(|| {
+            let named = Integrator::ALL.iter().copied().map(Some);
+            std::iter::once(None).chain(named).map(IntegratorChoice).collect()
+        });
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self.0 {
+            Some(integrator) => IntegratorName(integrator).to_possible_value(),
+            None => Some(PossibleValue::new(AUTO).help(
+                "What suits the scene: `ppm` or `bdpt` where points or small lamps light mirrors \
+                 or glass, else `path`",
+            )),
+        }
     }
 }
 
@@ -176,8 +201,8 @@ pub struct RenderArguments {
     pub output: PathBuf,
 
     /// How light is found
-    #[arg(long, value_enum, default_value = "bdpt", help_heading = LIGHT)]
-    pub integrator: IntegratorName,
+    #[arg(long, value_enum, default_value = AUTO, value_name = "NAME", help_heading = LIGHT)]
+    pub integrator: IntegratorChoice,
     /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = LIGHT)]
     pub mode: ModeName,
@@ -259,10 +284,10 @@ pub struct FileArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = PHOTONS)]
 pub struct PhotonArguments {
-    /// Light paths an iteration [default: 1000000]
+    /// Light paths an iteration [default: 4 for every pixel, from 10000 to 4000000]
     #[arg(long, value_name = "N")]
     pub photons: Option<u32>,
-    /// Samples per pixel an iteration [default: 1]
+    /// Samples per pixel an iteration [default: 4, or fewer where those do not divide --spp]
     #[arg(long, value_name = "N")]
     pub samples_per_iteration: Option<u32>,
     /// Radius of the first iteration in scene units [default: what holds 25 photons]

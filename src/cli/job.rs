@@ -23,7 +23,8 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     let named = named_by(&arguments.output, "written", |format| format.write);
     named.map_err(|error| CliError::Usage(error.to_string()))?;
     let photons = photons(arguments)?;
-    let samples = samples(arguments.spp, arguments.iterations, SPP, photons.samples)?;
+    let of_photons = photons.samples.unwrap_or(1);
+    let samples = samples(arguments.spp, None, SPP, of_photons)?;
     check_threads(arguments.threads)?;
     if arguments.variance
         && named_by(&arguments.output, "written", Format::writes_variance).is_err()
@@ -42,7 +43,8 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         width: arguments.width,
         height: arguments.height,
         samples,
-        replicates: replicates(arguments, samples / photons.samples)?,
+        iterations: arguments.iterations,
+        replicates: replicates(arguments, arguments.iterations.unwrap_or(samples / of_photons))?,
         variance: arguments.variance,
         path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
@@ -150,13 +152,14 @@ fn photons(arguments: &RenderArguments) -> Result<Photons, CliError> {
         ("--alpha", alpha.is_some()),
     ];
     let typed = typed.into_iter().find(|(_, is)| *is);
-    if let (Some((name, _)), true) = (typed, !arguments.integrator.0.shoots_photons()) {
+    let shoots_none = arguments.integrator.0.is_some_and(|it| !it.shoots_photons());
+    if let (Some((name, _)), true) = (typed, shoots_none) {
         return Err(CliError::Usage(format!("{name} goes with --integrator ppm")));
     }
     let default = Photons::default();
     let photons = Photons {
-        per_iteration: photons.unwrap_or(default.per_iteration),
-        samples: samples_per_iteration.unwrap_or(default.samples),
+        per_iteration: *photons,
+        samples: *samples_per_iteration,
         alpha: alpha.unwrap_or(default.alpha),
         radius: *radius,
     };

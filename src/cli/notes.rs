@@ -1,6 +1,7 @@
 //! What a user should know of a finished image before trusting it.
 
 use crate::image::StokesImage;
+use crate::integrators::Integrator;
 use crate::integrators::profile::{Cut, Profile};
 use crate::render::Settings;
 use crate::render::settings::PATH_LENGTH_MAX;
@@ -10,7 +11,11 @@ use crate::transport::Sampling;
 const CUT_MAX: f64 = 0.01;
 
 /// What there is to doubt about an image, by what its render says.
-pub(super) fn doubts(image: &StokesImage, settings: &Settings, profile: &Profile) -> Vec<String> {
+pub(super) fn doubts(
+    image: &StokesImage,
+    (settings, integrator): (&Settings, Integrator),
+    profile: &Profile,
+) -> Vec<String> {
     let cut = profile.cut.iter().map(Cut::share).fold(0.0, f64::max);
     let is_black = image.planes.iter().flatten().all(|&value| value == 0.0);
     let mut doubts = Vec::new();
@@ -40,11 +45,16 @@ pub(super) fn doubts(image: &StokesImage, settings: &Settings, profile: &Profile
         ));
     }
     if is_black {
-        let name = settings.integrator.name();
+        let name = integrator.name();
         doubts.push(format!(
             "warning: the image is black: `{name}` has found no light. The camera may be inside \
-             something, face away or see only what nothing lights; small lamps behind glass or in \
-             mirrors are found by --integrator ppm"
+             something, face away or see only what nothing lights{}",
+            match integrator.shoots_photons() {
+                true => "",
+                false => {
+                    "; small lamps behind glass or in mirrors are found by --integrator ppm"
+                }
+            }
         ));
     }
     doubts
@@ -64,17 +74,19 @@ mod tests {
         let endless = settings(PATH_LENGTH_MAX);
         let settings = settings(16);
         let mut image = StokesImage::new(2, 2, Color::Rgb, 4);
+        let settings = (&settings, Integrator::Path);
+        let endless = (&endless, Integrator::Path);
         let of_cut = |cut| Profile { cut: [Cut { started: 1.0, cut }; 2], ..Profile::default() };
-        assert_eq!(doubts(&image, &settings, &of_cut(0.0)).len(), 1);
+        assert_eq!(doubts(&image, settings, &of_cut(0.0)).len(), 1);
         image.planes[0][3] = 0.5;
-        assert!(doubts(&image, &settings, &of_cut(0.001)).is_empty());
-        let [cut] = &doubts(&image, &settings, &of_cut(0.285))[..] else { panic!("one doubt") };
+        assert!(doubts(&image, settings, &of_cut(0.001)).is_empty());
+        let [cut] = &doubts(&image, settings, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("16 segments with 28 %"), "{cut}");
         assert!(cut.contains("--max-path-length, or none"), "{cut}");
-        let [cut] = &doubts(&image, &endless, &of_cut(0.285))[..] else { panic!("one doubt") };
+        let [cut] = &doubts(&image, endless, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("light can hardly leave"), "{cut}");
         let not_finite = Profile { not_finite: 3, ..Profile::default() };
-        let [lost] = &doubts(&image, &settings, &not_finite)[..] else { panic!("one doubt") };
+        let [lost] = &doubts(&image, settings, &not_finite)[..] else { panic!("one doubt") };
         assert!(lost.contains("3 samples are left out"), "{lost}");
     }
 }

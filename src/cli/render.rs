@@ -6,12 +6,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::image::StokesImage;
-use crate::integrators::Integrator;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
 use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
 use crate::render::threads::Threads;
-use crate::render::{PlacedWorld, Progress as SoFar, Renderer, Settings, system};
+use crate::render::{PlacedWorld, Progress as SoFar, Renderer, Resolved, system};
 use crate::scene::{self, Reading};
 
 use super::CliError;
@@ -42,10 +41,10 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     world.warnings().skip(said).for_each(warn);
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
-    let is_blind = settings.integrator == Integrator::Light && renderer.has_specular_surfaces();
-    if is_blind && !arguments.quiet {
-        say(LIGHT_NOTE);
+    if !arguments.quiet {
+        world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));
     }
+    let settings = *renderer.settings();
     let progress = progress_of(arguments, &settings);
     let mut updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
@@ -84,7 +83,8 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         say("warning: no variances are stored: the render ended before there was anything to \
              compare; give it more time");
     }
-    notes::doubts(&image, &settings, &profile).iter().for_each(say);
+    let by = (&*settings, settings.integrator);
+    notes::doubts(&image, by, &profile).iter().for_each(say);
     report(arguments, &statistics, &image)?;
     match interrupted {
         Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
@@ -146,12 +146,7 @@ impl Updates {
     }
 }
 
-/// Which images particle tracing can make.
-const LIGHT_NOTE: &str = "\
-note: the integrator `light` cannot see through solid glass or into mirrors, so these \
-      are black in its image; `bdpt`, `path` and `ppm` show them";
-
-fn progress_of(arguments: &RenderArguments, settings: &Settings) -> Progress {
+fn progress_of(arguments: &RenderArguments, settings: &Resolved) -> Progress {
     let template = "{wide_bar} {pos}/{len} iterations, {per_sec}, {eta} left";
     match arguments.quiet {
         true => Progress::none(),

@@ -40,29 +40,40 @@ pub fn immersed(world: &World, scene: &Scene<3>) -> String {
     lines.into_iter().map(|line| format!("  {line}\n")).collect()
 }
 
+/// The names of what has a place and shines, with a number of its own, by row of the emitters.
+pub fn names_of_emitters<const N: usize>(
+    world: &World,
+    scene: &Scene<N>,
+) -> Vec<Option<(usize, String)>> {
+    let surfaces = world.surface_names();
+    let mut lamps = world.lamp_names().into_iter();
+    let mut name = |row: usize, model: &EmitterModel| {
+        let of_primitive = |primitive: u32| {
+            let surface = scene.shapes.surface_of(primitive) as usize;
+            Some((surface, surfaces[surface].clone()))
+        };
+        match model {
+            EmitterModel::Triangle(it) => of_primitive(it.primitive),
+            EmitterModel::Sphere(it) => of_primitive(it.primitive),
+            EmitterModel::Point(_) | EmitterModel::Spot(_) => {
+                lamps.next().map(|name| (surfaces.len() + row, name))
+            }
+            EmitterModel::Directional(_) | EmitterModel::Environment(_) => None,
+        }
+    };
+    let emitters = scene.optics.emitters.iter().enumerate();
+    emitters.map(|(row, emitter)| name(row, &emitter.model)).collect()
+}
+
 /// What has a place and shines, and what is about it.
 fn emitters(
     world: &World,
     scene: &Scene<3>,
     name_of: impl Fn(u32) -> String,
 ) -> Vec<(String, BTreeSet<String>)> {
-    let surfaces = world.surface_names();
-    let mut lamps = world.lamp_names().into_iter();
     let mut found: BTreeMap<(usize, String), BTreeSet<String>> = BTreeMap::new();
-    for (row, emitter) in scene.optics.emitters.iter().enumerate() {
-        let of_primitive = |primitive: u32| {
-            let surface = scene.shapes.surface_of(primitive) as usize;
-            (surface, surfaces[surface].clone())
-        };
-        let key = match emitter.model {
-            EmitterModel::Triangle(it) => of_primitive(it.primitive),
-            EmitterModel::Sphere(it) => of_primitive(it.primitive),
-            EmitterModel::Point(_) | EmitterModel::Spot(_) => {
-                let Some(name) = lamps.next() else { continue };
-                (surfaces.len() + row, name)
-            }
-            EmitterModel::Directional(_) | EmitterModel::Environment(_) => continue,
-        };
+    for (row, name) in names_of_emitters(world, scene).into_iter().enumerate() {
+        let Some(key) = name else { continue };
         let media = found.entry(key).or_default();
         match scene.media_of_emitter(row) {
             Around::Same(around) => media.extend(around.map(&name_of)),

@@ -35,11 +35,13 @@ const BYTES_OF_TRIANGLE_IN_TREE: u64 = 250;
 
 /// Refuses a film, and photons, that the memory does not hold; none where the system does not tell.
 pub fn check_memory(options: &Options, film: [u32; 2]) -> Result<(), MemoryError> {
-    let (of_film, of_photons) = (bytes_of_film(options, film), bytes_of_photons(options));
+    let light_paths = if options.shoots_photons() { options.photons.light_paths(film) } else { 0 };
+    let of_film = bytes_of_film(options, film);
+    let of_photons = bytes_of_photons(options, light_paths);
     let [width, height] = film;
     let mut what = format!("a film of {width} x {height} pixels");
     if of_photons > 0 {
-        let photons = options.photons.per_iteration as usize;
+        let photons = light_paths as usize;
         what += &format!(" with {} an iteration", counted(photons, ["light path", "light paths"]));
     }
     let remedy = match of_photons > of_film {
@@ -91,15 +93,12 @@ fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
 /// Counts the photons of an iteration, three for two light paths, which closed rooms hardly exceed:
 /// in their table, with a column of it that is being sorted, and their order. (Measured: 82 bytes a
 /// light path in RGB, in a closed room.)
-fn bytes_of_photons(options: &Options) -> u64 {
+fn bytes_of_photons(options: &Options, light_paths: u32) -> u64 {
     const BYTES_OF_COLUMN: u64 = 4;
     const BYTES_OF_ORDER: u64 = 24;
-    if !options.integrator.shoots_photons() {
-        return 0;
-    }
     let bytes_of_photon = 16 + 4 * options.color.channels() as u64;
     let bytes = bytes_of_photon + BYTES_OF_COLUMN + BYTES_OF_ORDER;
-    u64::from(options.photons.per_iteration) * bytes * 3 / 2
+    u64::from(light_paths) * bytes * 3 / 2
 }
 
 fn in_words(bytes: u64) -> String {
@@ -113,7 +112,6 @@ fn in_words(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrators::Integrator;
 
     #[test]
     fn a_film_is_counted_with_its_image_and_its_variances() {
@@ -130,9 +128,8 @@ mod tests {
     #[test]
     fn photons_are_counted_where_they_are_shot() {
         let options = Options::default();
-        assert_eq!(bytes_of_photons(&options), 0);
-        let options = Options { integrator: Integrator::Ppm, ..options };
-        assert_eq!(bytes_of_photons(&options), 1_000_000 * 84);
+        assert_eq!(bytes_of_photons(&options, 0), 0);
+        assert_eq!(bytes_of_photons(&options, 1_000_000), 1_000_000 * 84);
         let error = check("a film".to_owned(), u64::MAX, "a smaller one");
         if let Err(error) = error {
             assert!(error.to_string().starts_with("a film needs 17179869184.0 GiB"), "{error}");

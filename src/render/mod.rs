@@ -7,6 +7,7 @@ pub mod memory;
 mod photon_pass;
 mod placed;
 mod renderer;
+pub mod resolved;
 mod run;
 pub mod settings;
 pub mod statistics;
@@ -16,4 +17,5 @@ mod tiles;
 
 pub use placed::PlacedWorld;
 pub use renderer::{Progress, RenderError, Renderer, Stop};
+pub use resolved::{Passes, Resolved, Rule};
 pub use settings::{Mode, Options, Photons, Settings, SettingsError};

@@ -14,8 +14,8 @@ use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
-use super::Settings;
 use super::tiles::Pool;
+use super::{Passes, Resolved};
 
 /// Light paths that are shot and stored together.
 const BATCH: u32 = 16 * ROWS as u32;
@@ -47,6 +47,8 @@ pub struct PhotonPass<const N: usize> {
     pub maps: PhotonMaps<N>,
     /// First radii.
     first_radii: Vec<f32>,
+    /// Light paths of an iteration.
+    light_paths: u32,
     /// Photons of one batch each, by map.
     batches: Vec<Vec<PhotonTable<N>>>,
 }
@@ -64,7 +66,7 @@ pub struct Shot {
 
 impl<const N: usize> PhotonPass<N> {
     /// Empty maps for a scene; in `polarized` renders, photons at what polarizes have states.
-    pub fn new(scene: &Scene<N>, photons: u32, polarized: bool) -> Self {
+    pub fn new(scene: &Scene<N>, passes: Passes, polarized: bool) -> Self {
         let is_chromatic = scene.events_present().any(|event| !event.achromatic);
         let class_of = |map: usize| {
             let mut events = scene.events_present().filter(|event| map_of(event.met) == map);
@@ -86,7 +88,10 @@ impl<const N: usize> PhotonPass<N> {
         Self {
             maps,
             first_radii: Vec::new(),
-            batches: (0..photons.div_ceil(BATCH).min(BATCHES)).map(|_| tables()).collect(),
+            light_paths: passes.light_paths,
+            batches: (0..passes.light_paths.div_ceil(BATCH).min(BATCHES))
+                .map(|_| tables())
+                .collect(),
         }
     }
 
@@ -106,11 +111,11 @@ impl<const N: usize> PhotonPass<N> {
         &mut self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
-        settings: &Settings,
+        settings: &Resolved,
         (shot, end): (Shot, Option<(Instant, bool)>),
         profile: &mut Profile,
     ) -> bool {
-        let asked_for = settings.photons.per_iteration;
+        let asked_for = self.light_paths;
         let is_late = || end.is_some_and(|(end, _)| Instant::now() > end);
         self.maps.0.iter_mut().for_each(|map| map.grid.unsorted().clear());
         let mut light_paths = 0;
@@ -170,7 +175,7 @@ impl<const N: usize> PhotonPass<N> {
         &self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
-        settings: &Settings,
+        settings: &Resolved,
         shot: Shot,
     ) -> Vec<f32> {
         if let Some(radius) = settings.photons.radius {
@@ -178,7 +183,7 @@ impl<const N: usize> PhotonPass<N> {
         }
         let fallback = RADIUS_OF_SCENE * scene.shapes.bounds.radius;
         // Where light hardly comes, the nearest photons are those of other places.
-        let evenly = (4.0 * NEAREST as f32 / settings.photons.per_iteration as f32).sqrt();
+        let evenly = (4.0 * NEAREST as f32 / self.light_paths as f32).sqrt();
         let radius_max = RADIUS_OF_EVEN * evenly * scene.shapes.bounds.radius;
         let points = self.probe(pool, scene, settings, shot);
         self.maps
@@ -200,7 +205,7 @@ impl<const N: usize> PhotonPass<N> {
     /// Bounds the kernels in media by their mean free paths, beyond which the light of different
     /// places is mixed up. Where such kernels hold hardly any photons, paths that go on find more,
     /// unless lamps are hidden from them.
-    fn give_up_sparse_maps(&mut self, scene: &Scene<N>, settings: &Settings) {
+    fn give_up_sparse_maps(&mut self, scene: &Scene<N>, settings: &Resolved) {
         if settings.photons.radius.is_some() {
             return;
         }
@@ -221,7 +226,7 @@ impl<const N: usize> PhotonPass<N> {
         &self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
-        settings: &Settings,
+        settings: &Resolved,
         shot: Shot,
     ) -> Vec<Vec<[f32; 3]>> {
         let tiles = tiles(scene.sensor.width, scene.sensor.height);
@@ -253,7 +258,7 @@ fn shrinking(alpha: f32, earlier: u32) -> f64 {
 
 /// A row of light paths in place of a tile of pixels. They share one random sequence, so that
 /// they are stratified among each other.
-fn chunk(settings: &Settings, shot: Shot, first_path: u32, paths: u32) -> Chunk {
+fn chunk(settings: &Resolved, shot: Shot, first_path: u32, paths: u32) -> Chunk {
     Chunk {
         x: first_path,
         y: 0,

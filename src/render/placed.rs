@@ -1,19 +1,24 @@
 //! A world in its place, ready to be rendered.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use crate::geometry::Accelerator;
+use crate::integrators::Integrator;
+use crate::math::text::counted;
 use crate::scattering::Scene;
 use crate::scattering::boundaries::{Doubt, settle};
-use crate::scene::baked::{Camera, Projection, Shapes};
+use crate::scattering::shut_in::Wanderer;
+use crate::scene::baked::{Camera, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{SceneError, World, bake_optics, bake_shapes};
 use crate::spectrum::Color;
 
 use super::RenderError;
-use super::immersed::immersed;
+use super::immersed::{immersed, names_of_emitters};
 use super::memory::{check_tree, check_world};
-use super::settings::{Options, SettingsError, check_film};
+use super::resolved::{Resolved, Rule, blindness};
+use super::settings::{Options, Settings, SettingsError, check_film};
 
 /// Film width where neither the scene nor the options name one, in pixels.
 const WIDTH: u32 = 512;
@@ -83,19 +88,40 @@ impl PlacedWorld {
     }
 
     /// In words: what of the world is not rendered as it was described, the coefficients that its
-    /// media compute, in RGB, and the media that the camera and the emitters are in. Nothing where
-    /// there are no media and no doubts.
+    /// media compute, in RGB, the media that the camera and the emitters are in, and which
+    /// integrator suits it.
     ///
     /// # Errors
     /// When the world cannot be seen in RGB.
     pub fn describe(&self) -> Result<String, SceneError> {
         let Placed { world, shapes, .. } = &*self.0;
         let warnings = shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
+        let scene = self.rgb(Color::Rgb, [1, 1])?;
         let media = match world.media_names().is_empty() {
             true => String::new(),
-            false => immersed(world, &*self.rgb(Color::Rgb, [1, 1])?),
+            false => immersed(world, &scene),
         };
-        Ok(media + &warnings.collect::<String>())
+        let choice = Rule::of(scene.look()).choice_in_words();
+        let blind = Integrator::ALL.iter().filter_map(|it| blindness(*it, scene.look()));
+        let notes = blind.chain(shut_in(world, &scene)).map(|note| format!("note: {note}\n"));
+        let notes: String = notes.collect();
+        Ok(format!("{media}  {choice}\n{notes}{}", warnings.collect::<String>()))
+    }
+
+    /// What is to be known of a render before it begins, a sentence each: which integrator was
+    /// chosen and why, if none was asked for, what the integrator does not find in this scene, and
+    /// lamps from which no light gets to the camera.
+    ///
+    /// # Errors
+    /// As those of [`super::Renderer::new`], but for the memory.
+    pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
+        let film = self.film_size(settings)?;
+        Ok(match settings.color {
+            Color::Rgb => notes(&self.0.world, &*self.rgb(settings.color, film)?, settings),
+            Color::Mono { .. } => {
+                notes(&self.0.world, &*self.mono(settings.color, film)?, settings)
+            }
+        })
     }
 
     pub(super) fn rgb(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {
@@ -130,12 +156,41 @@ impl PlacedWorld {
     }
 }
 
-fn film_size(options: &Options, camera: &Camera) -> Result<[u32; 2], SettingsError> {
-    let aspect = match (camera.resolution, camera.projection) {
-        (Some([width, height]), _) => width as f32 / height as f32,
-        (None, Projection::Perspective { aspect, .. }) => aspect.unwrap_or(1.0),
-        (None, Projection::Orthographic { half_width, half_height }) => half_width / half_height,
+fn notes<const N: usize>(world: &World, scene: &Scene<N>, settings: &Settings) -> Vec<String> {
+    let resolved = Resolved::new(settings, scene);
+    let blind = blindness(resolved.integrator, scene.look());
+    resolved.choice_in_words().into_iter().chain(blind).chain(shut_in(world, scene)).collect()
+}
+
+/// Most lamps that are looked for from the camera, and most parts of each.
+const LAMPS: usize = 256;
+const PARTS: usize = 8;
+
+/// The lamps from which no light gets to the camera.
+fn shut_in<const N: usize>(world: &World, scene: &Scene<N>) -> Option<String> {
+    let mut rows_of_lamps: BTreeMap<(usize, String), Vec<usize>> = BTreeMap::new();
+    for (row, lamp) in names_of_emitters(world, scene).into_iter().enumerate() {
+        if let Some(lamp) = lamp {
+            rows_of_lamps.entry(lamp).or_default().push(row);
+        }
+    }
+    let wanderer = Wanderer::new(scene);
+    let is_shut_in = |rows: &[usize]| {
+        let step = rows.len().div_ceil(PARTS);
+        rows.iter().step_by(step).all(|&row| wanderer.is_shut_in(row))
     };
+    let lamps = rows_of_lamps.into_iter().take(LAMPS);
+    let mut shut_in = lamps.filter(|(_, rows)| is_shut_in(rows)).map(|((_, name), _)| name);
+    let first = shut_in.next()?;
+    let others = match shut_in.count() {
+        0 => String::new(),
+        others => format!(" and {}", counted(others, ["other", "others"])),
+    };
+    Some(format!("{first}{others}: no light gets from it to the camera, past what is opaque"))
+}
+
+fn film_size(options: &Options, camera: &Camera) -> Result<[u32; 2], SettingsError> {
+    let aspect = camera.aspect().unwrap_or(1.0);
     let edge = |value: f32| (value.round() as u32).max(1);
     let [width, height] = match (options.width, options.height) {
         (Some(width), Some(height)) => [width, height],

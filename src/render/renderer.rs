@@ -13,9 +13,10 @@ use crate::spectrum::Color;
 use crate::transport::{Polarized, Scalar};
 
 use super::memory::{MemoryError, check_memory};
+use super::resolved::Resolved;
 use super::run::{Run, Steps};
 use super::threads::Threads;
-use super::{Mode, PlacedWorld, Settings, SettingsError};
+use super::{Mode, Options, PlacedWorld, Settings, SettingsError};
 
 /// A render of a world. It keeps what it needs of it and goes on for as long as it is asked to.
 ///
@@ -25,7 +26,7 @@ use super::{Mode, PlacedWorld, Settings, SettingsError};
 /// photons.
 pub struct Renderer {
     steps: Box<dyn Steps>,
-    settings: Settings,
+    settings: Resolved,
     film: [u32; 2],
     threads: Option<Arc<Threads>>,
     stop: Stop,
@@ -68,7 +69,7 @@ pub struct Progress<'a> {
     pub samples: u32,
     /// Samples per pixel that were asked for.
     pub total: u32,
-    settings: &'a Settings,
+    settings: &'a Resolved,
     steps: &'a dyn Steps,
 }
 
@@ -89,11 +90,21 @@ impl Renderer {
     /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
         let film = world.film_size(settings)?;
-        check_memory(settings, film)?;
         Ok(match settings.color {
-            Color::Rgb => Self::of(world.rgb(settings.color, film)?, settings),
-            Color::Mono { .. } => Self::of(world.mono(settings.color, film)?, settings),
+            Color::Rgb => Self::in_memory(world.rgb(settings.color, film)?, settings)?,
+            Color::Mono { .. } => Self::in_memory(world.mono(settings.color, film)?, settings)?,
         })
+    }
+
+    /// A render of a scene for which there is memory.
+    fn in_memory<const N: usize>(
+        scene: Arc<Scene<N>>,
+        settings: &Settings,
+    ) -> Result<Self, MemoryError> {
+        let Resolved { integrator, .. } = Resolved::new(settings, &scene);
+        let options = Options { integrator: Some(integrator), ..settings.options() };
+        check_memory(&options, [scene.sensor.width, scene.sensor.height])?;
+        Ok(Self::of(scene, settings))
     }
 
     /// A render of a scene that has been baked, for tests that look into its tables; the film is
@@ -101,13 +112,14 @@ impl Renderer {
     #[doc(hidden)]
     pub fn of<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
         let film = [scene.sensor.width, scene.sensor.height];
+        let settings = Resolved::new(settings, &scene);
         let steps: Box<dyn Steps> = match settings.mode {
-            Mode::Scalar => Box::new(Run::<N, Scalar>::new(scene, settings)),
+            Mode::Scalar => Box::new(Run::<N, Scalar>::new(scene, &settings)),
             Mode::Intensity | Mode::Polarized => {
-                Box::new(Run::<N, Polarized>::new(scene, settings))
+                Box::new(Run::<N, Polarized>::new(scene, &settings))
             }
         };
-        Self { steps, settings: *settings, film, threads: None, stop: Stop::default() }
+        Self { steps, settings, film, threads: None, stop: Stop::default() }
     }
 
     /// The same render on threads of its own, which several renders may share.
@@ -183,8 +195,8 @@ impl Renderer {
         self.samples() >= self.settings.samples
     }
 
-    /// What was asked for.
-    pub fn settings(&self) -> &Settings {
+    /// What was asked for, and what the scene has decided of it.
+    pub fn settings(&self) -> &Resolved {
         &self.settings
     }
 
@@ -215,12 +227,6 @@ impl Renderer {
         self.steps.radii()
     }
 
-    /// Whether some surfaces of the world leave light a single way, so that paths from the emitters
-    /// cannot connect them to the sensor.
-    pub fn has_specular_surfaces(&self) -> bool {
-        self.steps.has_specular_surfaces()
-    }
-
     /// The image of all samples so far, with variances if there are replicates, and with what is
     /// known of its making as metadata.
     pub fn finish(self) -> StokesImage {
@@ -246,7 +252,7 @@ fn on<R: Send>(threads: Option<&Threads>, work: impl FnOnce() -> R + Send) -> R 
 }
 
 /// For sensor paths, and for light paths where that is another number.
-fn roulette_after(settings: &Settings) -> String {
+fn roulette_after(settings: &Resolved) -> String {
     match settings.roulette_after {
         Some(after) => after.to_string(),
         None => {
@@ -258,7 +264,7 @@ fn roulette_after(settings: &Settings) -> String {
 }
 
 /// Where the variances of an image come from.
-fn variance_in_words(settings: &Settings) -> &'static str {
+fn variance_in_words(settings: &Resolved) -> &'static str {
     match (settings.replicates, settings.variance) {
         (2.., _) => "between replicates",
         (_, true) => "between blocks of one sequence: may be overestimated",
@@ -266,9 +272,15 @@ fn variance_in_words(settings: &Settings) -> &'static str {
     }
 }
 
-fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
-    [
-        ("integrator", settings.integrator.name().to_owned()),
+fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String)> {
+    let integrator = [
+        Some(("integrator", settings.integrator.name().to_owned())),
+        Some(("integrator asked for", settings.integrator_name().to_owned())),
+        settings.rule.map(|rule| ("integrator rule", rule.text().to_owned())),
+        settings.passes.map(|it| ("photons an iteration", it.light_paths.to_string())),
+        settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
+    ];
+    let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
         ("iterations", samples.to_string()),
@@ -279,7 +291,7 @@ fn metadata(settings: &Settings, samples: u32) -> Vec<(String, String)> {
         ("sampling", settings.sampling.name().to_owned()),
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .to_vec()
+    ];
+    let facts = integrator.into_iter().flatten().chain(others);
+    facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -10,7 +10,7 @@ use crate::math::hash::combine;
 use crate::scattering::Scene;
 use crate::transport::LightModel;
 
-use super::Settings;
+use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
 use super::tiles::{Pool, wave};
 
@@ -30,8 +30,6 @@ pub trait Steps: Send + Sync {
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
     fn radii(&self) -> Vec<f32>;
-    /// Whether some surfaces leave light a single way.
-    fn has_specular_surfaces(&self) -> bool;
     /// The image of all that has been done, with variances where two replicates or blocks, or more,
     /// have begun.
     fn finish(self: Box<Self>) -> StokesImage;
@@ -40,7 +38,7 @@ pub trait Steps: Send + Sync {
 /// All that a render keeps from one wave to the next.
 pub struct Run<const N: usize, M: LightModel<N>> {
     scene: Arc<Scene<N>>,
-    settings: Settings,
+    settings: Resolved,
     film: Film,
     pool: Pool<N, M>,
     photons: Option<PhotonPass<N>>,
@@ -58,11 +56,10 @@ pub struct Run<const N: usize, M: LightModel<N>> {
 
 impl<const N: usize, M: LightModel<N>> Run<N, M> {
     /// Black film, no photons.
-    pub fn new(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+    pub fn new(scene: Arc<Scene<N>>, settings: &Resolved) -> Self {
         let (width, height) = (scene.sensor.width, scene.sensor.height);
         let components = settings.mode.components();
-        let photons = (settings.integrator.shoots_photons())
-            .then(|| PhotonPass::new(&scene, settings.photons.per_iteration, M::POLARIZED));
+        let photons = settings.passes.map(|passes| PhotonPass::new(&scene, passes, M::POLARIZED));
         Self {
             film: Film::new(width, height, settings.color, components, settings.has_variance()),
             pool: Pool::new(components, scene.has_media()),
@@ -80,7 +77,7 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
 
     /// Samples per pixel of a wave: those of an iteration of photons, if there are photons.
     fn wave_of(&self) -> u32 {
-        if self.photons.is_some() { self.settings.photons.samples } else { WAVE }
+        self.settings.passes.map_or(WAVE, |passes| passes.samples)
     }
 
     /// Goes on to the next replicate or block where one has ended.
@@ -143,10 +140,6 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 
-    fn has_specular_surfaces(&self) -> bool {
-        self.scene.has_specular_surfaces()
-    }
-
     fn finish(mut self: Box<Self>) -> StokesImage {
         if self.of_block > 0 {
             self.film.finish_replicate(self.of_block);
@@ -165,7 +158,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
 ///
 /// Blocks are of powers of two, of which low-discrepancy sequences are made, and are about a
 /// sixteenth of all. They begin small, as nobody knows how far a render will come.
-fn block(settings: &Settings, replicate: u32, done: u32) -> u32 {
+fn block(settings: &Resolved, replicate: u32, done: u32) -> u32 {
     const BLOCKS: u32 = 16;
     const LEAST: u32 = 4;
     let unit = settings.samples_per_iteration();
@@ -184,7 +177,7 @@ fn block(settings: &Settings, replicate: u32, done: u32) -> u32 {
 
 /// Samples per pixel of the first `replicates` replicates: whole numbers of iterations of photons,
 /// if any.
-fn share(settings: &Settings, replicates: u32) -> u32 {
+fn share(settings: &Resolved, replicates: u32) -> u32 {
     let unit = settings.samples_per_iteration();
     let units = u64::from(settings.samples / unit) * u64::from(replicates);
     (units / u64::from(settings.replicates)) as u32 * unit

@@ -9,6 +9,8 @@ use crate::scattering::Side;
 use crate::spectrum::Color;
 use crate::transport::Sampling;
 
+/// What asks for the integrator that suits the scene.
+pub const AUTO: &str = "auto";
 /// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
 pub const SAMPLES_MAX: u32 = 1 << 30;
 /// Most segments of a path that can be asked for; nothing needs more.
@@ -20,13 +22,23 @@ pub const EDGE_MAX: u32 = 65_535;
 /// Most pixels of a film: they are counted in 32 bits.
 pub const PIXELS_MAX: u64 = 1 << 31;
 
+/// Light paths an iteration for every pixel, where their number is left open. With the samples of
+/// [`SAMPLES_OF_PHOTONS`] both sides take about the same time.
+const LIGHT_PATHS_PER_PIXEL: u64 = 4;
+/// Bounds of that number: fewer find nothing between them, more take memory and no less error.
+const LIGHT_PATHS: [u64; 2] = [10_000, 4_000_000];
+/// Samples per pixel for every iteration of photons, where their number is left open, at most.
+pub const SAMPLES_OF_PHOTONS: u32 = 4;
+
 /// How photons are shot and gathered; for integrators that do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photons {
-    /// Light paths an iteration of photons, from 1 to 2^28.
-    pub per_iteration: u32,
-    /// Samples per pixel for every iteration of photons, at least one.
-    pub samples: u32,
+    /// Light paths an iteration of photons, from 1 to 2^28; by default four for every pixel, from
+    /// ten thousand to four million.
+    pub per_iteration: Option<u32>,
+    /// Samples per pixel for every iteration of photons, at least one; by default four, or fewer
+    /// where that does not divide those of a replicate.
+    pub samples: Option<u32>,
     /// How much the kernel keeps of what an iteration could take: from 0 (exclusive) to 1, where
     /// it does not shrink at all.
     pub alpha: f32,
@@ -37,7 +49,17 @@ pub struct Photons {
 
 impl Default for Photons {
     fn default() -> Self {
-        Self { per_iteration: 1_000_000, samples: 1, alpha: 2.0 / 3.0, radius: None }
+        Self { per_iteration: None, samples: None, alpha: 2.0 / 3.0, radius: None }
+    }
+}
+
+impl Photons {
+    /// Light paths an iteration for a film of so many pixels.
+    pub fn light_paths(&self, [width, height]: [u32; 2]) -> u32 {
+        let [least, most] = LIGHT_PATHS;
+        let pixels = u64::from(width) * u64::from(height);
+        let balanced = (LIGHT_PATHS_PER_PIXEL * pixels).clamp(least, most);
+        self.per_iteration.unwrap_or(balanced as u32)
     }
 }
 
@@ -80,7 +102,7 @@ impl Mode {
 /// ```
 /// use sunstone::{Integrator, Options, Settings};
 /// let settings = Settings::new(Options {
-///     integrator: Integrator::Path,
+///     integrator: Some(Integrator::Path),
 ///     samples: 16,
 ///     ..Options::default()
 /// })?;
@@ -91,8 +113,8 @@ impl Mode {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// How light is found.
-    pub integrator: Integrator,
+    /// How light is found; by default what suits the scene ([`crate::Resolved`]).
+    pub integrator: Option<Integrator>,
     /// Intensity or Stokes vectors.
     pub mode: Mode,
     /// What the channels stand for.
@@ -105,6 +127,9 @@ pub struct Options {
     pub height: Option<u32>,
     /// Samples per pixel, at least one; with photons, a multiple of the samples of an iteration.
     pub samples: u32,
+    /// Iterations in place of a number of samples: of one sample per pixel, or, with photons, of a
+    /// pass of these with its samples.
+    pub iterations: Option<u32>,
     /// Independent randomizations that the samples are split into, from 1 to their number (of
     /// iterations, with photons); variances come with two or more.
     pub replicates: u32,
@@ -131,15 +156,16 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// 64 samples of polarized RGB by `bdpt`, of any number of segments.
+    /// 64 samples of polarized RGB by what suits the scene, of any number of segments.
     fn default() -> Self {
         Self {
-            integrator: Integrator::Bdpt,
+            integrator: None,
             mode: Mode::Polarized,
             color: Color::Rgb,
             width: None,
             height: None,
             samples: 64,
+            iterations: None,
             replicates: 1,
             variance: false,
             path_length_max: PATH_LENGTH_MAX,
@@ -153,7 +179,7 @@ impl Default for Options {
 }
 
 /// [`Options`] that have been checked: none is out of its range, where it would render nothing.
-/// What an integrator cannot see in a world is another matter ([`Integrator::summary`]).
+/// What an integrator cannot see in a world is another matter ([`crate::PlacedWorld::notes`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings(Options);
 
@@ -163,25 +189,29 @@ impl Settings {
     /// # Errors
     /// Names the first option that is out of its range, and the range.
     pub fn new(options: Options) -> Result<Self, SettingsError> {
-        let Options { color, width, height, samples, photons, integrator, .. } = options;
+        let Options { color, width, height, samples, photons, .. } = options;
         for (setting, edge) in [("width", width), ("height", height)] {
             edge.map_or(Ok(()), |edge| within(setting, edge, 1, EDGE_MAX))?;
         }
         within("samples", samples, 1, SAMPLES_MAX)?;
+        let of_iteration = if options.may_shoot_photons() {
+            check_photons(&photons)?;
+            options.samples_of_photons()
+        } else {
+            1
+        };
         within("path_length_max", options.path_length_max, 1, PATH_LENGTH_MAX)?;
         check_color(color)?;
-        if integrator.shoots_photons() {
-            check_photons(&photons)?;
-            if !samples.is_multiple_of(photons.samples) {
-                let of_iteration = photons.samples;
-                let rule = format!(
-                    "must be a multiple of the {of_iteration} samples of an iteration of photons, \
-                     not {samples}"
-                );
-                return Err(SettingsError { setting: "samples", rule });
-            }
+        if let Some(count) = options.iterations {
+            within("iterations", count, 1, SAMPLES_MAX / of_iteration)?;
+        } else if !samples.is_multiple_of(of_iteration) {
+            let rule = format!(
+                "must be a multiple of the {of_iteration} samples of an iteration of photons, not \
+                 {samples}"
+            );
+            return Err(SettingsError { setting: "samples", rule });
         }
-        let iterations = samples / options.samples_per_iteration();
+        let iterations = options.iterations.unwrap_or(samples / of_iteration);
         within("replicates", options.replicates, 1, iterations)?;
         Ok(Self(options))
     }
@@ -213,9 +243,45 @@ impl Options {
         self.variance || self.replicates > 1
     }
 
-    /// Samples per pixel that come together: those of an iteration of photons, or one.
-    pub fn samples_per_iteration(&self) -> u32 {
-        if self.integrator.shoots_photons() { self.photons.samples } else { 1 }
+    /// What was asked for, by name.
+    pub fn integrator_name(&self) -> &'static str {
+        self.integrator.map_or(AUTO, Integrator::name)
+    }
+
+    /// Whether photons are shot whatever the scene.
+    pub fn shoots_photons(&self) -> bool {
+        self.integrator.is_some_and(Integrator::shoots_photons)
+    }
+
+    /// Whether photons may be shot, in some scene or other.
+    fn may_shoot_photons(&self) -> bool {
+        self.integrator.is_none_or(Integrator::shoots_photons)
+    }
+
+    /// Samples per pixel for every iteration of photons: as given, else the most up to
+    /// [`SAMPLES_OF_PHOTONS`] that leave replicates, and blocks of variances, an iteration each.
+    pub fn samples_of_photons(&self) -> u32 {
+        if let Some(samples) = self.photons.samples {
+            return samples;
+        }
+        let least = if self.variance { self.replicates.max(2) } else { self.replicates };
+        let fits = |of_iteration: &u32| {
+            self.iterations.is_some()
+                || self.samples.is_multiple_of(*of_iteration)
+                    && self.samples / of_iteration >= least
+        };
+        (1..=SAMPLES_OF_PHOTONS).rev().find(fits).unwrap_or(1)
+    }
+
+    /// Samples per pixel of an iteration by an integrator: those of a pass of photons, or one.
+    pub fn samples_per_iteration(&self, integrator: Integrator) -> u32 {
+        if integrator.shoots_photons() { self.samples_of_photons() } else { 1 }
+    }
+
+    /// Samples per pixel in all, by an integrator.
+    pub fn samples_by(&self, integrator: Integrator) -> u32 {
+        let of_iteration = self.samples_per_iteration(integrator);
+        self.iterations.map_or(self.samples, |count| count * of_iteration)
     }
 }
 
@@ -264,8 +330,8 @@ pub fn check_color(color: Color) -> Result<(), SettingsError> {
 /// Checks how photons are to be shot.
 pub fn check_photons(photons: &Photons) -> Result<(), SettingsError> {
     let &Photons { per_iteration, samples, alpha, radius } = photons;
-    within("photons", per_iteration, 1, PHOTONS_MAX)?;
-    within("samples_per_iteration", samples, 1, SAMPLES_MAX)?;
+    within("photons", per_iteration.unwrap_or(1), 1, PHOTONS_MAX)?;
+    within("samples_per_iteration", samples.unwrap_or(1), 1, SAMPLES_MAX)?;
     if !(alpha > 0.0 && alpha <= 1.0) {
         let rule = format!("must be greater than 0 and at most 1, not {alpha}");
         return Err(SettingsError { setting: "alpha", rule });

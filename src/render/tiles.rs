@@ -13,7 +13,7 @@ use crate::transport::tables::measured::Splats;
 use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
-use super::Settings;
+use super::Resolved;
 
 /// Workspaces at rest.
 pub struct Pool<const N: usize, M: LightModel<N>> {
@@ -59,7 +59,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     profile: &mut Profile,
     pool: &Pool<N, M>,
     scene: &Scene<N>,
-    settings: &Settings,
+    settings: &Resolved,
     (first, count, seed): (u32, u32, u32),
     maps: Option<&PhotonMaps<N>>,
 ) {
@@ -158,7 +158,7 @@ fn are_finite(values: &[f32]) -> bool {
 fn tile<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
     scene: &Scene<N>,
-    settings: &Settings,
+    settings: &Resolved,
     (first, count): (u32, u32),
     maps: Option<&PhotonMaps<N>>,
     chunk: impl Fn(u32, u32) -> Chunk,

@@ -71,7 +71,9 @@ type Tally = BTreeMap<u32, (usize, Option<u32>)>;
 
 /// Finds what boundaries do not say, and what they say wrongly.
 pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
-    let primitives = primitives_of_surfaces(shapes);
+    let bounds =
+        |row: u32| shapes.surfaces[row as usize].is_body || sides_of(shapes, row) != [KEEP; 2];
+    let primitives = primitives_of_surfaces(shapes, bounds);
     join(shapes, &primitives);
     nest(shapes, &primitives);
     if is_one_medium(shapes) {

@@ -67,13 +67,17 @@ pub fn wholes(shapes: &Shapes, primitives: &[Vec<u32>]) -> BTreeMap<u32, Vec<u32
     wholes
 }
 
-/// The primitives of all surfaces.
-pub fn primitives_of_surfaces(shapes: &Shapes) -> Vec<Vec<u32>> {
+/// For every surface that is wanted, its primitives.
+pub fn primitives_of_surfaces(shapes: &Shapes, is_wanted: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
     let mut primitives: Vec<Vec<u32>> = vec![Vec::new(); shapes.surfaces.len()];
+    let wanted: Vec<bool> = (0..shapes.surfaces.len() as u32).map(is_wanted).collect();
     for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
-        primitives[surface as usize].push(primitive);
+        if wanted[surface as usize] {
+            primitives[surface as usize].push(primitive);
+        }
     }
-    for instance in shapes.instanced.instances() {
+    let instances = shapes.instanced.instances().iter();
+    for instance in instances.filter(|instance| wanted[instance.surface as usize]) {
         let count = shapes.instanced.objects()[instance.object as usize].triangles.len() as u32;
         let first = instance.first_primitive;
         primitives[instance.surface as usize].extend(first..first + count);

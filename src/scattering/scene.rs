@@ -1,7 +1,7 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -20,6 +20,7 @@ use super::emitter::direct::DirectTable;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
+use super::look::Look;
 use super::medium::Medium;
 use super::nesting::Interfaces;
 use super::surface::model::LaneRows;
@@ -70,6 +71,7 @@ pub struct Scene<const N: usize> {
     pub choice: Choice,
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
+    look: OnceLock<Look>,
 }
 
 impl<const N: usize> Scene<N> {
@@ -133,6 +135,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds,
             has_emitting_straight_on,
             has_shading_normals: shapes.has_shading_normals(),
+            look: OnceLock::new(),
             media,
             accelerator,
             shapes,
@@ -271,6 +274,11 @@ impl<const N: usize> Scene<N> {
         let whole = (2.0 * PI * f64::from(self.shapes.bounds.radius)).powi(2);
         let is_small = size > 0.0 && size < SMALL_LAMP * whole;
         self.has_specular_surfaces() && (is_small || models().any(emitter::is_delta))
+    }
+
+    /// What a look at it finds.
+    pub fn look(&self) -> &Look {
+        self.look.get_or_init(|| Look::at(self))
     }
 
     /// Whether paths can meet some emitters by chance.

@@ -300,6 +300,19 @@ pub struct Camera {
     pub resolution: Option<[u32; 2]>,
 }
 
+impl Camera {
+    /// Width over height of what it shows, if the scene says so.
+    pub fn aspect(&self) -> Option<f32> {
+        match (self.resolution, self.projection) {
+            (Some([width, height]), _) => Some(width as f32 / height as f32),
+            (None, Projection::Perspective { aspect, .. }) => aspect,
+            (None, Projection::Orthographic { half_width, half_height }) => {
+                Some(half_width / half_height)
+            }
+        }
+    }
+}
+
 /// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

@@ -48,7 +48,7 @@ fn every_format_is_written() {
     let scene = scene("cornell");
     for name in ["a.exr", "b.hdr", "c.png", "D.EXR"] {
         let run = sunstone(&here, &[&["render", &scene, "-o", name][..], &TINY].concat()).done();
-        assert!(run.stderr.contains("16 x 16, 2 iterations of bdpt (polarized)"), "{}", run.stderr);
+        assert!(run.stderr.contains("16 x 16, 2 iterations of ppm (polarized)"), "{}", run.stderr);
     }
     let scalar = [&["render", &scene, "-o", "e.hdr", "--mode", "scalar"][..], &TINY].concat();
     sunstone(&here, &scalar).done();
@@ -77,7 +77,7 @@ fn options_reach_the_image() {
     let name = "it's $HOME.exr";
     let run = ["render", &scene, "-o", name, "--width", "8", "--spp", "1"];
     let stderr = sunstone(&here, &run).done().stderr;
-    assert!(stderr.contains("8 x 8, 1 iteration of bdpt"), "{stderr}");
+    assert!(stderr.contains("8 x 8, 1 iteration of ppm"), "{stderr}");
     // As a shell takes it.
     let image = image::load(&here.join(name)).unwrap();
     let script = format!("set -- {}; printf %s \"$5\"", metadata(&image, "command"));
@@ -134,6 +134,57 @@ fn light_says_what_it_cannot_see() {
     };
     assert!(note(&scene("cornell"), "light"));
     assert!(!note(&scene("cornell"), "bdpt"));
+    assert!(note(&scene("tank"), "path") && note(&scene("tank"), "bdpt"));
+    assert!(!note(&scene("tank"), "ppm"));
+}
+
+/// The rule is named in the note, in the image, and by `inspect` of either.
+#[test]
+fn what_suits_the_scene_is_chosen_and_told() {
+    let here = folder("render-auto");
+    for (name, integrator, rule) in [
+        ("tank", "ppm", "points or directions light mirrors or glass, and the camera sees"),
+        ("caustic_glass", "bdpt", "small lamps light mirrors or glass"),
+        ("reference/cornell", "path", "neither points nor small lamps"),
+    ] {
+        let scene = scene(name);
+        let run = [&["render", &scene, "-o", "a.exr", "--mode", "scalar"][..], &TINY].concat();
+        let note = format!("note: --integrator auto takes `{integrator}`: {rule}");
+        let stderr = sunstone(&here, &run).done().stderr;
+        assert_eq!(stderr.matches("note: ").count(), 1, "{stderr}");
+        assert!(stderr.contains(&note), "{stderr}");
+        let quiet = sunstone(&here, &[&run[..], &["-q"]].concat()).done().stderr;
+        assert_eq!(quiet, "");
+        let image = image::load(&here.join("a.exr")).unwrap();
+        assert_eq!(metadata(&image, "integrator"), integrator);
+        assert_eq!(metadata(&image, "integrator asked for"), "auto");
+        assert!(metadata(&image, "integrator rule").starts_with(rule));
+        let told = sunstone(&here, &["inspect", "a.exr"]).done().stdout;
+        assert!(told.contains("integrator asked for auto") && told.contains(rule), "{told}");
+        let told = sunstone(&here, &["inspect", &scene]).done().stdout;
+        assert!(told.contains(&note["note: ".len()..]), "{told}");
+    }
+}
+
+/// Options of photons go with `auto`, whatever it chooses.
+#[test]
+fn photons_may_be_given_where_they_may_be_shot() {
+    let here = folder("render-photons");
+    let render = |name: &str, more: &[&str]| {
+        let scene = scene(name);
+        let arguments = ["render", &scene, "-o", "a.exr", "--width", "8", "--mode", "scalar"];
+        sunstone(&here, &[&arguments[..], more].concat())
+    };
+    render("tank", &["--photons", "500", "--iterations", "2"]).done();
+    let image = image::load(&here.join("a.exr")).unwrap();
+    let of = |key| metadata(&image, key);
+    assert_eq!((of("photons an iteration"), of("samples an iteration")), ("500", "4"));
+    assert_eq!(of("iterations"), "8");
+    render("reference/cornell", &["--photons", "500", "--spp", "2"]).done();
+    let odd = render("reference/cornell", &["--samples-per-iteration", "3", "--spp", "4"]);
+    assert_eq!((odd.code, odd.stderr.contains("not a multiple")), (2, true), "{}", odd.stderr);
+    let unused = render("tank", &["--integrator", "path", "--photons", "500"]);
+    assert_eq!((unused.code, unused.stderr.contains("--integrator ppm")), (2, true));
 }
 
 #[test]

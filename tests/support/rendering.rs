@@ -62,7 +62,7 @@ pub fn settings(
         Integrator::Ppm => 0x4000_0000,
     };
     Options {
-        integrator,
+        integrator: Some(integrator),
         mode,
         color,
         samples: iterations,
@@ -70,7 +70,7 @@ pub fn settings(
         roulette_after: Some(path_length_max + 1),
         seed,
         // More than one chunk of them, few enough to be quick.
-        photons: Photons { per_iteration: 2_000, ..Photons::default() },
+        photons: Photons { per_iteration: Some(2_000), samples: Some(1), ..Photons::default() },
         ..Options::default()
     }
 }

@@ -69,8 +69,12 @@ pub fn error(
         watch.at(integrator.name());
         let run = |index: u32| {
             let seed = task.options.seed.wrapping_add(index);
-            let steps =
-                converge(task, Options { integrator, seed, ..task.options }, threads, &image);
+            let steps = converge(
+                task,
+                Options { integrator: Some(integrator), seed, ..task.options },
+                threads,
+                &image,
+            );
             watch.round();
             steps
         };
@@ -88,7 +92,7 @@ fn reference(
     threads: &Threads,
 ) -> Result<(StokesImage, String), MeasureError> {
     let settings = Settings::new(Options {
-        integrator,
+        integrator: Some(integrator),
         samples,
         replicates: REPLICATES,
         seed: task.options.seed.wrapping_sub(1),
@@ -150,7 +154,7 @@ fn conditions(task: &Task, threads: &Threads) -> Conditions {
         color: options.color.to_string(),
         width,
         height,
-        photons_shot: options.photons.per_iteration,
+        photons_shot: options.photons.light_paths([width, height]),
         path_length_max: options.path_length_max,
         roulette_after: options.roulette_after,
         seeds: task.seeds,

@@ -50,7 +50,7 @@ fn case(
     threads: &Threads,
     watch: &impl Watch,
 ) -> Result<Case, MeasureError> {
-    let integrator = options.integrator.name();
+    let integrator = options.integrator_name();
     watch.at(&format!("{}, {integrator}", subject.name));
     // Of the same paths, so that the ratio is what polarization itself costs.
     let options = &Options { sampling: Sampling::Intensity, ..*options };
@@ -59,13 +59,14 @@ fn case(
     let (modes, samples) = ([&scalar, &polarized], options.samples);
     let world = &subject.world;
     let (rounds, develop) = compare_modes(world, modes, (rounds, samples), threads, watch)?;
-    let photons = &options.photons;
-    let shot = u64::from(photons.per_iteration) * u64::from(samples / photons.samples);
+    let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
+    let light_paths = u64::from(options.photons.light_paths([width, height]));
+    let shot = light_paths * u64::from(samples / options.samples_of_photons());
     Ok(Case {
         scene: subject.short_name(),
         integrator: integrator.into(),
         samples,
-        photons_shot: options.integrator.shoots_photons().then_some(shot),
+        photons_shot: options.shoots_photons().then_some(shot),
         costs: Costs::new(rounds),
         develop,
     })

@@ -115,7 +115,7 @@ pub fn scaling(
     let conditions = Conditions {
         machine: machine(&Threads::start(Some(base.threads))?),
         scene: subject.short_name(),
-        integrator: options.integrator.name().into(),
+        integrator: options.integrator_name().into(),
         mode: options.mode.name().into(),
         color: options.color.to_string(),
         rounds: base.rounds,
@@ -141,7 +141,8 @@ fn points(name: SeriesKind, base: &Base) -> Vec<Point> {
         SeriesKind::Photons => PHOTONS
             .map(|per_iteration| {
                 let mut point = at(f64::from(per_iteration), samples(4));
-                point.options.integrator = Integrator::Ppm;
+                point.options.integrator = Some(Integrator::Ppm);
+                let per_iteration = Some(per_iteration);
                 point.options.photons = Photons { per_iteration, ..options.photons };
                 let edge = |typed: Option<u32>| Some(typed.unwrap_or(EDGE_OF_PHOTONS));
                 point.options.width = edge(film[0]);
@@ -247,7 +248,7 @@ fn sample(size: f64, repeats: u32, taken: &[Taken]) -> Sample {
 fn in_words(name: SeriesKind, point: &Point) -> String {
     let Point { options, threads, .. } = point;
     let [width, height] = film_of(options);
-    let mut words = vec![options.integrator.name().to_owned()];
+    let mut words = vec![options.integrator_name().to_owned()];
     if name != SeriesKind::Wavelengths {
         words.push(options.color.to_string());
     }
@@ -257,8 +258,9 @@ fn in_words(name: SeriesKind, point: &Point) -> String {
     if name != SeriesKind::Samples {
         words.push(format!("{} samples a pixel", options.samples));
     }
-    if options.integrator.shoots_photons() && name != SeriesKind::Photons {
-        words.push(format!("{} light paths an iteration", options.photons.per_iteration));
+    if options.shoots_photons() && name != SeriesKind::Photons {
+        let light_paths = options.photons.light_paths([width, height]);
+        words.push(format!("{light_paths} light paths an iteration"));
     }
     if name != SeriesKind::Threads {
         words.push(format!("{threads} threads"));

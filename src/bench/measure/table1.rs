@@ -19,7 +19,7 @@ pub fn table1(
     let options = &Options { sampling: Sampling::Intensity, ..*options };
     let polarized = Settings::new(*options)?;
     let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
-    let rounds = (iterations, options.photons.samples);
+    let rounds = (iterations, options.samples_of_photons());
     let measured = subjects.iter().map(|subject| {
         watch.at(&subject.name);
         let modes = [&scalar, &polarized];
@@ -30,13 +30,13 @@ pub fn table1(
     let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
     let conditions = Conditions {
         machine: machine(threads),
-        integrator: options.integrator.name().into(),
+        integrator: options.integrator_name().into(),
         color: options.color.to_string(),
         width,
         height,
         iterations,
-        photons_shot: options.photons.per_iteration,
-        samples_per_iteration: options.photons.samples,
+        photons_shot: options.photons.light_paths([width, height]),
+        samples_per_iteration: options.samples_of_photons(),
         alpha: options.photons.alpha,
         path_length_max: options.path_length_max,
         roulette_after: options.roulette_after,

@@ -33,18 +33,19 @@ pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
 
 /// Checks what was typed; for the polarized half, from which the other differs in its mode alone.
 fn options(arguments: &Table1Arguments) -> Result<Options, CliError> {
-    let Table1Arguments { photons, samples_per_iteration: samples, .. } = *arguments;
-    let photons = Photons { per_iteration: photons, samples, ..Photons::default() };
+    let Table1Arguments { photons, samples_per_iteration, .. } = *arguments;
+    let (per_iteration, samples) = (Some(photons), Some(samples_per_iteration));
+    let photons = Photons { per_iteration, samples, ..Photons::default() };
     check_photons(&photons)?;
     // One more warms up.
-    job::within("--iterations", arguments.iterations, SAMPLES_MAX / samples - 1, "")?;
+    job::within("--iterations", arguments.iterations, SAMPLES_MAX / samples_per_iteration - 1, "")?;
     job::check_threads(arguments.threads)?;
     check_film(arguments.width, arguments.height)?;
     Ok(Options {
-        integrator: Integrator::Ppm,
+        integrator: Some(Integrator::Ppm),
         width: Some(arguments.width),
         height: Some(arguments.height),
-        samples: (1 + arguments.iterations) * samples,
+        samples: (1 + arguments.iterations) * samples_per_iteration,
         path_length_max: PATH_LENGTH,
         roulette_after: None,
         seed: arguments.seed,

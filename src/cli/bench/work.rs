@@ -16,6 +16,9 @@ use crate::spectrum::Color;
 /// Edge of the film where none is typed, in pixels.
 const EDGE: u32 = 256;
 
+/// Light paths an iteration where no number is typed, whatever the film.
+const PHOTONS: u32 = 1_000_000;
+
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
 pub fn load_all(paths: &[PathBuf], files: &FileArguments) -> Result<Vec<Subject>, CliError> {
@@ -62,12 +65,11 @@ pub fn options(
     [width, height]: [u32; 2],
 ) -> Result<Options, CliError> {
     job::check_threads(work.threads)?;
-    let default = Photons::default();
-    let per_iteration = work.photons.unwrap_or(default.per_iteration);
-    let photons = Photons { per_iteration, samples, ..default };
+    let per_iteration = Some(work.photons.unwrap_or(PHOTONS));
+    let photons = Photons { per_iteration, samples: Some(samples), ..Photons::default() };
     check_photons(&photons)?;
     let options = Options {
-        integrator,
+        integrator: Some(integrator),
         color: color(work)?,
         width: Some(width),
         height: Some(height),

@@ -1,0 +1,201 @@
+//! What options left open, decided by the scene: nothing renders before that.
+
+use std::ops::Deref;
+
+use super::settings::{AUTO, Settings};
+use crate::integrators::Integrator;
+use crate::scattering::{Look, Scene};
+
+/// With less than this probability ([`Look::chance`]), paths from the sensor find lamps by way of
+/// mirrors and glass only by chance; and with so much more where glass hides all lamps.
+const CHANCE_MIN: f64 = 0.02;
+const CHANCE_MIN_HIDDEN: f64 = 0.1;
+/// The part of that probability below which other integrators than the chosen one are doubted.
+const DOUBTED: f64 = 0.25;
+
+/// Settings in which nothing is left open: by which integrator, of how many samples, with how many
+/// photons. All of it is a function of the options and the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolved {
+    settings: Settings,
+    /// How light is found.
+    pub integrator: Integrator,
+    /// By which rule, if that was not asked for.
+    pub rule: Option<Rule>,
+    /// Samples per pixel in all.
+    pub samples: u32,
+    /// How photons are shot, if they are.
+    pub passes: Option<Passes>,
+}
+
+/// How photons are shot: each iteration begins with a pass of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passes {
+    /// Light paths a pass.
+    pub light_paths: u32,
+    /// Samples per pixel for every pass.
+    pub samples: u32,
+}
+
+impl Resolved {
+    /// Settings for a scene, with the film of that.
+    pub fn new<const N: usize>(settings: &Settings, scene: &Scene<N>) -> Self {
+        let rule = match settings.integrator {
+            Some(_) => None,
+            None => Some(Rule::of(scene.look())),
+        };
+        let chosen = rule.map_or(Integrator::Path, Rule::integrator);
+        let integrator = settings.integrator.unwrap_or(chosen);
+        let film = [scene.sensor.width, scene.sensor.height];
+        let passes = integrator.shoots_photons().then(|| Passes {
+            light_paths: settings.photons.light_paths(film),
+            samples: settings.samples_of_photons(),
+        });
+        let samples = settings.samples_by(integrator);
+        Self { settings: *settings, integrator, rule, samples, passes }
+    }
+
+    /// Samples per pixel that come together: those of a pass of photons, or one.
+    pub fn samples_per_iteration(&self) -> u32 {
+        self.passes.map_or(1, |passes| passes.samples)
+    }
+
+    /// Which integrator was chosen, and why, if none was asked for.
+    pub fn choice_in_words(&self) -> Option<String> {
+        self.rule.map(Rule::choice_in_words)
+    }
+}
+
+/// Those that were asked for; what these left open is in the fields of [`Resolved`].
+impl Deref for Resolved {
+    type Target = Settings;
+    fn deref(&self) -> &Settings {
+        &self.settings
+    }
+}
+
+/// What decides which integrator suits a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// Points light what is specular, and the camera sees such.
+    PointsSeen,
+    /// Points light what is specular.
+    Points,
+    /// Points shine in media that scatter.
+    PointsInMedia,
+    /// Small lamps light what is specular, and the camera sees such.
+    SmallSeen,
+    /// Small lamps light what is specular.
+    Small,
+    /// Neither.
+    Plain,
+}
+
+impl Rule {
+    /// Of a scene that has been looked at.
+    pub fn of(look: &Look) -> Self {
+        let sees_specular = look.sees_specular > 0.0;
+        let is_chance = look.chance < chance_min(look);
+        match (look.has_points, sees_specular) {
+            (true, true) => Self::PointsSeen,
+            (true, false) => Self::Points,
+            (false, _) if look.has_points_in_media => Self::PointsInMedia,
+            (false, true) if is_chance => Self::SmallSeen,
+            (false, false) if is_chance => Self::Small,
+            (false, true | false) => Self::Plain,
+        }
+    }
+
+    /// What suits it.
+    pub fn integrator(self) -> Integrator {
+        match self {
+            Self::PointsSeen | Self::SmallSeen => Integrator::Ppm,
+            Self::Points | Self::PointsInMedia | Self::Small => Integrator::Bdpt,
+            Self::Plain => Integrator::Path,
+        }
+    }
+
+    /// What it chooses, and why.
+    pub fn choice_in_words(self) -> String {
+        format!("--integrator {AUTO} takes `{}`: {}", self.integrator().name(), self.text())
+    }
+
+    /// Why, in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::PointsSeen => {
+                "points or directions light mirrors or glass, and the camera sees mirrors or glass"
+            }
+            Self::Points => "points or directions light mirrors or glass",
+            Self::PointsInMedia => "points shine in media that scatter",
+            Self::SmallSeen => {
+                "small lamps light mirrors or glass, and the camera sees mirrors or glass"
+            }
+            Self::Small => "small lamps light mirrors or glass",
+            Self::Plain => "neither points nor small lamps light mirrors or glass",
+        }
+    }
+}
+
+fn chance_min(look: &Look) -> f64 {
+    CHANCE_MIN + CHANCE_MIN_HIDDEN * look.hidden
+}
+
+/// What an integrator does not find in a scene that has been looked at, or hardly ever: one
+/// sentence; none if it finds all.
+pub fn blindness(integrator: Integrator, look: &Look) -> Option<String> {
+    let name = integrator.name();
+    if !integrator.measures() {
+        return unmeasured(name, look);
+    }
+    let sees_specular = look.sees_specular > 0.0;
+    let lacks = match (integrator.shoots_photons(), integrator.splats()) {
+        (true, _) => None,
+        (false, true) => {
+            sees_specular.then_some("what mirrors and glass show of their light there")
+        }
+        (false, false) => Some("what comes of their light by way of these"),
+    };
+    if let (Some(lacks), true) = (lacks, look.has_points) {
+        return Some(format!(
+            "points or directions light mirrors or glass: `{name}` does not find {lacks}, and the \
+             image lacks it; --integrator {AUTO} finds it"
+        ));
+    }
+    if look.has_points_in_media && !integrator.splats() {
+        return Some(format!(
+            "points shine in media that scatter: `{name}` finds the light close to them only by \
+             chance; --integrator {AUTO} does better"
+        ));
+    }
+    let lacks = lacks.filter(|_| look.chance < DOUBTED * chance_min(look))?;
+    Some(format!(
+        "small lamps light mirrors or glass: `{name}` finds {lacks} only by chance; --integrator \
+         {AUTO} does better"
+    ))
+}
+
+/// What particle tracing does not see.
+fn unmeasured(name: &str, look: &Look) -> Option<String> {
+    let percent = |share: f64| format!("{:.0} % of the view", (100.0 * share).max(1.0));
+    let mut missing = Vec::new();
+    if look.sees_solid > 0.0 {
+        missing.push(format!(
+            "through solid glass or into mirrors, so these are black in its image ({})",
+            percent(look.sees_solid)
+        ));
+    }
+    if look.has_parallel_sky {
+        missing.push(format!(
+            "a sky by parallel rays, so that is black in its image ({})",
+            percent(look.sees_nothing)
+        ));
+    }
+    if missing.is_empty() {
+        return None;
+    }
+    Some(format!(
+        "the integrator `{name}` cannot see {}; `bdpt`, `path` and `ppm` show them",
+        missing.join(", nor ")
+    ))
+}
