@@ -159,6 +159,20 @@ fn of_overlapping_bodies_the_higher_priority_counts_then_the_smaller() {
     check_through(twice, &[1.0, GLASS, 1.0]);
 }
 
+#[test]
+fn air_in_glass_refracts() {
+    let drilled = |bench: &mut Bench| {
+        bench.slab(GLASS, [-1.0, 1.0], 1.0, 0);
+        bench.slab(1.0, [0.0, 0.5], 0.3, 0);
+    };
+    check_through(drilled, &[1.0, GLASS, 1.0, GLASS, 1.0]);
+    let flush = |bench: &mut Bench| {
+        bench.slab(GLASS, [-1.0, 1.0], 1.0, 0);
+        bench.slab(1.0, [0.0, 1.0], 0.3, 0);
+    };
+    check_through(flush, &[1.0, GLASS, 1.0]);
+}
+
 /// In light from everywhere nothing is seen of what absorbs nothing.
 #[test]
 fn no_light_is_made_or_lost() {
@@ -168,7 +182,7 @@ fn no_light_is_made_or_lost() {
             bench.0.set_environment(1.0).unwrap();
         }
     };
-    let clusters: [fn(&mut Bench); 4] = [
+    let clusters: [fn(&mut Bench); 6] = [
         |bench| {
             bench.ball(GLASS, DVec3::X * -0.5, 1.0);
             bench.ball(WATER, DVec3::X * 0.5, 1.0);
@@ -190,6 +204,15 @@ fn no_light_is_made_or_lost() {
             bench.slab(GLASS, [-1.5, -0.5], 1.0, 0);
             bench.slab(WATER, [-0.5, 0.5], 1.0, 0);
             bench.slab(GLASS, [0.5, 1.5], 1.0, 0);
+        },
+        // Air that is drilled into glass, and a bubble that breaks through its surface.
+        |bench| {
+            bench.slab(GLASS, [-1.0, 1.0], 1.0, 0);
+            bench.slab(1.0, [-0.5, 1.5], 0.3, 1);
+        },
+        |bench| {
+            bench.ball(GLASS, DVec3::ZERO, 0.6);
+            bench.ball(1.0, DVec3::Z * 0.7, 0.3);
         },
     ];
     for build in clusters {

@@ -47,7 +47,9 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
         }
     }
     for surface in &mut shapes.surfaces {
-        surface.solid = solid_of.get(&surface.whole).copied().unwrap_or(NONE);
+        if let Some(solid) = solid_of.get(&surface.whole) {
+            (surface.solid, surface.material) = (*solid, surface.nested_material);
+        }
     }
     let kept = found.into_iter().map(|(_, solid, _)| solid).filter(|it| !it.others.is_empty());
     let renumbered = |mut solid: Solid| {
@@ -80,15 +82,19 @@ fn meet(found: &mut [(u32, Solid, f32)]) {
 
 impl Immersion<'_> {
     /// The solids that count before and behind a surface of `solid`, at a point on it from which
-    /// `off` leads to the front; [`NONE`] where there is none.
-    pub fn solids_at(&self, solid: u32, point: Vec3, off: Vec3) -> [u32; 2] {
+    /// `off` leads to the front, for a path that comes from `origin`; [`NONE`] where there is none.
+    pub fn solids_at(&self, solid: u32, point: Vec3, off: Vec3, origin: Vec3) -> [u32; 2] {
         let others = &self.shapes().solids[solid as usize].others;
         let winner = |off: Vec3, own: Option<u32>| {
             let around = others.iter().copied().filter(|&other| self.is_in(other, point, off));
             let rank = |a: &u32, b: &u32| self.rank(*a, *b);
             around.chain(own).max_by(rank).unwrap_or(NONE)
         };
-        [winner(off, None), winner(-off, Some(solid))]
+        // Between faces that are nearer than rays start off them, rays may have started.
+        let height = (origin - point).dot(off) / off.length_squared();
+        let near = (0.5 * height.abs()).min(1.0);
+        let [front, back] = if height > 0.0 { [near, 1.0] } else { [1.0, near] };
+        [winner(front * off, None), winner(-back * off, Some(solid))]
     }
 
     /// Which of two solids counts where both are.

@@ -324,6 +324,7 @@ impl<const N: usize> Scene<N> {
     pub fn rows_of_interfaces(
         &self,
         surfaces: &SurfaceColumns,
+        rays: &RayColumns,
         hits: [usize; LANES],
         given: LaneRows,
     ) -> LaneRows {
@@ -340,7 +341,8 @@ impl<const N: usize> Scene<N> {
             let of = |columns| Vec3::from(lanes::row_of(columns, hit));
             let (position, normal) = (of(&surfaces.position), of(&surfaces.geometric_normal));
             let off = surfaces.offset[hit] * normal;
-            interfaces.row(self.immersion().solids_at(solid, position, off))
+            let origin = of(&rays.origin);
+            interfaces.row(self.immersion().solids_at(solid, position, off, origin))
         };
         LaneRows::Each(lanes::each(row_of))
     }

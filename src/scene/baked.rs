@@ -143,6 +143,8 @@ pub struct Sphere {
 pub struct Surface {
     /// Row in `materials`.
     pub material: u32,
+    /// The row instead of that if the surface bounds one of `solids`: air in glass refracts.
+    pub nested_material: u32,
     /// The node's x axis in world space, unit length: what `axis_deg` of polarizers and
     /// retarders is measured from, once projected into the surface.
     pub axis_x: Vec3,

@@ -23,6 +23,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
     let (axis_x, axis_y) = (Vec3::X, Vec3::Y);
     let surface = Surface {
         material: 0,
+        nested_material: 0,
         axis_x,
         axis_y,
         interior: KEEP,

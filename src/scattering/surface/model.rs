@@ -6,7 +6,7 @@
 //! density between any two directions, so that its vertices are also connected to emitters, to
 //! other vertices and to the sensor, and keep photons and gather them.
 
-use crate::geometry::SurfaceColumns;
+use crate::geometry::{RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::polarization::Block;
 use crate::scattering::Scene;
@@ -232,16 +232,17 @@ pub struct Incidence<'a, M> {
 }
 
 impl<'a, M: Surface> Incidence<'a, M> {
-    /// The rows from `row` on, of which `live` are in use, with their `direction`. `models` is the
-    /// table of the model.
+    /// The rows from `row` on, of which `live` are in use, with the `rays` that have come there.
+    /// `models` is the table of the model.
     #[inline(always)]
     pub fn load<const N: usize>(
         scene: &'a Scene<N>,
         models: &'a [M],
         surfaces: &SurfaceColumns,
-        direction: Vector<F32s>,
+        rays: &RayColumns,
         (row, live): (usize, usize),
     ) -> Self {
+        let direction = Vector::load(&rays.direction, row);
         let geometric = Vector::load(&surfaces.geometric_normal, row);
         let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
         let used = |lane: usize| row + lane.min(live - 1);
@@ -250,7 +251,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let materials = scene.surfaces.materials();
         let mut rows = material.map(|row| materials[row].row as usize);
         if M::NESTS && scene.interfaces.is_some() {
-            rows = scene.rows_of_interfaces(surfaces, lanes::each(used), rows);
+            rows = scene.rows_of_interfaces(surfaces, rays, lanes::each(used), rows);
         }
         Self {
             direction,

@@ -23,7 +23,8 @@ use super::baked::{BakedScene, Bounds, Camera, Material, NONE, Optics, Projectio
 use super::error::SceneError;
 use super::warnings::Warnings;
 use super::world::{
-    Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, Transform, World,
+    Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform,
+    World,
 };
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
@@ -93,11 +94,18 @@ fn optics_of<const N: usize>(
         return Err(SceneError::new("bake", problem, ""));
     }
     world.check()?;
-    let materials = materials(world, color)?;
+    let mut materials = materials(world, color)?;
+    // Of air among other bodies.
+    materials.radiance.push([0.0; N]);
     let media = media::media(world, color)?;
     let emitters = emitters::emitters(world, color, &materials, shapes)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
-    let rows = materials.rows;
+    let mut rows = materials.rows;
+    let has_air = shapes.surfaces.iter().any(|it| it.nested_material as usize == rows.len());
+    if has_air && !rows.is_empty() {
+        let model = SurfaceModel::Dielectric { ior: 1.0, exterior_ior: 1.0 };
+        rows.push(Material { model, two_sided: false });
+    }
     Ok(Optics {
         materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
         media,
@@ -129,6 +137,13 @@ impl Rows {
             media: numbered(media.into_iter().map(|(entity, _)| entity).collect()),
             scene_medium: filling.map_or(NONE, |row| row as u32),
         }
+    }
+}
+
+impl Rows {
+    /// The row behind those of the materials, for air among other bodies.
+    fn air(&self) -> u32 {
+        self.materials.len() as u32
     }
 }
 

@@ -107,8 +107,12 @@ fn surface(
         Passage::Sheet if [interior, exterior] == [KEEP; 2] => Yields::AsSheet,
         Passage::Sheet | Passage::Boundary => Yields::AsBoundary,
     };
+    let own_material = rows.materials.get(&material).copied().unwrap_or(0);
+    let is_air = matches!(bsdf, Bsdf::Dielectric { ior: 1.0, exterior_ior: 1.0 })
+        && !world.entities().satisfies::<&Emission>(material);
     let surface = Surface {
-        material: rows.materials.get(&material).copied().unwrap_or(0),
+        material: own_material,
+        nested_material: if is_air { rows.air() } else { own_material },
         axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
         axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
         interior,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::geometry::resolve_surfaces;
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scattering::surface::model::{Incidence, Passage};
 use crate::scattering::surface::{StraightOn, for_straight_on};
@@ -39,8 +39,8 @@ fn pass<const N: usize, const POLARIZED: bool, M: StraightOn<N>>(
     }
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let direction = Vector::load(&crossings.rays.direction, row);
-        let at = Incidence::load(scene, models, &crossings.surfaces, direction, (row, live));
+        let CrossingTable { surfaces, rays, .. } = &*crossings;
+        let at = Incidence::load(scene, models, surfaces, rays, (row, live));
         let Passage { transmittance, chance, kernel, axis } = M::pass::<POLARIZED>(&at);
         let transmittance = transmittance.map(F32s::to_array);
         for (lane, to) in crossings.transmittance[row..row + live].iter_mut().enumerate() {

@@ -67,8 +67,7 @@ fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
 ) {
     for row in rows.clone().step_by(LANES) {
         let some = (row, LANES.min(rows.end - row));
-        let direction = Vector::load(&to.paths.rays.direction, row);
-        let at = Incidence::load(scene, models, surfaces, direction, some);
+        let at = Incidence::load(scene, models, surfaces, &to.paths.rays, some);
         let choice = || {
             let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
             u
