@@ -2,11 +2,12 @@
 //!
 //! Of the bodies around a point the one of the highest priority counts, and of several the smallest
 //! (in the manner of Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images").
-//! Which that is does not hang on how a path got there: it is looked for on both sides of what is
-//! hit, just as far off it as rays start. So paths of either side know the same, whatever is inside
-//! or around, and faces in one place are one interface: what is hit first tells what is before it
-//! and behind it, and the ray that goes on starts beyond both. Bodies that are apart from all
-//! others are not looked for.
+//! Which that is does not hang on what a path went through: it is looked for on both sides of what
+//! is hit, just as far off it as rays start. So paths of either side know the same, whatever is
+//! inside or around, and faces in one place are one interface: what is hit first tells what is
+//! before it and behind it, and the ray that goes on starts beyond both. Where a path comes from
+//! counts in gaps alone that are narrower than that, and there a ray may still start beyond a face
+//! that it should meet. Bodies that are apart from all others are not looked for.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
