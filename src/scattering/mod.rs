@@ -22,6 +22,7 @@ pub mod sensor;
 pub mod shut_in;
 pub mod side;
 pub mod surface;
+pub mod targets;
 pub mod vertex;
 
 pub use event::{Event, Met};

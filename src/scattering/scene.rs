@@ -15,6 +15,7 @@ use crate::scene::emitter::Emitter;
 
 use super::Sensor;
 use super::boundaries::settle;
+use super::emitter::aim::Aim;
 use super::emitter::choice::Choice;
 use super::emitter::direct::DirectTable;
 use super::emitter::{self, EmissionSample};
@@ -25,6 +26,7 @@ use super::medium::Medium;
 use super::nesting::Interfaces;
 use super::surface::model::LaneRows;
 use super::surface::{Material, SurfaceKind, Surfaces};
+use super::targets::targets;
 
 /// Lamps are small whose area is less of that of the ball about the scene.
 const SMALL_LAMP: f64 = 1e-3;
@@ -69,6 +71,8 @@ pub struct Scene<const N: usize> {
     emitter_media: Vec<Around<[u32; 2]>>,
     /// Which emitter is chosen how often.
     pub choice: Choice,
+    /// What light paths are aimed at, if not all at the whole scene.
+    pub aim: Option<Aim>,
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
     look: OnceLock<Look>,
@@ -121,13 +125,14 @@ impl<const N: usize> Scene<N> {
             && material_of_primitive.iter().zip(&optics.emitter_of_primitive).any(
                 |(&row, &emitter)| emitter != NONE && materials[row as usize].kind.is_straight_on(),
             );
-        Self {
+        let mut scene = Self {
             sensor_medium,
             emitter_media,
             sensor,
             direct: DirectTable::new(&shapes, &optics),
             emitter_offsets,
             choice: Choice::new(&shapes, &optics.emitters),
+            aim: None,
             interfaces,
             has_polarizing_vertices,
             events,
@@ -143,6 +148,22 @@ impl<const N: usize> Scene<N> {
             material_of_primitive,
             event_of_hit,
             surfaces,
+        };
+        scene.aim_light_paths();
+        scene
+    }
+
+    /// Looks for what light paths are worth to be aimed at, if any are of emitters without extent.
+    fn aim_light_paths(&mut self) {
+        let has_extent = |emitter: &Emitter<N>| emitter::primitive(&emitter.model) != NONE;
+        if self.optics.emitters.iter().all(has_extent) {
+            return;
+        }
+        let targets = targets(self);
+        self.aim = Aim::new(&targets, &self.shapes, &mut self.optics.emitters);
+        if self.aim.is_some() {
+            self.direct = DirectTable::new(&self.shapes, &self.optics);
+            self.choice = Choice::new(&self.shapes, &self.optics.emitters);
         }
     }
 

@@ -28,10 +28,11 @@ pub fn sample_emissions<const N: usize>(
     let choice = numbers(Purpose::EmitterOfPath);
     let position = numbers(Purpose::EmissionPosition);
     let direction = numbers(Purpose::EmissionDirection);
+    let aim = scene.aim.as_ref().map_or([0.0; LANES], |_| numbers(Purpose::Aim)[0]);
     std::array::from_fn(|lane| {
         let [choice, u_position, u_direction] =
             [&choice, &position, &direction].map(|pair| [pair[0][lane], pair[1][lane]]);
-        sample_emission(scene, choice, u_position, u_direction)
+        sample_emission(scene, choice, aim[lane], u_position, u_direction)
     })
 }
 
@@ -76,7 +77,8 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     Finding { path_length, strategy }: Finding,
 ) {
     let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
-    let position = Vec3::from(lanes::row_of(&paths.rays.origin, row)) + direction * t;
+    let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
+    let position = if t.is_finite() { origin + direction * t } else { origin };
     let Some(met) = met_emission(scene, primitive, position, direction) else { return };
     let MetEmission { emission_pdf, cos_at_light, .. } = met;
     // Where the last vertex connects to nothing, nobody asks how.

@@ -40,6 +40,8 @@ pub enum Purpose {
     Passage,
     /// Whether a vertex far along its path connects to others (first number), and to which.
     Connections,
+    /// What a light path is aimed at (first number).
+    Aim,
 }
 
 /// Purposes per path length; a power of two that exceeds the last [`Purpose`].

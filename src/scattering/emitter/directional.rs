@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Directional;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
@@ -36,6 +36,10 @@ impl Emits for Directional {
 
     fn outline(&self, _: &Shapes) -> Outline {
         Outline { axis: -self.direction, ..Outline::at(Vec3::ZERO) }
+    }
+
+    fn gain_of_aim(&self, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+        infinity::gain_of_aim(shapes, ball)
     }
 
     fn emit<const N: usize>(

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Environment;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
@@ -38,6 +38,10 @@ impl Emits for Environment {
 
     fn outline(&self, _: &Shapes) -> Outline {
         Outline { even: PI, ..Outline::at(Vec3::ZERO) }
+    }
+
+    fn gain_of_aim(&self, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+        infinity::gain_of_aim(shapes, ball)
     }
 
     fn emit<const N: usize>(

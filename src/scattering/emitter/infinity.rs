@@ -5,8 +5,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use crate::math::{F32s, Vector, warp};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 
+use super::aim::GAIN_MIN;
 use super::direct::{DirectLanes, finite, reachable};
 use super::{EmissionSample, Emits, Source};
 
@@ -17,6 +18,12 @@ pub const SPHERE_PDF: f32 = FRAC_1_PI / 4.0;
 pub fn disk_pdf(shapes: &Shapes) -> f32 {
     let radius = shapes.bounds.radius;
     FRAC_1_PI / (radius * radius)
+}
+
+/// [`Emits::gain_of_aim`]: the ratio of the two disks.
+pub fn gain_of_aim(shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+    let ratio = shapes.bounds.radius / ball.radius;
+    Some(ratio * ratio).filter(|&gain| gain > GAIN_MIN)
 }
 
 /// A uniform direction.
@@ -41,14 +48,17 @@ pub fn emit<Model: Emits, const N: usize>(
     u: [f32; 2],
 ) -> EmissionSample<N> {
     let bounds = source.shapes.bounds;
-    let radius = bounds.radius * u[0].sqrt();
+    let disk = source.aimed_at.unwrap_or(bounds);
+    let radius = disk.radius * u[0].sqrt();
     let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
+    // Before the whole scene, whichever part of it is aimed at.
+    let before = bounds.radius + direction.dot(disk.center - bounds.center);
     let start_pdf = source.probability * direction_pdf;
     let emission_pdf = start_pdf * disk_pdf(source.shapes);
     EmissionSample {
-        position: bounds.center + on_disk - direction * bounds.radius,
+        position: disk.center + on_disk - direction * before,
         normal: Vec3::ZERO,
         direction,
         beta: source.radiance.map(|radiance| radiance / emission_pdf),

@@ -14,6 +14,7 @@ mod sphere;
 mod spot;
 mod triangle;
 
+pub mod aim;
 pub mod choice;
 pub mod direct;
 pub mod tree;
@@ -21,13 +22,14 @@ pub mod tree;
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scene::baked::{NONE, Shapes};
+use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
     Directional, EmitterModel, Environment, Extent, Point, Sphere, Spot, Triangle, for_all_emitters,
 };
 
 use super::Scene;
 
+use self::aim::Line;
 use self::direct::{DirectLanes, Own, OwnLanes};
 use self::tree::{Outline, Vantage};
 
@@ -58,7 +60,14 @@ pub trait Emits: Extent {
     /// How it looks from elsewhere, for a radiance of one.
     fn outline(&self, shapes: &Shapes) -> Outline;
 
-    /// Starts a light path.
+    /// How many times as dense light paths are that are aimed at a ball as those that are aimed at
+    /// the whole scene; none if they are not: the ball is not small as seen from the emitter, or
+    /// gets no light, or the emitter has an extent.
+    fn gain_of_aim(&self, _shapes: &Shapes, _ball: &Bounds) -> Option<f32> {
+        None
+    }
+
+    /// Starts a light path: its densities are those of paths that are aimed at the whole scene.
     fn emit<const N: usize>(
         &self,
         source: &Source<N>,
@@ -106,6 +115,8 @@ pub struct Source<'a, const N: usize> {
     pub probability: f32,
     /// Where everything is.
     pub shapes: &'a Shapes,
+    /// What the light path is aimed at; if nothing, at the whole scene.
+    pub aimed_at: Option<Bounds>,
 }
 
 /// The start of a light path.
@@ -160,19 +171,27 @@ pub struct MetEmission<const N: usize> {
     pub cos_at_light: f32,
 }
 
-/// Starts a light path.
+/// Starts a light path; `u_aim` says what it is aimed at, if paths are.
 pub fn sample_emission<const N: usize>(
     scene: &Scene<N>,
     choice: [f32; 2],
+    u_aim: f32,
     u_position: [f32; 2],
     u_direction: [f32; 2],
 ) -> EmissionSample<N> {
     let row = scene.choice.by_power(choice);
-    emit(&scene.optics.emitters[row].model, &source(scene, row), u_position, u_direction)
+    let model = &scene.optics.emitters[row].model;
+    let source = source(scene, row);
+    let Some(aim) = &scene.aim else { return emit(model, &source, u_position, u_direction) };
+    let drawn = aim.draw(row, u_aim);
+    let source = Source { aimed_at: drawn.map(|ball| aim.ball(ball)), ..source };
+    let mut sample = emit(model, &source, u_position, u_direction);
+    aim.weigh(&mut sample, drawn);
+    sample
 }
 
 /// What a ray along `direction` sees of the emitter of the primitive it hit ([`NONE`]: nothing);
-/// none if that does not emit towards it. `position` is the point hit.
+/// none if that does not emit towards it. `position` is the point hit, or any point of the ray.
 pub fn met_emission<const N: usize>(
     scene: &Scene<N>,
     primitive: u32,
@@ -184,7 +203,10 @@ pub fn met_emission<const N: usize>(
         return None;
     }
     let row = row as usize;
-    met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)
+    let met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
+    let Some(aim) = &scene.aim else { return Some(met) };
+    let line = Line { emitter: row, point: position, direction: -direction };
+    Some(MetEmission { emission_pdf: aim.gain(line) * met.emission_pdf, ..met })
 }
 
 /// The `direct` density of a point of an emitter, seen along `direction`, or of the direction.
@@ -205,7 +227,7 @@ pub fn direct_pdf<const N: usize>(
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (emitter.radiance, emitter.probability);
-    Source { row, radiance, probability, shapes: &scene.shapes }
+    Source { row, radiance, probability, shapes: &scene.shapes, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for
@@ -296,6 +318,13 @@ macro_rules! dispatched {
                 $(EmitterModel::$Model(model) => {
                     model.density(shapes, reference, point, direction)
                 })*
+            }
+        }
+
+        /// [`Emits::gain_of_aim`].
+        fn gain_of_aim(model: &EmitterModel, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+            match model {
+                $(EmitterModel::$Model(model) => model.gain_of_aim(shapes, ball),)*
             }
         }
 

@@ -5,9 +5,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Point;
 
+use super::aim::GAIN_MIN_OF_POINTS;
 use super::direct::{DirectLanes, Own, OwnLanes, finite, own, reachable};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -42,13 +43,17 @@ impl Emits for Point {
         Outline { even: 1.0, ..Outline::at(self.position) }
     }
 
+    fn gain_of_aim(&self, _: &Shapes, ball: &Bounds) -> Option<f32> {
+        cone_about(self.position, ball)?.gain(ALL)
+    }
+
     fn emit<const N: usize>(
         &self,
         source: &Source<N>,
         _: [f32; 2],
         u_direction: [f32; 2],
     ) -> EmissionSample<N> {
-        let direction = in_cone(Vec3::Z, ALL, u_direction);
+        let direction = direction_of_path(source, self.position, (Vec3::Z, ALL), u_direction);
         emit::<Self, N>(source, self.position, direction, source.radiance, cone_pdf(ALL))
     }
 
@@ -64,6 +69,57 @@ impl Emits for Point {
 /// Density per steradian of a uniform direction in a cone, by the cosine at its edge.
 pub fn cone_pdf(cos_edge: f32) -> f32 {
     0.5 * FRAC_1_PI / (1.0 - cos_edge)
+}
+
+/// The cone in which a ball is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct ConeAbout {
+    /// To the center, unit length.
+    pub axis: Vec3,
+    /// One less the cosine at the edge: narrow cones have cosines that no `f32` tells from one.
+    versine: f32,
+}
+
+/// The cone in which a ball is seen from a point; none from within.
+pub fn cone_about(point: Vec3, ball: &Bounds) -> Option<ConeAbout> {
+    let to_ball = ball.center.as_dvec3() - point.as_dvec3();
+    let sine2 = f64::from(ball.radius).powi(2) / to_ball.length_squared();
+    let versine = (sine2 / (1.0 + (1.0 - sine2).sqrt())) as f32;
+    (sine2 < 1.0).then(|| ConeAbout { axis: to_ball.normalize().as_vec3(), versine })
+}
+
+impl ConeAbout {
+    /// [`Emits::gain_of_aim`] of a point that shines into a cone with this cosine at its edge.
+    pub fn gain(self, cos_edge: f32) -> Option<f32> {
+        Some((1.0 - cos_edge) / self.versine).filter(|&gain| gain > GAIN_MIN_OF_POINTS)
+    }
+
+    /// Cosine at the edge.
+    pub fn cos_edge(self) -> f32 {
+        1.0 - self.versine
+    }
+
+    /// A uniform direction in it.
+    fn direction(self, u: [f32; 2]) -> Vec3 {
+        let versine = u[0] * self.versine;
+        let radius = (versine * (2.0 - versine)).sqrt();
+        let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+        let (tangent, bitangent) = self.axis.any_orthonormal_pair();
+        let across = tangent * (radius * cosine) + bitangent * (radius * sine);
+        (across + self.axis * (1.0 - versine)).normalize()
+    }
+}
+
+/// The direction of a light path from a point: in the cone about what it is aimed at, else in that
+/// of the light.
+pub fn direction_of_path<const N: usize>(
+    source: &Source<N>,
+    position: Vec3,
+    (axis, cos_edge): (Vec3, f32),
+    u: [f32; 2],
+) -> Vec3 {
+    let about = source.aimed_at.and_then(|ball| cone_about(position, &ball));
+    about.map_or_else(|| in_cone(axis, cos_edge, u), |cone| cone.direction(u))
 }
 
 /// A uniform direction in a cone.

@@ -4,11 +4,11 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Spot;
 
 use super::direct::{DirectLanes, Own, OwnLanes, own};
-use super::point::{self, cone_pdf, in_cone};
+use super::point::{self, cone_about, cone_pdf, direction_of_path};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
@@ -48,13 +48,21 @@ impl Emits for Spot {
         Outline { axis: self.direction, edge, ..Outline::at(self.position) }
     }
 
+    fn gain_of_aim(&self, _: &Shapes, ball: &Bounds) -> Option<f32> {
+        let cone = cone_about(self.position, ball)?;
+        let between = self.direction.dot(cone.axis).clamp(-1.0, 1.0).acos();
+        let reach = self.cos_outer.acos() + cone.cos_edge().acos();
+        cone.gain(self.cos_outer).filter(|_| between < reach)
+    }
+
     fn emit<const N: usize>(
         &self,
         source: &Source<N>,
         _: [f32; 2],
         u_direction: [f32; 2],
     ) -> EmissionSample<N> {
-        let direction = in_cone(self.direction, self.cos_outer, u_direction);
+        let cone = (self.direction, self.cos_outer);
+        let direction = direction_of_path(source, self.position, cone, u_direction);
         let cosine = direction.dot(self.direction);
         let ramp = (cosine - self.cos_outer) / (self.cos_inner - self.cos_outer);
         let ramp = ramp.clamp(0.0, 1.0);

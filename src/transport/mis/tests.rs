@@ -14,6 +14,8 @@ const TOLERANCE: f64 = 1e-10;
 const PATHS: u32 = 400;
 /// Most segments of a path.
 const SEGMENTS_MAX: usize = 8;
+/// Ways to aim a light path: at the whole scene, and at some balls.
+const AIMS: usize = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EmitterKind {
@@ -155,7 +157,9 @@ struct Path {
     /// Of the point on the lens, which every strategy draws alike.
     lens_pdf: f64,
     light_paths: f64,
-    emission_pdf: f64,
+    /// Of starting a light path with it by each of the ways to aim, which start the same one: zero
+    /// for those whose balls it does not meet.
+    emission_pdfs: [f64; AIMS],
     cos_at_light: f64,
     eta: f64,
 }
@@ -174,7 +178,10 @@ impl Path {
             sensor_pdf: random.density(),
             lens_pdf: if sensor == SensorKind::Lens { random.density() } else { 1.0 },
             light_paths: random.density(),
-            emission_pdf: random.density(),
+            emission_pdfs: std::array::from_fn(|aim| {
+                let meets = aim == 0 || random.up_to(1.0) < 0.5;
+                if meets { random.density() } else { 0.0 }
+            }),
             cos_at_light: if emitter == EmitterKind::Area { random.density() } else { 1.0 },
             eta: random.density(),
         }
@@ -210,9 +217,13 @@ impl Path {
     /// Density of tracing the emitter's point (or direction) and the vertices down to that of
     /// index `last`.
     fn of_emitter_side(&self, last: usize) -> f64 {
+        (0..AIMS).map(|aim| self.of_emitter_side_by(aim, last)).sum()
+    }
+
+    fn of_emitter_side_by(&self, aim: usize, last: usize) -> f64 {
         let end = self.vertices.len() - 1;
         let measure = self.vertices[end].measure_to_light;
-        let mut density = self.emission_pdf * measure / self.emitter_distance2();
+        let mut density = self.emission_pdfs[aim] * measure / self.emitter_distance2();
         density *= self.chances[end + 1];
         for index in (last..end).rev() {
             let [from, to] = [self.vertices[index + 1], self.vertices[index]];
@@ -260,8 +271,13 @@ impl Path {
 
     // ---- the recursion -------------------------------------------------------------------------
 
+    /// That of the mixture, which is all that the recursion knows.
+    fn emission_pdf(&self) -> f64 {
+        self.emission_pdfs.iter().sum()
+    }
+
     fn emitter_densities(&self) -> EmitterDensities<f64> {
-        let &Self { emission_pdf, cos_at_light, .. } = self;
+        let (emission_pdf, cos_at_light) = (self.emission_pdf(), self.cos_at_light);
         let direct_pdf = self.vertices[self.vertices.len() - 1].direct_pdf;
         EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
     }
@@ -288,7 +304,7 @@ impl Path {
     fn light_weights(&self, last: usize) -> PartialWeights<f64> {
         let end = self.vertices.len() - 1;
         let delta = self.emitter.delta();
-        let start = PartialWeights::from_emitter(self.emission_pdf, self.cos_at_light, delta);
+        let start = PartialWeights::from_emitter(self.emission_pdf(), self.cos_at_light, delta);
         let start = start.pass(self.chances[end + 1]);
         let first = start.arrive(self.emitter_distance2(), self.vertices[end].measure_to_light);
         let first = first.beside_choice(self.vertices[end].direct_pdf);
@@ -314,7 +330,7 @@ impl Path {
 
     fn light_merging(&self, last: usize, factors: MergingFactors<f64>) -> MergingWeights<f64> {
         let end = self.vertices.len() - 1;
-        let (emission_pdf, cos_at_light) = (self.emission_pdf, self.cos_at_light);
+        let (emission_pdf, cos_at_light) = (self.emission_pdf(), self.cos_at_light);
         let delta = self.emitter.delta();
         let start = MergingWeights::from_emitter(emission_pdf, cos_at_light, delta, factors);
         let start = start.pass(self.chances[end + 1]);

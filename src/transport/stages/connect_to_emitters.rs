@@ -38,7 +38,7 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
     let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let Chosen { lanes: chosen, offset } =
+        let Chosen { lanes: mut chosen, emitters, offset } =
             choose(paths, surfaces, scene, (row, live), path_length);
         let vertices = all.at(surfaces, Consecutive(row, live));
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
@@ -46,6 +46,9 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
         let weight = match strategy {
             Strategy::Unidirectional | Strategy::Merging => mis::power_of_emitter_connected(chance),
             Strategy::Bidirectional => {
+                if let Some(aim) = &scene.aim {
+                    aim.mix(&mut chosen, emitters, Vector::load(&surfaces.position, row));
+                }
                 bidirectional_weight(paths.mis.load(row), &chosen, &turn, chance)
             }
         };
@@ -105,12 +108,13 @@ fn choose<const N: usize, C>(
     let offset = F32s::from(chosen.map(|emitter| scene.emitter_offset(emitter)));
     let reference = Vector::load(&surfaces.position, row);
     let lanes = scene.direct.sample(chosen, chance.into(), reference, u);
-    Chosen { lanes, offset }
+    Chosen { lanes, emitters: chosen, offset }
 }
 
 /// Points of emitters, or directions to them.
 struct Chosen<const N: usize> {
     lanes: DirectLanes<N>,
+    emitters: [usize; LANES],
     /// How far before the emitters segments end.
     offset: F32s,
 }
