@@ -5,7 +5,7 @@
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
 
-use glam::Vec3;
+use glam::{Vec3, vec3};
 use serde_json::{Value, json};
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::Mode;
@@ -149,6 +149,72 @@ fn media_that_touch_end_where_the_others_begin() {
             let expected = (-of_first - 2.0 * (1.0 - of_first)).exp();
             let what = format!("{of_first}, swapped {swapped}, {integrator:?}");
             expect(stokes(scene, integrator, FOGGY.0), [expected, 0.0, 0.0, 0.0], FOGGY.1, &what);
+        }
+    }
+}
+
+/// Bodies of fog of six walls each, of which some are in the planes of others': an arm that ends
+/// in the face of a plate, boxes that are stacked, and one in the corner of another.
+#[test]
+fn bodies_of_many_walls_hold_together() {
+    type Body = (Vec3, Vec3, usize);
+    let sigma = [1.0_f32, 2.0];
+    let cases: [(&str, &[Body], f32); 4] = [
+        (
+            "an arm in a plate",
+            &[
+                (vec3(-0.4, -0.4, 0.5), vec3(0.4, 0.4, 2.0), 0),
+                (vec3(-0.6, -0.6, 1.5), vec3(0.6, 0.6, 2.0), 1),
+            ],
+            1.0 * sigma[0] + 0.5 * sigma[1],
+        ),
+        (
+            "stacked ones of one medium",
+            &[
+                (vec3(-0.5, -0.5, 0.0), vec3(0.5, 0.5, 0.5), 0),
+                (vec3(-0.5, -0.5, 0.5), vec3(0.5, 0.5, 1.0), 0),
+            ],
+            sigma[0],
+        ),
+        (
+            "three side by side on the floor",
+            &[
+                (vec3(-0.9, -0.5, 0.0), vec3(-0.3, 0.5, 0.5), 0),
+                (vec3(-0.3, -0.5, 0.0), vec3(0.3, 0.5, 0.5), 0),
+                (vec3(0.3, -0.5, 0.0), vec3(0.9, 0.5, 0.5), 0),
+            ],
+            0.5 * sigma[0],
+        ),
+        (
+            "one in the corner of another",
+            &[
+                (vec3(-0.5, -0.5, 0.5), vec3(0.5, 0.5, 1.5), 0),
+                (vec3(-0.5, -0.5, 0.5), vec3(0.2, 0.2, 0.75), 1),
+            ],
+            0.75 * sigma[0] + 0.25 * sigma[1],
+        ),
+    ];
+    for (what, bodies, depth) in cases {
+        for is_reversed in [false, true] {
+            let mut scene = Document::default();
+            let wall = scene.material(json!({"bsdf": "absorber"}));
+            let wall = scene.emits(wall, 1.0);
+            scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, wall);
+            let absorbing =
+                |sigma: f32| json!({"phase": "isotropic", "sigma_a": sigma, "sigma_s": 0.0});
+            let media = sigma.map(|sigma| scene.medium(absorbing(sigma)));
+            let mut bodies = bodies.to_vec();
+            if is_reversed {
+                bodies.reverse();
+            }
+            for (low, high, medium) in bodies {
+                let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+                scene.fog(media[medium], |scene, null| scene.cuboid(center, half, null));
+            }
+            scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
+            let expected = [(-depth).exp(), 0.0, 0.0, 0.0];
+            let found = stokes(scene, Integrator::Path, FOGGY.0);
+            expect(found, expected, FOGGY.1, &format!("{what}, reversed {is_reversed}"));
         }
     }
 }

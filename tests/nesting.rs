@@ -220,6 +220,31 @@ fn no_light_is_made_or_lost() {
     }
 }
 
+/// Rays start off surfaces by about as much, more off larger ones, and so beyond faces at times.
+#[test]
+fn gaps_that_rays_jump_over_make_no_light() {
+    for gap in [2e-7, 6e-7, 8e-7, 1e-6, 1.2e-6, 1.5e-6] {
+        let small_on_large = |bench: &mut Bench| {
+            bench.slab(GLASS, [0.0, 1.0], 1.5, 0);
+            bench.slab(WATER, [1.0 + gap, 2.0], 0.3, 0);
+        };
+        let flush = |bench: &mut Bench| {
+            bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
+            bench.slab(2.4, [0.5, 1.0 - gap], 0.4, 0);
+        };
+        for build in [&small_on_large as &dyn Fn(&mut Bench), &flush] {
+            let surrounded = |bench: &mut Bench| {
+                build(bench);
+                bench.0.set_environment(1.0).unwrap();
+                let lens = Lens::Orthographic { half_width: 0.3, half_height: 0.3 };
+                let place = Transform::looking(DVec3::new(0.1, 2.2, 8.0), DVec3::Z, DVec3::Y);
+                bench.0.set_camera("aslant", lens, place).unwrap();
+            };
+            check(surrounded, 1.0, &[Integrator::Path]);
+        }
+    }
+}
+
 #[test]
 fn an_opaque_body_has_no_priority() {
     let mut world = World::new("opaque");

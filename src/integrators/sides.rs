@@ -46,6 +46,7 @@ impl SensorWalk {
             if scene.choice.depends_on_vantage() {
                 w.sensor.iter_mut().for_each(|paths| paths.last.make(ROWS));
             }
+            start_nesting(&mut w.sensor, scene);
             let components = w.measured.components();
             generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths, components);
         });
@@ -61,8 +62,16 @@ impl LightWalk {
     ) {
         w.profile.time(Stage::Start, || {
             w.splats.clear();
+            start_nesting(&mut w.light, scene);
             emit_light_paths(&mut w.light[0], chunk, scene);
         });
+    }
+}
+
+/// Paths that start know of no dielectrics, where they are to know of any.
+fn start_nesting<const N: usize, C>(tables: &mut [PathTable<N, C>], scene: &Scene<N>) {
+    if scene.interfaces.is_some() {
+        tables.iter_mut().for_each(|paths| paths.nested.start(ROWS));
     }
 }
 

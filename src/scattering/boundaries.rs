@@ -11,10 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 
 use super::immersion::{Immersion, Seen, spread};
-use super::nesting::nest;
+use super::nesting::{fill, nest};
 use super::patches::{Patches, join, primitives_of_surfaces, wholes};
 use crate::geometry::Accelerator;
-use crate::scene::baked::{Body, KEEP, SOUGHT, Shapes};
+use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
 /// Looks from all boundaries together, about, and from one of them.
 const LOOKS: usize = 1 << 15;
@@ -62,6 +62,8 @@ struct Boundary {
     is_closed: bool,
     /// Volume of its box.
     size: f32,
+    /// The corners of its box.
+    bounds: [Vec3; 2],
     /// What is seen from behind and before it.
     seen: [Vec<Seen>; 2],
 }
@@ -144,8 +146,8 @@ fn look_around(
         let seen = [look(-1.0), look(1.0)];
         let whole = shapes.surfaces[surface as usize].whole;
         let all = Patches::new(shapes, &wholes[&whole]);
-        let (is_closed, size) = (all.is_closed(), all.size());
-        Boundary { surface, whole, points, step, is_closed, size, seen }
+        let (is_closed, size, bounds) = (all.is_closed(), all.size(), all.bounds());
+        Boundary { surface, whole, points, step, is_closed, size, bounds, seen }
     };
     bounding.iter().map(boundary).collect()
 }
@@ -284,6 +286,10 @@ fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u
         })
     };
     shapes.bodies = boundaries.iter().filter_map(body).collect();
+    let is_other = |it: &&Boundary| shapes.surfaces[it.surface as usize].solid == NONE;
+    let others: Vec<_> =
+        boundaries.iter().filter(is_other).map(|it| (it.bounds, it.step)).collect();
+    fill(shapes, &others);
     for surface in &mut shapes.surfaces {
         if sought.contains(&surface.whole) {
             (surface.interior, surface.exterior) = (SOUGHT, SOUGHT);

@@ -2,12 +2,14 @@
 //!
 //! Of the bodies around a point the one of the highest priority counts, and of several the smallest
 //! (in the manner of Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images").
-//! Which that is does not hang on what a path went through: it is looked for on both sides of what
-//! is hit, just as far off it as rays start. So paths of either side know the same, whatever is
-//! inside or around, and faces in one place are one interface: what is hit first tells what is
-//! before it and behind it, and the ray that goes on starts beyond both. Where a path comes from
-//! counts in gaps alone that are narrower than that, and there a ray may still start beyond a face
-//! that it should meet. Bodies that are apart from all others are not looked for.
+//! Which that is does not hang on what a path went through: it is looked for behind what is hit,
+//! just as far off it as rays start. So paths of either side know the same, whatever is inside or
+//! around, and faces in one place are one interface: what is hit first tells what is behind it, and
+//! the ray that goes on starts beyond both. What is before a surface is what was found where the
+//! path has come from, so that what refracts it has one index of refraction between any two
+//! surfaces, and no light is made or lost: even in gaps narrower than the offset of rays, where a
+//! ray may start beyond a face that it should meet. Bodies that are apart from all others are not
+//! looked for.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -17,8 +19,10 @@ use glam::Vec3;
 use super::immersion::{DIRECTIONS, Immersion, STEPS};
 use super::patches::{Patches, wholes};
 use super::surface::Surfaces;
+use super::surface::model::LaneRows;
 use crate::geometry::offset_distance;
-use crate::scene::baked::{NONE, Optics, Shapes, Solid};
+use crate::math::LANES;
+use crate::scene::baked::{KEEP, NONE, Optics, Shapes, Solid};
 use crate::scene::world::SurfaceModel;
 
 /// Finds the solids whose boxes reach into those of others.
@@ -33,7 +37,8 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
         if patches.is_closed() {
             let (bounds, size) = (patches.bounds(), patches.size());
             let (material, priority) = (surface.material, surface.priority);
-            let solid = Solid { material, priority, size, bounds, others: Vec::new() };
+            let others = Vec::new();
+            let solid = Solid { material, priority, size, bounds, others, filling: KEEP };
             found.push((whole, solid, patches.step()));
         }
     }
@@ -62,18 +67,15 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
 
 /// Tells solids of the others whose boxes reach into theirs, or up to them.
 fn meet(found: &mut [(u32, Solid, f32)]) {
-    let wide = |(_, solid, step): &(u32, Solid, f32)| {
-        let [low, high] = solid.bounds;
-        [low - *step, high + *step]
-    };
+    let wide = |(_, solid, step): &(u32, Solid, f32)| widened(solid.bounds, *step);
     let boxes: Vec<[Vec3; 2]> = found.iter().map(wide).collect();
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by(|&a, &b| boxes[a][0].x.total_cmp(&boxes[b][0].x));
     for (place, &a) in order.iter().enumerate() {
-        let [low, high] = boxes[a];
+        let high = boxes[a][1];
         let reached = order[place + 1..].iter().take_while(|&&b| boxes[b][0].x <= high.x);
         for &b in reached {
-            if low.cmple(boxes[b][1]).all() && boxes[b][0].cmple(high).all() {
+            if meet_boxes(boxes[a], boxes[b]) {
                 found[a].1.others.push(b as u32);
                 found[b].1.others.push(a as u32);
             }
@@ -81,21 +83,41 @@ fn meet(found: &mut [(u32, Solid, f32)]) {
     }
 }
 
+/// A box, `step` wider on all sides.
+fn widened([low, high]: [Vec3; 2], step: f32) -> [Vec3; 2] {
+    [low - step, high + step]
+}
+
+/// Whether two boxes have a point in common.
+fn meet_boxes([a_low, a_high]: [Vec3; 2], [b_low, b_high]: [Vec3; 2]) -> bool {
+    a_low.cmple(b_high).all() && b_low.cmple(a_high).all()
+}
+
+/// Notes what fills solids, of which `bodies` tell, and what is around them, where no other
+/// boundary of media is: the boxes of all those are `others`, with how far off one is for sure.
+pub fn fill(shapes: &mut Shapes, others: &[([Vec3; 2], f32)]) {
+    if others.is_empty() {
+        shapes.around_solids = shapes.scene_medium;
+    }
+    for body in &shapes.bodies {
+        let row = shapes.surfaces[body.surface as usize].solid;
+        let Some(solid) = shapes.solids.get_mut(row as usize) else { continue };
+        let is_near =
+            |&(bounds, step): &([Vec3; 2], f32)| meet_boxes(widened(bounds, step), solid.bounds);
+        if !others.iter().any(is_near) {
+            solid.filling = body.filling;
+        }
+    }
+}
+
 impl Immersion<'_> {
-    /// The solids that count before and behind a surface of `solid`, at a point on it from which
-    /// `off` leads to the front, for a path that comes from `origin`; [`NONE`] where there is none.
-    pub fn solids_at(&self, solid: u32, point: Vec3, off: Vec3, origin: Vec3) -> [u32; 2] {
+    /// The solid that counts next to a surface of `solid`, at a point on it, `off` it: to the front,
+    /// or to the `inside`; [`NONE`] where there is none.
+    pub fn solid_beside(&self, solid: u32, point: Vec3, off: Vec3, inside: bool) -> u32 {
         let others = &self.shapes().solids[solid as usize].others;
-        let winner = |off: Vec3, own: Option<u32>| {
-            let around = others.iter().copied().filter(|&other| self.is_in(other, point, off));
-            let rank = |a: &u32, b: &u32| self.rank(*a, *b);
-            around.chain(own).max_by(rank).unwrap_or(NONE)
-        };
-        // Between faces that are nearer than rays start off them, rays may have started.
-        let height = (origin - point).dot(off) / off.length_squared();
-        let near = (0.5 * height.abs()).min(1.0);
-        let [front, back] = if height > 0.0 { [near, 1.0] } else { [1.0, near] };
-        [winner(front * off, None), winner(-back * off, Some(solid))]
+        let around = others.iter().copied().filter(|&other| self.is_in(other, point, off));
+        let own = inside.then_some(solid);
+        around.chain(own).max_by(|a, b| self.rank(*a, *b)).unwrap_or(NONE)
     }
 
     /// Which of two solids counts where both are.
@@ -188,10 +210,29 @@ impl Interfaces {
         Some(Self { index_of, count: indices.len(), first_row: rows[0] as usize })
     }
 
-    /// The row in the table of dielectrics of the interface between two solids, before and behind.
-    pub fn row(&self, sides: [u32; 2]) -> usize {
-        let [before, behind] =
-            sides.map(|solid| self.index_of.get(solid as usize).copied().unwrap_or(0));
-        self.first_row + before * self.count + behind
+    /// The number of the index of refraction of a solid, or of what is around all.
+    pub fn index_of(&self, solid: u32) -> u32 {
+        self.index_of.get(solid as usize).map_or(0, |index| *index as u32)
     }
+
+    /// The row in the table of dielectrics of the interface between two indices of refraction, by
+    /// their numbers, before and behind.
+    pub fn row(&self, [before, behind]: [u32; 2]) -> usize {
+        self.first_row + before as usize * self.count + behind as usize
+    }
+}
+
+/// What a path does not know yet that has met no solid: the number of the index of refraction
+/// that it is in.
+pub const UNKNOWN: u32 = u32::MAX;
+
+/// Eight interfaces that paths have come to.
+pub struct InterfaceLanes {
+    /// Their rows in the table of dielectrics.
+    pub rows: LaneRows,
+    /// The numbers of the indices of refraction that paths are in which stay before them, and which
+    /// go through.
+    pub inside: [[u32; 2]; LANES],
+    /// The solids behind them, [`NONE`] for what is around all, where they are known.
+    pub behind: [Option<u32>; LANES],
 }

@@ -23,7 +23,7 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::look::Look;
 use super::medium::Medium;
-use super::nesting::Interfaces;
+use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
 use super::surface::model::LaneRows;
 use super::surface::{Material, SurfaceKind, Surfaces};
 use super::targets::targets;
@@ -275,7 +275,7 @@ impl<const N: usize> Scene<N> {
     ) -> u32 {
         let of = |columns| Vec3::from(lanes::row_of(columns, row));
         let to_front = of(&surfaces.geometric_normal).dot(of(&rays.direction)) > 0.0;
-        self.medium_beyond(surfaces, row, to_front, before)
+        self.medium_beyond(surfaces, row, to_front, (before, None))
     }
 
     /// Whether some surfaces leave light a single way, so that light paths cannot connect them to
@@ -313,22 +313,34 @@ impl<const N: usize> Scene<N> {
         &self.media[(row as usize).min(self.media.len() - 1)]
     }
 
-    /// The medium on the side of a surface that is entered, for a path in the medium `before`.
+    /// The medium on the side of a surface that is entered, for a path in the medium `before`, and
+    /// the `solid` there, if it is known.
     #[inline(always)]
     pub fn medium_beyond(
         &self,
         surfaces: &SurfaceColumns,
         row: usize,
         to_front: bool,
-        before: u32,
+        (before, solid): (u32, Option<u32>),
     ) -> u32 {
         let surface = self.shapes.surface_of(surfaces.primitive[row]);
         let surface = &self.shapes.surfaces[surface as usize];
         match if to_front { surface.exterior } else { surface.interior } {
             KEEP => before,
-            SOUGHT => self.medium_sought(surfaces, row, to_front),
+            SOUGHT => self
+                .medium_of_solid(solid)
+                .unwrap_or_else(|| self.medium_sought(surfaces, row, to_front)),
             medium => medium,
         }
+    }
+
+    /// The medium in a solid, or around all, where it does not have to be sought.
+    fn medium_of_solid(&self, solid: Option<u32>) -> Option<u32> {
+        let medium = match solid? {
+            NONE => self.shapes.around_solids,
+            row => self.shapes.solids[row as usize].filling,
+        };
+        (medium != KEEP).then_some(medium)
     }
 
     /// The medium next to a point where boundaries contradict each other.
@@ -339,33 +351,49 @@ impl<const N: usize> Scene<N> {
         self.immersion().at(of(&surfaces.position) + step * of(&surfaces.geometric_normal))
     }
 
-    /// The rows in the table of dielectrics at surfaces that are hit: those of what is on the two
-    /// sides there if solids overlap or touch, else of the material, as given.
+    /// What paths come to at surfaces that are hit, of which `given` are the rows in the table of
+    /// dielectrics: where solids overlap or touch, that is between what is on the two sides there.
+    /// `inside` are the numbers of the indices of refraction that the paths are in.
     #[cold]
-    pub fn rows_of_interfaces(
+    pub fn interfaces_at(
         &self,
+        interfaces: &Interfaces,
         surfaces: &SurfaceColumns,
-        rays: &RayColumns,
+        (rays, inside): (&RayColumns, &[u32]),
         hits: [usize; LANES],
-        given: LaneRows,
-    ) -> LaneRows {
-        let given = given.numbers().to_array();
-        let Some(interfaces) = &self.interfaces else {
-            return LaneRows::Each(given.map(|row| row as usize));
+        given: &LaneRows,
+    ) -> InterfaceLanes {
+        let immersion = self.immersion();
+        let mut met = InterfaceLanes {
+            rows: LaneRows::Same(0),
+            inside: hits.map(|hit| [inside[hit]; 2]),
+            behind: [None; LANES],
         };
-        let row_of = |lane: usize| {
-            let hit = hits[lane];
+        let mut rows = given.numbers().to_array().map(|row| row as usize);
+        for (lane, &hit) in hits.iter().enumerate() {
             let solid = self.shapes.surfaces[surfaces.surface[hit] as usize].solid;
             if solid == NONE {
-                return given[lane] as usize;
+                continue;
             }
             let of = |columns| Vec3::from(lanes::row_of(columns, hit));
             let (position, normal) = (of(&surfaces.position), of(&surfaces.geometric_normal));
-            let off = surfaces.offset[hit] * normal;
-            let origin = of(&rays.origin);
-            interfaces.row(self.immersion().solids_at(solid, position, off, origin))
-        };
-        LaneRows::Each(lanes::each(row_of))
+            let to_back = of(&rays.direction).dot(normal) < 0.0;
+            let beside = |to_back: bool| {
+                let off = surfaces.offset[hit] * if to_back { -normal } else { normal };
+                immersion.solid_beside(solid, position, off, to_back)
+            };
+            let beyond = beside(to_back);
+            met.behind[lane] = Some(beyond);
+            let [before, behind] = &mut met.inside[lane];
+            if *before == UNKNOWN {
+                *before = interfaces.index_of(beside(!to_back));
+            }
+            *behind = interfaces.index_of(beyond);
+            let [front, back] = if to_back { [*before, *behind] } else { [*behind, *before] };
+            rows[lane] = interfaces.row([front, back]);
+        }
+        met.rows = LaneRows::Each(rows);
+        met
     }
 
     /// The probability with which roulette lets a path go on from what it hit.

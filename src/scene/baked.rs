@@ -62,6 +62,9 @@ pub struct Shapes {
     /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on
     /// which of them are on its two sides. Empty where all are apart.
     pub solids: Vec<Solid>,
+    /// What is around all solids: a row in `media`, or [`NONE`]; [`KEEP`] where that is to be found
+    /// out.
+    pub around_solids: u32,
     /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
     /// The camera.
@@ -198,6 +201,8 @@ pub struct Solid {
     pub bounds: [Vec3; 2],
     /// The solids whose boxes reach into its own.
     pub others: Vec<u32>,
+    /// What fills it: a row in `media`, or [`NONE`]; [`KEEP`] where that is to be found out.
+    pub filling: u32,
 }
 
 /// A material at the wavelengths of the render.

@@ -249,10 +249,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
         let material = LaneRows::Each(lanes::each(material));
         let materials = scene.surfaces.materials();
-        let mut rows = material.map(|row| materials[row].row as usize);
-        if M::NESTS && scene.interfaces.is_some() {
-            rows = scene.rows_of_interfaces(surfaces, rays, lanes::each(used), rows);
-        }
+        let rows = material.map(|row| materials[row].row as usize);
         Self {
             direction,
             geometric,

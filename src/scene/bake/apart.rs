@@ -15,12 +15,13 @@
 use std::collections::HashMap;
 use std::time::Duration;
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use rayon::prelude::*;
 
+use super::bodies::{bodies, place};
 use super::primitives::Primitives;
 use crate::scene::baked::{RELATIVE_OFFSET, Sphere, Triangle};
 
@@ -309,32 +310,26 @@ fn move_spheres(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVe
     }
 }
 
-/// Moves corners, together with those of the same surface in the same place, so that it stays
-/// closed: as far along every step as that is long. Bodies may be of several surfaces of one
-/// material.
+/// Moves corners, together with those of the same body in the same place, so that it stays closed:
+/// as far along every step as that is long.
 fn move_corners(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVec3)]) {
-    let surfaces = &tables.surfaces;
-    let key = |surface: u32, corner: Vec3| {
-        let is_body = yields[surface as usize] == Yields::AsBody;
-        let whole = if is_body { surfaces[surface as usize].material } else { surface };
-        (is_body, whole, corner.to_array().map(f32::to_bits))
+    let of_triangles = moved.iter().filter(|(it, _)| *it < tables.triangles.len());
+    let mut steps: HashMap<(u32, [u32; 3]), DVec3> = HashMap::new();
+    let bodies = match of_triangles.clone().next() {
+        Some(_) => bodies(tables, yields),
+        None => return,
     };
-    let mut steps: HashMap<(bool, u32, [u32; 3]), DVec3> = HashMap::new();
-    for &(primitive, step) in moved.iter().filter(|(it, _)| *it < tables.triangles.len()) {
-        let surface = tables.surface_of_primitive[primitive];
+    for &(primitive, step) in of_triangles {
         for corner in tables.triangles[primitive].corners {
-            let sum = steps.entry(key(surface, corner)).or_default();
+            let sum = steps.entry((bodies[primitive], place(corner))).or_default();
             let (length, direction) = (step.length(), step.normalize());
             *sum += direction * (length - sum.dot(direction)).max(0.0);
         }
     }
-    if steps.is_empty() {
-        return;
-    }
-    for (triangle, &surface) in tables.triangles.iter_mut().zip(&tables.surface_of_primitive) {
+    for (triangle, body) in tables.triangles.iter_mut().zip(bodies) {
         let there = triangle.corners;
         for (corner, at) in triangle.corners.iter_mut().zip(there) {
-            if let Some(step) = steps.get(&key(surface, at)) {
+            if let Some(step) = steps.get(&(body, place(at))) {
                 *corner = (at.as_dvec3() + *step).as_vec3();
             }
         }

@@ -6,6 +6,7 @@
 //! or on world space in `f32`.
 
 mod apart;
+mod bodies;
 mod emitters;
 mod media;
 mod optics;
@@ -19,7 +20,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{BakedScene, Bounds, Camera, Material, NONE, Optics, Projection, Shapes};
+use super::baked::{BakedScene, Bounds, Camera, KEEP, Material, NONE, Optics, Projection, Shapes};
 use super::error::SceneError;
 use super::warnings::Warnings;
 use super::world::{
@@ -76,6 +77,7 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         surfaces: primitives.surfaces,
         bodies: Vec::new(),
         solids: Vec::new(),
+        around_solids: KEEP,
         scene_medium: rows.scene_medium,
         camera: camera(world, origin)?,
         origin,

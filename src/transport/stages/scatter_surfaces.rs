@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form, spheroids};
+use crate::scattering::nesting::InterfaceLanes;
 use crate::scattering::surface::model::{Incidence, Scattered};
 use crate::scattering::surface::{Connecting, Specular, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
@@ -67,7 +68,11 @@ fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
 ) {
     for row in rows.clone().step_by(LANES) {
         let some = (row, LANES.min(rows.end - row));
-        let at = Incidence::load(scene, models, surfaces, &to.paths.rays, some);
+        let mut at = Incidence::load(scene, models, surfaces, &to.paths.rays, some);
+        let nested = if M::NESTS { to.interfaces(&at, surfaces, scene, some) } else { None };
+        if let Some(InterfaceLanes { rows, .. }) = &nested {
+            at.models.rows = *rows;
+        }
         let choice = || {
             let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
             u
@@ -82,7 +87,11 @@ fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
             );
         }
         if to.paths.media.present() {
-            to.cross(surfaces, scene, &scattered.direction, row);
+            let behind = nested.as_ref().map_or([None; LANES], |nested| nested.behind);
+            to.cross(surfaces, scene, &scattered.direction, (row, behind));
+        }
+        if let Some(InterfaceLanes { inside, .. }) = nested {
+            to.go_through(surfaces, &scattered.direction, &inside, row);
         }
         to.depart_specular(&at, &scattered, bounce.side, row);
     }
@@ -133,6 +142,49 @@ fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
 }
 
 impl<const N: usize, C> Departing<'_, N, C> {
+    /// What rows have met that can be nested, in scenes where it is.
+    #[inline(always)]
+    fn interfaces<M>(
+        &self,
+        at: &Incidence<M>,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
+        (row, live): (usize, usize),
+    ) -> Option<InterfaceLanes> {
+        let interfaces = scene.interfaces.as_ref()?;
+        let paths = (&self.paths.rays, self.paths.nested.inside.as_slice());
+        let hits = lanes::each(|lane| row + lane.min(live - 1));
+        Some(scene.interfaces_at(interfaces, surfaces, paths, hits, &at.models.rows))
+    }
+
+    /// Rows are in the dielectric from now on that is on the side of the surface that they go on to.
+    fn go_through(
+        &mut self,
+        surfaces: &SurfaceColumns,
+        drawn: &Vector<F32s>,
+        inside: &[[u32; 2]; LANES],
+        row: usize,
+    ) {
+        let passes = self.pass(surfaces, drawn, row);
+        for lane in 0..LANES.min(self.end - row) {
+            self.paths.nested.inside[row + lane] = inside[lane][usize::from(passes[lane].0)];
+        }
+    }
+
+    /// Which rows go through their surfaces, and to the front.
+    #[inline(always)]
+    fn pass(
+        &self,
+        surfaces: &SurfaceColumns,
+        drawn: &Vector<F32s>,
+        row: usize,
+    ) -> [(bool, bool); LANES] {
+        let normal = Vector::load(&surfaces.geometric_normal, row);
+        let before = Vector::load(&self.paths.rays.direction, row).dot(normal).to_array();
+        let after = drawn.dot(normal).to_array();
+        lanes::each(|lane| (before[lane] * after[lane] > 0.0, after[lane] > 0.0))
+    }
+
     /// Where a row has gone through its surface, it is in the medium on the other side from now
     /// on: the one that the surface names.
     #[inline(always)]
@@ -141,16 +193,15 @@ impl<const N: usize, C> Departing<'_, N, C> {
         surfaces: &SurfaceColumns,
         scene: &Scene<N>,
         drawn: &Vector<F32s>,
-        row: usize,
+        (row, solids): (usize, [Option<u32>; LANES]),
     ) {
-        let paths = &mut *self.paths;
-        let normal = Vector::load(&surfaces.geometric_normal, row);
-        let before = Vector::load(&paths.rays.direction, row).dot(normal).to_array();
-        let after = drawn.dot(normal).to_array();
+        let passes = self.pass(surfaces, drawn, row);
         for lane in 0..LANES.min(self.end - row) {
-            if before[lane] * after[lane] > 0.0 {
-                let inside = &mut paths.media.inside[row + lane];
-                *inside = scene.medium_beyond(surfaces, row + lane, after[lane] > 0.0, *inside);
+            let (passes, to_front) = passes[lane];
+            if passes {
+                let inside = &mut self.paths.media.inside[row + lane];
+                let known = (*inside, solids[lane]);
+                *inside = scene.medium_beyond(surfaces, row + lane, to_front, known);
             }
         }
     }

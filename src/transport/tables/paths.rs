@@ -4,6 +4,7 @@ use crate::geometry::RayColumns;
 use crate::math::columns::{Channels, Column, Columns, columns};
 use crate::math::{F32s, LANES, U32s, lanes};
 use crate::scattering::emitter::tree::Vantage;
+use crate::scattering::nesting::UNKNOWN;
 use crate::transport::mis::{PartialWeights, TurnDensities};
 use crate::transport::sampler::{Purpose, draw};
 
@@ -28,6 +29,8 @@ pub struct PathTable<const N: usize, C> {
     pub mis: MisColumns,
     /// The last vertex, if that matters to the choice of emitters.
     pub last: LastColumns,
+    /// Nested dielectrics, if the scene has any.
+    pub nested: NestedColumns,
     /// Media, if the scene has any.
     pub media: MediaColumns<N>,
     /// Polarization, for the rows that have any.
@@ -111,6 +114,31 @@ impl LastColumns {
     }
 }
 
+columns! {
+    /// What paths know of the dielectrics that they are in, where some overlap or touch.
+    pub struct NestedColumns {
+        /// The number of the index of refraction around the current segment's start, in the
+        /// scene's [`Interfaces`](crate::scattering::nesting::Interfaces).
+        pub inside: Vec<u32>,
+    }
+}
+
+impl NestedColumns {
+    /// Whether there are columns at all.
+    #[inline(always)]
+    pub fn present(&self) -> bool {
+        !self.inside.is_empty()
+    }
+
+    /// Makes the columns for `capacity` rows, unless there are, for paths that have met nothing.
+    pub fn start(&mut self, capacity: usize) {
+        if !self.present() {
+            *self = Self::new(capacity);
+        }
+        self.inside.fill(UNKNOWN);
+    }
+}
+
 impl MisColumns {
     /// The partial weights of eight rows.
     #[inline(always)]
@@ -189,6 +217,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
             odds: Column::with_room(capacity),
             mis: MisColumns::new(capacity),
             last: LastColumns::absent(),
+            nested: NestedColumns::absent(),
             media: MediaColumns::if_any(capacity, with_media),
             carriers: C::new(capacity),
         }
@@ -196,7 +225,7 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
 
     /// Takes the rows that `partition` keeps from another table, in its order.
     pub fn take(&mut self, from: &Self, partition: &Partition) {
-        let Self { len, rays, identity, beta, odds, mis, last, media, carriers } = self;
+        let Self { len, rays, identity, beta, odds, mis, last, nested, media, carriers } = self;
         let order = &partition.order;
         *len = order.len();
         rays.take_rows(&from.rays, order, 0);
@@ -206,6 +235,9 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
         mis.take_rows(&from.mis, order, 0);
         if last.present() {
             last.take_rows(&from.last, order, 0);
+        }
+        if nested.present() {
+            nested.take_rows(&from.nested, order, 0);
         }
         media.take_rows(&from.media, order, 0);
         for part in &partition.parts {
