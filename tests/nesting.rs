@@ -239,10 +239,35 @@ fn gaps_that_rays_jump_over_make_no_light() {
                 let lens = Lens::Orthographic { half_width: 0.3, half_height: 0.3 };
                 let place = Transform::looking(DVec3::new(0.1, 2.2, 8.0), DVec3::Z, DVec3::Y);
                 bench.0.set_camera("aslant", lens, place).unwrap();
+                bench.0.set_resolution([SIZE; 2]).unwrap();
             };
             check(surrounded, 1.0, &[Integrator::Path]);
         }
     }
+}
+
+#[test]
+fn bodies_in_open_water_are_warned_of() {
+    let warnings = |height: f64, is_closed: bool| {
+        let mut bench = Bench::new();
+        bench.ball(GLASS, DVec3::Z * height, 0.2);
+        if is_closed {
+            bench.slab(WATER, [-1.0, 0.0], 1.0, 0);
+        } else {
+            let surface = Geometry::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+            let water = bench.body(WATER);
+            bench.0.add_mesh("surface", surface, water, Transform::IDENTITY).unwrap();
+        }
+        let placed = PlacedWorld::new(bench.0).unwrap();
+        placed.warnings().map(str::to_owned).collect::<Vec<_>>()
+    };
+    for height in [-0.5, 0.1] {
+        let found = warnings(height, false);
+        let [one] = &found[..] else { panic!("{height}: {found:?}") };
+        assert!(one.contains("ball") && one.contains("surface") && one.contains("closed"), "{one}");
+        assert!(warnings(height, true).is_empty());
+    }
+    assert!(warnings(0.5, false).is_empty());
 }
 
 #[test]

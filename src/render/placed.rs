@@ -220,6 +220,14 @@ fn sentences(world: &World, doubts: &[Doubt]) -> Vec<String> {
                 );
                 warnings.add_like("overlap", name(a), &text);
             }
+            Doubt::Engulfed([body, around]) => {
+                let text = format!(
+                    "is in {}, which is not closed: light is refracted as if air were between; \
+                     close that, or state `exterior_ior` here",
+                    name(around)
+                );
+                warnings.add_like("engulfed", name(body), &text);
+            }
             Doubt::Contradiction { surface, side: of, other } => {
                 let text = format!(
                     "the medium {} it is not what {} says: paths in opposite directions may \

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 
 use super::immersion::{Immersion, Seen, spread};
-use super::nesting::{fill, nest};
+use super::nesting::{engulfed, fill, nest};
 use super::patches::{Patches, join, primitives_of_surfaces, wholes};
 use crate::geometry::Accelerator;
 use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
@@ -40,6 +40,8 @@ pub enum Doubt {
         /// The other surface.
         other: u32,
     },
+    /// This closed body of a dielectric is inside of the other surface, which is not closed.
+    Engulfed([u32; 2]),
     /// From a side of this surface, one looks out of the scene, where there is another medium.
     Open {
         /// The surface.
@@ -78,12 +80,13 @@ pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
     let primitives = primitives_of_surfaces(shapes, bounds);
     join(shapes, &primitives);
     nest(shapes, &primitives);
+    let engulfed = engulfed(shapes, accelerator, &primitives);
+    let mut doubts: Vec<Doubt> = engulfed.into_iter().map(Doubt::Engulfed).collect();
     if is_one_medium(shapes) {
-        return Vec::new();
+        return doubts;
     }
     let boundaries = look_around(shapes, accelerator, &primitives);
     let tallies = learn(shapes, &boundaries);
-    let mut doubts = Vec::new();
     let mut sought = BTreeSet::new();
     let immersion = Immersion::new(shapes, accelerator, true);
     for (boundary, tallies) in boundaries.iter().zip(&tallies) {

@@ -3,27 +3,32 @@
 //! Of the bodies around a point the one of the highest priority counts, and of several the smallest
 //! (in the manner of Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images").
 //! Which that is does not hang on what a path went through: it is looked for behind what is hit,
-//! just as far off it as rays start. So paths of either side know the same, whatever is inside or
-//! around, and faces in one place are one interface: what is hit first tells what is behind it, and
-//! the ray that goes on starts beyond both. What is before a surface is what was found where the
-//! path has come from, so that what refracts it has one index of refraction between any two
-//! surfaces, and no light is made or lost: even in gaps narrower than the offset of rays, where a
-//! ray may start beyond a face that it should meet. Bodies that are apart from all others are not
-//! looked for.
+//! as far off it as rays may start off any of the two bodies. So paths of either side know the
+//! same, whatever is inside or around, and faces in one place are one interface: what is hit first
+//! tells what is behind it. What is before a surface is what was found where the path has come
+//! from: what refracts it has one index of refraction between any two surfaces, and no light is
+//! made or lost, even where a ray starts beyond a face that it should meet. Bodies that are apart
+//! from all others are not looked for.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use glam::Vec3;
 
-use super::immersion::{DIRECTIONS, Immersion, STEPS};
+use super::immersion::{DIRECTIONS, Immersion, STEPS, spread};
 use super::patches::{Patches, wholes};
 use super::surface::Surfaces;
 use super::surface::model::LaneRows;
-use crate::geometry::offset_distance;
+use crate::geometry::{Accelerator, offset_distance};
 use crate::math::LANES;
 use crate::scene::baked::{KEEP, NONE, Optics, Shapes, Solid};
 use crate::scene::world::SurfaceModel;
+
+/// How far off bodies others are looked for, in offsets of rays: with room for rounding.
+const ROOM: f32 = 1.25;
+
+/// Looks from a body for surfaces around it that are not closed.
+const LOOKS: usize = 64;
 
 /// Finds the solids whose boxes reach into those of others.
 pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
@@ -36,9 +41,10 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
         let patches = Patches::new(shapes, &all);
         if patches.is_closed() {
             let (bounds, size) = (patches.bounds(), patches.size());
+            let off = ROOM * patches.offset();
             let (material, priority) = (surface.material, surface.priority);
             let others = Vec::new();
-            let solid = Solid { material, priority, size, bounds, others, filling: KEEP };
+            let solid = Solid { material, priority, size, bounds, off, others, filling: KEEP };
             found.push((whole, solid, patches.step()));
         }
     }
@@ -63,6 +69,56 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
         solid
     };
     shapes.solids = kept.map(renumbered).collect();
+}
+
+/// Closed bodies that are inside of surfaces that are not closed, in part at least, each with one
+/// of those: what is refracted there cannot be known.
+pub fn engulfed(
+    shapes: &Shapes,
+    accelerator: &Accelerator,
+    primitives: &[Vec<u32>],
+) -> Vec<[u32; 2]> {
+    let bodies = wholes(shapes, primitives)
+        .into_iter()
+        .filter(|(whole, _)| shapes.surfaces[*whole as usize].is_body);
+    let bodies: Vec<(u32, Patches)> =
+        bodies.map(|(whole, all)| (whole, Patches::new(shapes, &all))).collect();
+    let (closed, open): (Vec<_>, Vec<_>) =
+        bodies.into_iter().partition(|(_, patches)| patches.is_closed());
+    if open.is_empty() {
+        return Vec::new();
+    }
+    let is_open = |whole: u32| open.iter().any(|(row, _)| *row == whole);
+    let around = |(whole, patches): &(u32, Patches)| {
+        let points = patches.points(LOOKS);
+        let mut looks = points.into_iter().zip(spread(LOOKS)).map(|((point, normal), aside)| {
+            let direction = (normal + 0.99 * aside).normalize();
+            first_inside(shapes, accelerator, point + patches.step() * normal, direction)
+        });
+        let other = looks.find_map(|seen| seen.filter(|other| is_open(*other)))?;
+        Some([*whole, other])
+    };
+    closed.iter().filter_map(around).collect()
+}
+
+/// The body whose inside a ray sees first, unless something hides it.
+fn first_inside(
+    shapes: &Shapes,
+    accelerator: &Accelerator,
+    origin: Vec3,
+    direction: Vec3,
+) -> Option<u32> {
+    let mut hit = accelerator.closest(origin, direction, f32::INFINITY);
+    while hit.primitive != NONE {
+        let surface = &shapes.surfaces[shapes.surface_of(hit.primitive) as usize];
+        if surface.is_opaque || surface.is_body {
+            let normal = shapes.geometric_normal(hit.primitive, origin + direction * hit.t);
+            let is_inside = surface.is_body && direction.dot(normal) > 0.0;
+            return is_inside.then_some(surface.whole);
+        }
+        hit = accelerator.next(origin, direction, hit);
+    }
+    None
 }
 
 /// Tells solids of the others whose boxes reach into theirs, or up to them.
@@ -111,11 +167,16 @@ pub fn fill(shapes: &mut Shapes, others: &[([Vec3; 2], f32)]) {
 }
 
 impl Immersion<'_> {
-    /// The solid that counts next to a surface of `solid`, at a point on it, `off` it: to the front,
-    /// or to the `inside`; [`NONE`] where there is none.
-    pub fn solid_beside(&self, solid: u32, point: Vec3, off: Vec3, inside: bool) -> u32 {
-        let others = &self.shapes().solids[solid as usize].others;
-        let around = others.iter().copied().filter(|&other| self.is_in(other, point, off));
+    /// The solid that counts next to a surface of `solid`, at a point on it, where the unit vector
+    /// `outwards` points: to the front, or to the `inside`; [`NONE`] where there is none.
+    pub fn solid_beside(&self, solid: u32, point: Vec3, outwards: Vec3, inside: bool) -> u32 {
+        let solids = &self.shapes().solids;
+        let of = |row: u32| &solids[row as usize];
+        let is_there = |&other: &u32| {
+            let off = of(solid).off.max(of(other).off) * outwards;
+            self.is_in(other, point, off)
+        };
+        let around = of(solid).others.iter().copied().filter(is_there);
         let own = inside.then_some(solid);
         around.chain(own).max_by(|a, b| self.rank(*a, *b)).unwrap_or(NONE)
     }

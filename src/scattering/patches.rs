@@ -146,12 +146,17 @@ impl Patches {
 
     /// How far off them one is on a side of them for sure.
     pub fn step(&self) -> f32 {
+        STEPS * self.offset()
+    }
+
+    /// How far off them rays start, at most.
+    pub fn offset(&self) -> f32 {
         let corners = self.triangles.as_flattened().iter();
         let reach = match self.sphere {
             Some((center, radius)) => center.abs().max_element() + radius,
             None => corners.fold(0.0, |reach: f32, at| reach.max(at.abs().max_element())),
         };
-        STEPS * offset_distance(reach)
+        offset_distance(reach)
     }
 
     /// Whether nothing gets out but through them.

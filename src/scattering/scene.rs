@@ -379,8 +379,8 @@ impl<const N: usize> Scene<N> {
             let (position, normal) = (of(&surfaces.position), of(&surfaces.geometric_normal));
             let to_back = of(&rays.direction).dot(normal) < 0.0;
             let beside = |to_back: bool| {
-                let off = surfaces.offset[hit] * if to_back { -normal } else { normal };
-                immersion.solid_beside(solid, position, off, to_back)
+                let outwards = if to_back { -normal } else { normal };
+                immersion.solid_beside(solid, position, outwards, to_back)
             };
             let beyond = beside(to_back);
             met.behind[lane] = Some(beyond);

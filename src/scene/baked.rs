@@ -199,6 +199,8 @@ pub struct Solid {
     pub size: f32,
     /// The corners of its box.
     pub bounds: [Vec3; 2],
+    /// How far off it rays may start.
+    pub off: f32,
     /// The solids whose boxes reach into its own.
     pub others: Vec<u32>,
     /// What fills it: a row in `media`, or [`NONE`]; [`KEEP`] where that is to be found out.
