@@ -20,6 +20,7 @@ use clap::Parser;
 
 use crate::bench::measure::MeasureError;
 use crate::math::text::counted;
+use crate::render::statistics::SAMPLES;
 use crate::render::{RenderError, SettingsError};
 
 use args::{Arguments, Command};
@@ -46,13 +47,13 @@ enum CliError {
     /// A signal ended a render, and the image so far is written.
     #[error(
         "{} after {}: the image so far is in {}", .signal.name(),
-        counted(*.iterations as usize, ["iteration", "iterations"]), output.display()
+        counted(*.samples as usize, SAMPLES), output.display()
     )]
     Interrupted {
         /// What came.
         signal: Signal,
         /// Samples per pixel that the image holds.
-        iterations: u32,
+        samples: u32,
         /// Where it is.
         output: PathBuf,
     },

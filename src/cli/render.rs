@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::image::StokesImage;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
-use crate::render::statistics::{RenderStatistics, peak_memory_bytes};
+use crate::render::statistics::{RenderStatistics, SAMPLES, peak_memory_bytes};
 use crate::render::threads::Threads;
 use crate::render::{PlacedWorld, Progress as SoFar, Renderer, Resolved, system};
 use crate::scene::{self, Reading};
@@ -115,8 +115,8 @@ impl Unfinished {
     }
 }
 
-fn interrupted_after(signal: Signal, iterations: u32, output: &Path) -> CliError {
-    CliError::Interrupted { signal, iterations, output: output.to_owned() }
+fn interrupted_after(signal: Signal, samples: u32, output: &Path) -> CliError {
+    CliError::Interrupted { signal, samples, output: output.to_owned() }
 }
 
 /// Images on the way.
@@ -147,10 +147,10 @@ impl Updates {
 }
 
 fn progress_of(arguments: &RenderArguments, settings: &Resolved) -> Progress {
-    let template = "{wide_bar} {pos}/{len} iterations, {per_sec}, {eta} left";
+    let template = "{wide_bar} {pos}/{len} samples a pixel, {per_sec}, {eta} left";
     match arguments.quiet {
         true => Progress::none(),
-        false => Progress::of(settings.samples.into(), "iterations", template),
+        false => Progress::of(settings.samples.into(), SAMPLES[1], template),
     }
 }
 
@@ -229,7 +229,7 @@ fn report(
             arguments.output.display(),
             image.width,
             image.height,
-            counted(statistics.iterations as usize, ["iteration", "iterations"]),
+            counted(statistics.iterations as usize, SAMPLES),
             statistics.integrator,
             statistics.mode,
             statistics.seconds

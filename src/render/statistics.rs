@@ -22,7 +22,7 @@ pub struct RenderStatistics {
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
-    /// Iterations over the whole image.
+    /// Samples a pixel.
     pub iterations: u64,
     /// Worker threads.
     pub threads: usize,
@@ -50,6 +50,9 @@ impl RenderStatistics {
     }
 }
 
+/// What every pixel has of samples, for [`counted`]: of one, and of several.
+pub const SAMPLES: [&str; 2] = ["sample a pixel", "samples a pixel"];
+
 /// The largest resident memory of this process so far, in bytes, where the system tells.
 pub fn peak_memory_bytes() -> Option<u64> {
     memory_of_process("VmHWM:")
@@ -59,9 +62,9 @@ impl fmt::Display for RenderStatistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scene, integrator, mode, color, width, height, iterations, threads, .. } = self;
         writeln!(f, "{scene}: {integrator}, {mode}, {color}, {width} x {height}")?;
-        let iterations = counted(*iterations as usize, ["iteration", "iterations"]);
+        let samples = counted(*iterations as usize, SAMPLES);
         let threads = counted(*threads, ["thread", "threads"]);
-        write!(f, "{iterations} in {:.2} s on {threads}", self.seconds)?;
+        write!(f, "{samples} in {:.2} s on {threads}", self.seconds)?;
         if let Some(cpu_seconds) = self.cpu_seconds {
             write!(f, " ({cpu_seconds:.2} s of all cores)")?;
         }

@@ -1,8 +1,10 @@
 //! Which medium a point is in: what a path that starts there starts in.
 
+use std::iter::from_fn;
+
 use glam::Vec3;
 
-use crate::geometry::{Accelerator, offset_distance, reach_of_triangle};
+use crate::geometry::{Accelerator, Hit, offset_distance, reach_of_triangle};
 use crate::math::hash;
 use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
@@ -60,6 +62,28 @@ pub enum Seen {
     Outside,
     /// A side of a surface: 0 its back, 1 its front.
     Side(u32, usize),
+}
+
+/// Where a ray crosses a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossed {
+    /// Its row.
+    pub surface: u32,
+    /// From the ray's origin, in lengths of its direction.
+    pub distance: f32,
+    /// Where.
+    pub position: Vec3,
+    /// The geometric normal, to the front.
+    pub normal: Vec3,
+    /// Of the direction to that.
+    pub cosine: f32,
+}
+
+impl Crossed {
+    /// 1 where the ray goes to the front, else -1.
+    pub fn outwards(&self) -> i32 {
+        if self.cosine > 0.0 { 1 } else { -1 }
+    }
 }
 
 /// Finds media of points in a scene.
@@ -245,21 +269,18 @@ impl<'a> Immersion<'a> {
     /// [`Immersion::see`], and where a wall hid everything, with the normal to this side.
     fn cast(&self, origin: Vec3, direction: Vec3) -> (Seen, Option<(Vec3, Vec3)>) {
         let mut first: Option<(f32, Seen)> = None;
-        let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
+        let mut crossed = self.crossed(origin, direction);
         for _ in 0..SURFACES_MAX {
+            let next = crossed.next();
             if let Some((end, seen)) = first
-                && (hit.primitive == NONE || hit.t > end)
+                && next.as_ref().is_none_or(|next| next.distance > end)
             {
                 return (seen, None);
             }
-            if hit.primitive == NONE {
-                return (Seen::Outside, None);
-            }
-            let row = self.shapes.surface_of(hit.primitive);
+            let Some(next) = next else { return (Seen::Outside, None) };
+            let Crossed { surface: row, position, normal, .. } = next;
             let surface = &self.shapes.surfaces[row as usize];
-            let position = origin + direction * hit.t;
-            let normal = self.shapes.geometric_normal(hit.primitive, position);
-            let side = usize::from(direction.dot(normal) < 0.0);
+            let side = usize::from(next.cosine < 0.0);
             if surface.is_opaque {
                 let normal = if side == 1 { normal } else { -normal };
                 let wall = (Seen::Nothing, Some((position, normal)));
@@ -269,11 +290,10 @@ impl<'a> Immersion<'a> {
                 if !surface.unstated[side] {
                     return (Seen::Side(row, side), None);
                 }
-                let reach = position.abs().max_element().max(hit.t);
-                let end = hit.t + STEPS * offset_distance(reach);
+                let reach = position.abs().max_element().max(next.distance);
+                let end = next.distance + STEPS * offset_distance(reach);
                 first = first.or(Some((end, Seen::Side(row, side))));
             }
-            hit = self.accelerator.next(origin, direction, hit);
         }
         (Seen::Nothing, None)
     }
@@ -307,21 +327,35 @@ impl<'a> Immersion<'a> {
         votes.filter(|around| around.contains(&surface)).count() >= 2
     }
 
+    /// All that a ray crosses, in order.
+    pub fn crossed(&self, origin: Vec3, direction: Vec3) -> impl Iterator<Item = Crossed> {
+        let Self { shapes, accelerator, .. } = *self;
+        let mut last: Option<Hit> = None;
+        let hits = from_fn(move || {
+            let hit = match last {
+                None => accelerator.closest(origin, direction, f32::INFINITY),
+                Some(last) => accelerator.next(origin, direction, last),
+            };
+            last = Some(hit);
+            (hit.primitive != NONE).then_some(hit)
+        });
+        hits.fuse().map(move |hit| {
+            let position = origin + direction * hit.t;
+            let normal = shapes.geometric_normal(hit.primitive, position);
+            let (surface, cosine) = (shapes.surface_of(hit.primitive), direction.dot(normal));
+            Crossed { surface, distance: hit.t, position, normal, cosine }
+        })
+    }
+
     /// The surfaces that a ray leaves more often than it enters them.
     fn leaves(&self, origin: Vec3, direction: Vec3) -> Vec<u32> {
         let mut counts: Vec<(u32, i32)> = Vec::new();
-        let mut hit = self.accelerator.closest(origin, direction, f32::INFINITY);
-        while hit.primitive != NONE {
-            let row = self.shapes.surface_of(hit.primitive);
-            let whole = self.shapes.surfaces[row as usize].whole;
-            let position = origin + direction * hit.t;
-            let normal = self.shapes.geometric_normal(hit.primitive, position);
-            let step = if direction.dot(normal) > 0.0 { 1 } else { -1 };
+        for crossed in self.crossed(origin, direction) {
+            let whole = self.shapes.surfaces[crossed.surface as usize].whole;
             match counts.iter_mut().find(|(surface, _)| *surface == whole) {
-                Some((_, count)) => *count += step,
-                None => counts.push((whole, step)),
+                Some((_, count)) => *count += crossed.outwards(),
+                None => counts.push((whole, crossed.outwards())),
             }
-            hit = self.accelerator.next(origin, direction, hit);
         }
         counts.into_iter().filter(|(_, count)| *count > 0).map(|(surface, _)| surface).collect()
     }

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 
-use super::immersion::{DIRECTIONS, Immersion, STEPS, spread};
+use super::immersion::{Crossed, DIRECTIONS, Immersion, STEPS, spread};
 use super::patches::{Patches, wholes};
 use super::surface::Surfaces;
 use super::surface::model::LaneRows;
@@ -89,36 +89,21 @@ pub fn engulfed(
         return Vec::new();
     }
     let is_open = |whole: u32| open.iter().any(|(row, _)| *row == whole);
+    let immersion = Immersion::new(shapes, accelerator, false);
     let around = |(whole, patches): &(u32, Patches)| {
-        let points = patches.points(LOOKS);
-        let mut looks = points.into_iter().zip(spread(LOOKS)).map(|((point, normal), aside)| {
-            let direction = (normal + 0.99 * aside).normalize();
-            first_inside(shapes, accelerator, point + patches.step() * normal, direction)
-        });
-        let other = looks.find_map(|seen| seen.filter(|other| is_open(*other)))?;
-        Some([*whole, other])
+        let see = |((point, normal), aside): ((Vec3, Vec3), Vec3), side: f32| {
+            let outwards = side * normal;
+            let direction = (outwards + 0.99 * aside).normalize();
+            immersion.first_body(point + patches.step() * outwards, direction)
+        };
+        let mut looks = patches.points(LOOKS).into_iter().zip(spread(LOOKS));
+        looks.find_map(|look| {
+            let around = see(look, 1.0).filter(|(_, is_behind)| *is_behind);
+            let mut seen = around.into_iter().chain(see(look, -1.0)).map(|(other, _)| other);
+            seen.find(|other| is_open(*other)).map(|other| [*whole, other])
+        })
     };
     closed.iter().filter_map(around).collect()
-}
-
-/// The body whose inside a ray sees first, unless something hides it.
-fn first_inside(
-    shapes: &Shapes,
-    accelerator: &Accelerator,
-    origin: Vec3,
-    direction: Vec3,
-) -> Option<u32> {
-    let mut hit = accelerator.closest(origin, direction, f32::INFINITY);
-    while hit.primitive != NONE {
-        let surface = &shapes.surfaces[shapes.surface_of(hit.primitive) as usize];
-        if surface.is_opaque || surface.is_body {
-            let normal = shapes.geometric_normal(hit.primitive, origin + direction * hit.t);
-            let is_inside = surface.is_body && direction.dot(normal) > 0.0;
-            return is_inside.then_some(surface.whole);
-        }
-        hit = accelerator.next(origin, direction, hit);
-    }
-    None
 }
 
 /// Tells solids of the others whose boxes reach into theirs, or up to them.
@@ -167,6 +152,14 @@ pub fn fill(shapes: &mut Shapes, others: &[([Vec3; 2], f32)]) {
 }
 
 impl Immersion<'_> {
+    /// The body that a ray sees first, unless something hides it, and whether from behind.
+    fn first_body(&self, origin: Vec3, direction: Vec3) -> Option<(u32, bool)> {
+        let surface = |crossed: &Crossed| &self.shapes().surfaces[crossed.surface as usize];
+        let hides = |crossed: &Crossed| surface(crossed).is_opaque || surface(crossed).is_body;
+        let first = self.crossed(origin, direction).find(hides)?;
+        surface(&first).is_body.then_some((surface(&first).whole, first.cosine > 0.0))
+    }
+
     /// The solid that counts next to a surface of `solid`, at a point on it, where the unit vector
     /// `outwards` points: to the front, or to the `inside`; [`NONE`] where there is none.
     pub fn solid_beside(&self, solid: u32, point: Vec3, outwards: Vec3, inside: bool) -> u32 {
@@ -207,22 +200,14 @@ impl Immersion<'_> {
 
     /// Whether a ray leaves a solid more often than it enters it.
     fn gets_out(&self, solid: u32, origin: Vec3, direction: Vec3) -> bool {
-        let (shapes, accelerator) = (self.shapes(), self.accelerator());
+        let shapes = self.shapes();
         let [low, high] = shapes.solids[solid as usize].bounds;
         let far = Vec3::select(direction.cmpgt(Vec3::ZERO), high, low);
         let slack = STEPS * offset_distance(low.abs().max(high.abs()).max_element());
         let end = ((far - origin) / direction + slack / direction.abs()).min_element();
-        let mut count = 0;
-        let mut hit = accelerator.closest(origin, direction, f32::INFINITY);
-        while hit.primitive != NONE && hit.t <= end {
-            if shapes.surfaces[shapes.surface_of(hit.primitive) as usize].solid == solid {
-                let position = origin + direction * hit.t;
-                let normal = shapes.geometric_normal(hit.primitive, position);
-                count += if direction.dot(normal) > 0.0 { 1 } else { -1 };
-            }
-            hit = accelerator.next(origin, direction, hit);
-        }
-        count > 0
+        let within = self.crossed(origin, direction).take_while(|crossed| crossed.distance <= end);
+        let own = within.filter(|it| shapes.surfaces[it.surface as usize].solid == solid);
+        own.map(|crossed| crossed.outwards()).sum::<i32>() > 0
     }
 }
 

@@ -48,7 +48,11 @@ fn every_format_is_written() {
     let scene = scene("cornell");
     for name in ["a.exr", "b.hdr", "c.png", "D.EXR"] {
         let run = sunstone(&here, &[&["render", &scene, "-o", name][..], &TINY].concat()).done();
-        assert!(run.stderr.contains("16 x 16, 2 iterations of ppm (polarized)"), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("16 x 16, 2 samples a pixel of ppm (polarized)"),
+            "{}",
+            run.stderr
+        );
     }
     let scalar = [&["render", &scene, "-o", "e.hdr", "--mode", "scalar"][..], &TINY].concat();
     sunstone(&here, &scalar).done();

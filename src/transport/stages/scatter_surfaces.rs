@@ -25,7 +25,7 @@ use crate::transport::tables::paths::PathTable;
 ///
 /// From: depolarize_sensor, depolarize_light, pay_out. To: collect_sensor, scatter_light,
 /// advance_paths.
-/// Writes: departures, paths (beta, mis, media). Reads: paths, surfaces, scene, partition.
+/// Writes: departures, paths (beta, mis, media, nested). Reads: paths, surfaces, scene, partition.
 pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
     departures: &mut DepartureColumns<N>,
     paths: &mut PathTable<N, C>,
@@ -157,7 +157,7 @@ impl<const N: usize, C> Departing<'_, N, C> {
         Some(scene.interfaces_at(interfaces, surfaces, paths, hits, &at.models.rows))
     }
 
-    /// Rows are in the dielectric from now on that is on the side of the surface that they go on to.
+    /// Rows are in the dielectric from now on that is on the side of the surface they go on to.
     fn go_through(
         &mut self,
         surfaces: &SurfaceColumns,
