@@ -32,6 +32,8 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// The larger of the two.
     fn max(self, other: Self) -> Self;
+    /// The angle of the point that has `x` to the right and `self` upwards, from -pi to pi.
+    fn atan2(self, x: Self) -> Self;
     /// Where `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
     /// Where `self > other`.
@@ -80,6 +82,10 @@ macro_rules! scalar_real {
                 <$float>::max(self, other)
             }
             #[inline(always)]
+            fn atan2(self, x: Self) -> Self {
+                <$float>::atan2(self, x)
+            }
+            #[inline(always)]
             fn lt(self, other: Self) -> bool {
                 self < other
             }
@@ -123,6 +129,10 @@ impl Real for F32s {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         F32s::fast_max(self, other)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        F32s::atan2(self, x)
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Self {

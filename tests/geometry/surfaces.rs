@@ -44,6 +44,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         surfaces: vec![surface; count as usize],
         bodies: Vec::new(),
         solids: Vec::new(),
+        around_solids: NONE,
         scene_medium: NONE,
         camera: Camera {
             projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },

@@ -11,6 +11,7 @@ mod environment;
 mod infinity;
 mod point;
 mod sphere;
+mod spherical;
 mod spot;
 mod triangle;
 

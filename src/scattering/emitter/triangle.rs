@@ -3,12 +3,13 @@
 use glam::Vec3;
 
 use crate::geometry::reach_of_triangle;
-use crate::math::{F32s, Vector, warp};
+use crate::math::{F32s, Real, Vector, warp};
 use crate::scene::baked::Shapes;
 use crate::scene::emitter::Triangle;
 
 use super::area::{self, Area};
 use super::direct::{DirectLanes, OWN, Own, OwnLanes};
+use super::spherical::SphericalTriangle;
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
@@ -45,14 +46,33 @@ impl Emits for Triangle {
         let &[ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, per_area, start_pdf, sides, _] = own;
         let [a, b, c] = [Vector::new(ax, ay, az), Vector::new(bx, by, bz), Vector::new(cx, cy, cz)];
         let [v, w] = warp::triangle(u);
-        let point = b.mul_add(v, c.mul_add(w, a));
+        let mut point = b.mul_add(v, c.mul_add(w, a));
         let normal = Vector::new(nx, ny, nz);
+        let corner = a - reference;
+        let seen = SphericalTriangle::new([corner, corner + b, corner + c]);
+        let is_large = seen.is_large();
         let densities = [chance * per_area, start_pdf];
-        area::choose::<Self, N>((point, normal), reference, radiance, densities, sides)
+        if is_large.none() {
+            return area::choose::<Self, N>((point, normal), reference, radiance, densities, sides);
+        }
+        let direction = seen.direction(u);
+        let distance = corner.dot(normal) / direction.dot(normal);
+        point = Vector::select(is_large, direction.mul_add(distance, reference), point);
+        let chosen =
+            area::choose::<Self, N>((point, normal), reference, radiance, densities, sides);
+        let pdf_w = Real::select(is_large, chance / seen.solid_angle(), chosen.pdf_w);
+        DirectLanes { pdf_w, ..chosen }
     }
 
-    fn density(&self, _: &Shapes, _: Vec3, _: Vec3, _: Vec3) -> f32 {
-        1.0 / self.area
+    fn density(&self, shapes: &Shapes, reference: Vec3, point: Vec3, direction: Vec3) -> f32 {
+        let corners = shapes.triangles[self.primitive as usize].corners;
+        let seen = SphericalTriangle::new(corners.map(|it| (it - reference).to_array().into()));
+        if !seen.is_large() {
+            return 1.0 / self.area;
+        }
+        let [a, b, c] = corners;
+        let cosine = direction.dot((b - a).cross(c - a).normalize()).abs();
+        cosine / (seen.solid_angle() * point.distance_squared(reference))
     }
 
     fn outline(&self, shapes: &Shapes) -> Outline {
