@@ -292,7 +292,6 @@ fn what_an_integrator_does_not_find_is_said_and_nothing_else() {
     let say = |name: &str, rule: Rule, integrator| match (rule, integrator) {
         // It is found, if not so well.
         _ if name == "lamp, pane" => None,
-        (Rule::PointsInMedia, it) if it == path || it == ppm => Some("only by chance"),
         (Rule::PointsSeen | Rule::Points, it) if it == path => Some("`path` does not find"),
         (Rule::SmallSeen | Rule::Small, it) if it == path => Some("only by chance"),
         (Rule::PointsSeen, it) if it == bdpt => Some("`bdpt` does not find"),

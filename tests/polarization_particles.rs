@@ -106,3 +106,64 @@ fn what_is_no_distribution_is_refused() {
     }
     assert!(Sizes::log_normal(1.0, 0.01, Amount::Number, Some([500.0, 501.0])).is_err());
 }
+
+/// Radii of a sum that needs no nodes placed well: equally spaced, with ten times as many as would
+/// do, at some angles.
+const FINE: usize = 12_000;
+/// Relative, and of the matrix relative to M00.
+const RESOLVED: f64 = 1e-3;
+
+/// Large globules, of size parameters up to 190, as in milk before it is homogenized; most that
+/// comes back from them does so by interference, which too few sizes do not average out.
+#[test]
+fn large_spheres_are_resolved() {
+    let (mean, sd, range): (f64, f64, [f64; 2]) = (2.0, 1.2, [0.005, 10.0]);
+    let sizes = Sizes::log_normal(mean, sd, Amount::Volume, Some(range)).unwrap();
+    let (n, k, host_n, wavelength_nm) = (1.468, 1e-5, 1.338, 450.0);
+    let particles = vec![Particles { sizes: &sizes, n, k, volume_fraction: 1e-3 }];
+    let suspension = Suspension { particles, host_n, wavelength_nm };
+    let found = suspension.scattering(1440);
+    let wave_number = 2.0 * PI * host_n / (1e-3 * wavelength_nm);
+    let beta2 = (sd / mean).powi(2).ln_1p();
+    let alpha = mean.ln() - 0.5 * beta2;
+    let angles: Vec<usize> = (0..=24).map(|step| step * 60).collect();
+    let mut sums = vec![[0.0; 4]; angles.len()];
+    let [mut volume, mut scattered, mut absorbed, mut forwards] = [0.0; 4];
+    for index in 0..FINE {
+        let radius = range[0] + (range[1] - range[0]) * (index as f64 + 0.5) / FINE as f64;
+        let share = (-0.5 * (radius.ln() - alpha).powi(2) / beta2).exp() / radius;
+        let sphere = MieSphere::new(n / host_n, k / host_n, wave_number * radius);
+        // Per volume of the sphere.
+        let area = share * 0.75 / radius;
+        volume += share;
+        scattered += area * sphere.q_sca;
+        absorbed += area * (sphere.q_ext - sphere.q_sca);
+        forwards += area * sphere.q_sca * sphere.g;
+        for (sums, &angle) in sums.iter_mut().zip(&angles) {
+            let phase = sphere.phase((PI * angle as f64 / 1440.0).cos());
+            let elements = [phase.m00, phase.m01, phase.m22, phase.m23];
+            for (sum, element) in sums.iter_mut().zip(elements) {
+                *sum += area * sphere.q_sca * element;
+            }
+        }
+    }
+    // Per meter.
+    let scale = 1e-3 * 1e6 / volume;
+    for (found, expected) in [
+        (found.sigma_s, scale * scattered),
+        (found.sigma_a, scale * absorbed),
+        (found.g, forwards / scattered),
+    ] {
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} for {expected}");
+    }
+    let mut worst = 0.0_f64;
+    for (&angle, sums) in angles.iter().zip(&sums) {
+        let at = found.matrix[angle];
+        let elements = [at.m00, at.m01, at.m22, at.m23];
+        for (element, sum) in elements.into_iter().zip(sums) {
+            worst = worst.max((element - sum / scattered).abs() * scattered / sums[0]);
+        }
+    }
+    println!("greatest error of an element over M00: {worst:.1e}");
+    assert!(worst < RESOLVED, "{worst}");
+}

@@ -3,14 +3,19 @@
 use std::ops::Range;
 
 use crate::scattering::{Event, Met, Scene};
+use crate::transport::emission::Finding;
+use crate::transport::stages::choose_lamps::choose_lamps;
 use crate::transport::stages::connect_emission::connect_emission;
+use crate::transport::stages::connect_flights::connect_flights;
 use crate::transport::stages::connect_to_emitters::connect_to_emitters;
 use crate::transport::stages::connect_to_sensor::connect_to_sensor;
 use crate::transport::stages::cross_connections::cross_connections;
 use crate::transport::stages::follow_connections::follow_connections;
 use crate::transport::stages::gather_connections::{gather_connections, splat_connections};
+use crate::transport::stages::list_pieces::list_pieces;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
+use crate::transport::tables::crossings::Crossing;
 use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::profile::Stage;
@@ -52,6 +57,48 @@ pub fn connect_emitters<const N: usize, M: LightModel<N>>(
         });
         measure_connections(w, scene, (event.met, strategy));
     });
+}
+
+/// Connects places on the way of sensor paths through media to one lamp each: up to a crossing, or
+/// to the ends of their segments.
+pub fn connect_lamps<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    crossing: Option<&Crossing<N>>,
+    scene: &Scene<N>,
+    Finding { path_length, is_last, strategy }: Finding,
+) {
+    let Some(lamps) = scene.lamps.as_ref().filter(|_| !is_last && strategy.connects_flights())
+    else {
+        return;
+    };
+    for medium in lamps.media_lit() {
+        let WalkTables { hits: [hits, _], flights, .. } = &w.walk;
+        let (paths, pieces, connections) = (&w.sensor[0], &mut w.pieces, &mut w.connections);
+        w.profile.time(Stage::Connect, || {
+            let ends = (hits, crossing);
+            pieces.medium = medium;
+            list_pieces(pieces, paths, flights, ends, &w.merged);
+            choose_lamps(pieces, paths, scene, path_length);
+            connect_flights(connections, pieces, (paths, flights), scene);
+        });
+        if w.connections.len == 0 {
+            continue;
+        }
+        // The segments are still on their way.
+        w.walk.swap_flights();
+        test_connections(w, scene, strategy);
+        w.walk.swap_flights();
+        w.profile.time(Stage::Gather, || {
+            let (connections, at) = (&w.connections, (&w.sensor[0], &w.walk.surfaces));
+            gather_connections::<N, M>(
+                &mut w.measured,
+                connections,
+                at,
+                scene,
+                Met::Medium(medium),
+            );
+        });
+    }
 }
 
 /// Tests the connections at hand, from vertices that have `met` the same, and adds up those that

@@ -22,6 +22,7 @@ use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Chunk, LightModel, Strategy};
 
+use super::connect::connect_lamps;
 use super::profile::{Profile, Stage};
 use super::walk::WalkSide;
 use super::workspace::{WalkTables, Workspace};
@@ -47,6 +48,9 @@ impl SensorWalk {
                 w.sensor.iter_mut().for_each(|paths| paths.last.make(ROWS));
             }
             start_nesting(&mut w.sensor, scene);
+            if scene.lamps.is_some() {
+                w.sensor.iter_mut().for_each(|paths| paths.piece.make(ROWS));
+            }
             let components = w.measured.components();
             generate_sensor_paths(&mut w.sensor[0], chunk, scene, light_paths, components);
         });
@@ -120,6 +124,15 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         });
     }
 
+    fn connect_flights(
+        w: &mut Workspace<N, M>,
+        crossing: Option<&Crossing<N>>,
+        scene: &Scene<N>,
+        finding: Finding,
+    ) {
+        connect_lamps(w, crossing, scene, finding);
+    }
+
     /// The sensor's rays are known.
     fn weigh_start(_: &mut PathTable<N, M::Sensor>, _: &SurfaceColumns, _: &Scene<N>) {}
 
@@ -178,6 +191,10 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
 
     /// Nor does their light stop there.
     fn meet_emitters_crossed(_: &mut Workspace<N, M>, _: &Crossing<N>, _: &Scene<N>, _: Finding) {}
+
+    /// What they leave in media is stored there.
+    fn connect_flights(_: &mut Workspace<N, M>, _: Option<&Crossing<N>>, _: &Scene<N>, _: Finding) {
+    }
 
     /// How likely connections are to start paths where they did.
     fn weigh_start(

@@ -14,6 +14,7 @@ use crate::transport::stages::draw_distances::draw_distances;
 use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::fly_to_crossings::fly_to_crossings;
 use crate::transport::stages::follow_paths::follow_paths;
+use crate::transport::stages::keep_pieces::keep_pieces;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::pass_surfaces::pass_surfaces;
 use crate::transport::stages::play_roulette::{pay_out, play_roulette};
@@ -62,6 +63,15 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
         finding: Finding,
     );
 
+    /// Looks for lamps from the media that the segments are about to go through: up to a crossing,
+    /// or to their ends.
+    fn connect_flights(
+        workspace: &mut Workspace<N, M>,
+        crossing: Option<&Crossing<N>>,
+        scene: &Scene<N>,
+        finding: Finding,
+    );
+
     /// Brings what is known of starts only at their ends to the partial weights.
     fn weigh_start(
         paths: &mut PathTable<N, Self::Carriers>,
@@ -102,7 +112,8 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
             let ([paths, _], _, profile) = S::tables(w);
             profile.time(Stage::Mueller, || S::rescale(paths));
         }
-        let finding = Finding { path_length, strategy };
+        let is_last = path_length == chunk.path_length_max;
+        let finding = Finding { path_length, is_last, strategy };
         trace::<S, N, M>(w, scene, finding);
         S::meet_emitters(w, scene, finding);
         if path_length == segments {
@@ -110,7 +121,7 @@ pub fn walk<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
             let cut = throughput::<S, N, M>(w, goes_on);
             S::tables(w).2.cut[S::SIDE as usize].cut += cut;
         }
-        if path_length == chunk.path_length_max {
+        if is_last {
             break;
         }
         arrive::<S, N, M>(w, scene, chunk, path_length, strategy);
@@ -158,8 +169,14 @@ fn trace<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     }
     cross::<S, N, M>(w, scene, finding);
     if scene.has_media() {
+        S::connect_flights(w, None, scene, finding);
         let ([paths, _], WalkTables { hits: [hits, _], flights, .. }, profile) = S::tables(w);
-        profile.time(Stage::Flight, || fly_through_media(hits, paths, flights, scene));
+        profile.time(Stage::Flight, || {
+            fly_through_media(hits, paths, flights, scene);
+            if paths.piece.present() {
+                keep_pieces(paths, hits, flights);
+            }
+        });
     }
 }
 
@@ -180,6 +197,7 @@ fn cross<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         }
         let crossing = &Crossing { crossings: &crossings, part };
         if scene.has_media() {
+            S::connect_flights(w, Some(crossing), scene, finding);
             let ([paths, _], WalkTables { hits: [hits, _], flights, .. }, profile) = S::tables(w);
             profile.time(Stage::Flight, || fly_to_crossings(hits, flights, paths, crossing, scene));
         }

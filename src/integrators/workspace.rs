@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
+use crate::math::LANES;
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
@@ -13,6 +14,7 @@ use crate::transport::tables::measured::{Measured, Splats};
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_queries::PhotonQueries;
+use crate::transport::tables::pieces::PieceTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
 use super::profile::Profile;
@@ -29,6 +31,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub queries: PhotonQueries,
     /// Rows of sensor paths that have merged, and of which but an emitter can follow.
     pub merged: Vec<Range<usize>>,
+    /// Pieces of segments that lamps are looked for from.
+    pub pieces: PieceTable,
     /// Connections under test.
     pub connections: ConnectionTable<N>,
     /// Light vertices in the order of storing, and by slot.
@@ -57,6 +61,8 @@ pub struct WalkTables<const N: usize> {
     pub flights: FlightTable<N>,
     /// Where they cross such surfaces.
     pub crossings: CrossingTable<N>,
+    /// Others, while these are put aside.
+    aside: (FlightTable<N>, CrossingTable<N>),
     /// What tracing needs.
     pub scratch: TraceScratch,
 }
@@ -70,6 +76,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             walk: WalkTables::new(),
             queries: PhotonQueries::default(),
             merged: Vec::new(),
+            pieces: PieceTable::new(ROWS),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),
@@ -89,7 +96,14 @@ impl<const N: usize> WalkTables<N> {
             departures: DepartureColumns::new(ROWS),
             flights: FlightTable::new(ROWS),
             crossings: CrossingTable::new(ROWS),
+            aside: (FlightTable::new(LANES), CrossingTable::new(LANES)),
             scratch: TraceScratch::default(),
         }
+    }
+
+    /// Puts flights and crossings aside, or takes up those that were.
+    pub fn swap_flights(&mut self) {
+        std::mem::swap(&mut self.flights, &mut self.aside.0);
+        std::mem::swap(&mut self.crossings, &mut self.aside.1);
     }
 }

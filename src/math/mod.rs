@@ -1,6 +1,7 @@
 //! Floor 0: numbers, lanes, vectors and words. Knows nothing of light.
 
 pub mod columns;
+pub mod equiangular;
 pub mod hash;
 pub mod lanes;
 pub mod range;

@@ -4,8 +4,8 @@
 
 use std::f64::consts::PI;
 
-use super::particles::{Amount, Particles, Scattering, Sizes, Suspension};
-use super::particles::{log_normal, log_normal_parameters};
+use super::particles::log_normal_parameters;
+use super::particles::{Amount, Law, Particles, Scattering, Sizes, Suspension};
 use crate::math::{Fault, Range};
 
 /// First wavelength of the tables and their step, in nanometers.
@@ -156,8 +156,8 @@ fn sizes() -> [Sizes; 2] {
     let turned = |radius: f64| radius / (CASEIN_MAX_UM - radius);
     let parameters = log_normal_parameters(turned(CASEIN_MEAN_UM), CASEIN_SD);
     let range = [1e-2 * CASEIN_MAX_UM, (1.0 - 1e-9) * CASEIN_MAX_UM];
-    let casein =
-        Sizes::from_density(range, Amount::Volume, |radius| log_normal(turned(radius), parameters));
+    let law = Law::LogNormalBelow { limit_um: CASEIN_MAX_UM, parameters };
+    let casein = Sizes::new(law, Amount::Volume, range);
     // Both are constants with particles in their ranges; a unit test looks at them.
     [fat, casein].map(|sizes| sizes.unwrap_or_else(|_| Sizes::alone(FAT_MEAN_UM)))
 }

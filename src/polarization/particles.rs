@@ -11,15 +11,30 @@ use std::fmt;
 use super::mie::{MieSphere, PhaseElements};
 use crate::math::{Fault, Range};
 
-/// Nodes of a distribution, equally spaced in the logarithm of the radius.
-const NODES: usize = 768;
+/// Fewest nodes of a distribution.
+const NODES_MIN: usize = 768;
+/// Most of them, for the time that they take: distributions this wide even out what is between.
+const NODES_MAX: usize = 1024;
+/// Nodes per factor e of the radius, and beside these per size parameter: what spheres scatter
+/// goes up and down with their size parameter, as light that went through them interferes with
+/// light that passed by, and resonates in them.
+///
+/// Of log-normal sizes in hosts of nearly their own index, as in milk (a ratio of 1.1), up to a
+/// size parameter of 190, all elements of the matrix are within 1e-3 of M00 at every angle, and
+/// the coefficients within 1e-5, of what eight times as many nodes find. Droplets of water in air
+/// resonate sharply: there it is 2e-2, backwards most, and 5e-3.
+const NODES_PER_FACTOR: f64 = 60.0;
+const NODES_PER_SIZE: f64 = 2.5;
+/// Nodes are left out whose share of the volume, and share times the cube of their radius over the
+/// mean, which goes as the light they scatter forwards, are less than this.
+const NEGLIGIBLE: f64 = 1e-7;
 /// Smallest size parameter that the series is good for.
 const SIZE_PARAMETER_MIN: f64 = 1e-6;
 /// Radii that distributions are given with.
 const RADIUS_UM: Range =
     Range::new("within [0.0001, 1000] micrometers", |x| (1e-4..=1e3).contains(&x));
 /// Angles that are summed side by side.
-const LANES: usize = 4;
+const LANES: usize = 8;
 
 /// What a density of sizes counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,14 +48,59 @@ pub enum Amount {
 /// How the volume of particles is shared among their radii.
 #[derive(Clone, PartialEq)]
 pub struct Sizes {
-    /// Radius in micrometers and share of the volume; the shares add up to one.
-    nodes: Vec<(f64, f64)>,
+    law: Law,
+    of: Amount,
+    /// Least and greatest radius in micrometers.
+    range_um: [f64; 2],
 }
+
+/// Densities of radii in micrometers, not normalized.
+#[derive(Clone, PartialEq)]
+pub(super) enum Law {
+    /// All have the least of the range.
+    Alone,
+    /// Mean and standard deviation of the logarithm.
+    LogNormal([f64; 2]),
+    /// The log-normal density of `r / (limit - r)`.
+    LogNormalBelow { limit_um: f64, parameters: [f64; 2] },
+    /// Exponent of the radius over the mean, and what the radius is divided by in the exponential.
+    Gamma { mean_um: f64, power: f64, scale_um: f64 },
+    /// Linear between radii.
+    Table { radii_um: Vec<f64>, density: Vec<f64> },
+}
+
+impl Law {
+    fn density(&self, radius: f64) -> f64 {
+        match self {
+            Self::Alone => 1.0,
+            &Self::LogNormal(parameters) => log_normal(radius, parameters),
+            &Self::LogNormalBelow { limit_um, parameters } => {
+                log_normal(radius / (limit_um - radius), parameters)
+            }
+            // Relative to the mean, where the exponent is about zero.
+            &Self::Gamma { mean_um, power, scale_um } => {
+                ((power - 1.0) * (radius / mean_um).ln() - (radius - mean_um) / scale_um).exp()
+            }
+            Self::Table { radii_um, density } => linear(radii_um, density, radius),
+        }
+    }
+}
+
+/// A value that is linear between those at some places, two at least.
+fn linear(places: &[f64], values: &[f64], at: f64) -> f64 {
+    let upper = places.partition_point(|&place| place < at).clamp(1, places.len() - 1);
+    let width = places[upper] - places[upper - 1];
+    let share = ((at - places[upper - 1]) / width).clamp(0.0, 1.0);
+    values[upper - 1] * (1.0 - share) + values[upper] * share
+}
+
+/// A radius in micrometers, and the share of the volume that it stands for.
+type Node = (f64, f64);
 
 impl fmt::Debug for Sizes {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let (count, mean) = (self.nodes.len(), self.mean_radius_um());
-        write!(f, "Sizes of {count} nodes, mean radius {mean} um")
+        let [low, high] = self.range_um;
+        write!(f, "Sizes from {low} to {high} um, mean radius {} um", self.mean_radius_um())
     }
 }
 
@@ -56,7 +116,7 @@ impl Sizes {
 
     /// Spheres of one radius, greater than zero.
     pub(super) fn alone(radius_um: f64) -> Self {
-        Self { nodes: vec![(radius_um, 1.0)] }
+        Self { law: Law::Alone, of: Amount::Volume, range_um: [radius_um; 2] }
     }
 
     /// A log-normal density of the radius with this mean and standard deviation, not less than a
@@ -80,7 +140,7 @@ impl Sizes {
             let high = alpha + shift * beta * beta + REACH * beta;
             [(alpha - REACH * beta).exp(), high.exp()]
         });
-        Self::from_density(range, of, |radius| log_normal(radius, [alpha, beta]))
+        Self::new(Law::LogNormal([alpha, beta]), of, range)
     }
 
     /// A gamma density of the radius, `r^(p-1) exp(-r/q)`, with this mean `p q` and standard
@@ -104,10 +164,7 @@ impl Sizes {
             let far = power + shift;
             [(low * scale).max(1e-3 * mean_um), (far + REACH * far.sqrt() + 15.0) * scale]
         });
-        // Relative to the mean, where the exponent is about zero.
-        Self::from_density(range, of, |radius| {
-            ((power - 1.0) * (radius / mean_um).ln() - (radius - mean_um) / scale).exp()
-        })
+        Self::new(Law::Gamma { mean_um, power, scale_um: scale }, of, range)
     }
 
     /// A density, not negative, that is linear between radii, at least two and increasing.
@@ -124,46 +181,86 @@ impl Sizes {
         radii_um.iter().try_for_each(|radius| RADIUS_UM.check("radii_um", *radius))?;
         density.iter().try_for_each(|value| Range::NOT_NEGATIVE.check("density", *value))?;
         let last = radii_um[radii_um.len() - 1];
-        Self::from_density([radii_um[0].max(1e-4 * last), last], of, |radius| {
-            let upper = radii_um.partition_point(|&at| at < radius).clamp(1, radii_um.len() - 1);
-            let width = radii_um[upper] - radii_um[upper - 1];
-            let share = ((radius - radii_um[upper - 1]) / width).clamp(0.0, 1.0);
-            density[upper - 1] * (1.0 - share) + density[upper] * share
-        })
+        let range = [radii_um[0].max(1e-4 * last), last];
+        let law = Law::Table { radii_um: radii_um.to_vec(), density: density.to_vec() };
+        Self::new(law, of, range)
     }
 
     /// Any density over a range of radii greater than zero.
-    pub(super) fn from_density(
-        range_um: [f64; 2],
-        of: Amount,
-        density: impl Fn(f64) -> f64,
-    ) -> Result<Self, Fault> {
-        let [low, high] = range_um.map(f64::ln);
-        let step = (high - low) / NODES as f64;
-        let node = |index: usize| {
-            let radius = (low + step * (index as f64 + 0.5)).exp();
-            let volume = if of == Amount::Number { radius.powi(3) } else { 1.0 };
-            // The radius is the width of the node, up to a constant.
-            (radius, density(radius) * volume * radius)
-        };
-        let mut nodes: Vec<(f64, f64)> = (0..NODES).map(node).collect();
-        let total: f64 = nodes.iter().map(|(_, share)| share).sum();
+    pub(super) fn new(law: Law, of: Amount, range_um: [f64; 2]) -> Result<Self, Fault> {
+        let sizes = Self { law, of, range_um };
+        let total: f64 = sizes.spread(0.0).iter().map(|(_, share)| share).sum();
         if !(total > 0.0 && total.is_finite()) {
             return Err(unfit("has no particles in its range"));
         }
+        Ok(sizes)
+    }
+
+    /// Nodes that resolve what spheres do to light of a wave number (in the host, per micrometer);
+    /// the shares add up to one.
+    fn nodes(&self, wave_number: f64) -> Vec<Node> {
+        let mut nodes = self.spread(wave_number);
+        let total: f64 = nodes.iter().map(|(_, share)| share).sum();
         nodes.iter_mut().for_each(|(_, share)| *share /= total);
-        nodes.retain(|(_, share)| *share > 0.0);
-        Ok(Self { nodes })
+        let mean: f64 = nodes.iter().map(|(radius, share)| radius * share).sum();
+        nodes.retain(|&(radius, share)| share * (radius / mean).powi(3).max(1.0) > NEGLIGIBLE);
+        nodes
+    }
+
+    /// The same before shares are normalized: midpoints of intervals that are equally long in
+    /// [`Places`].
+    fn spread(&self, wave_number: f64) -> Vec<Node> {
+        let [low, high] = self.range_um;
+        if self.law == Law::Alone {
+            return vec![(low, 1.0)];
+        }
+        let places = Places { per_factor: NODES_PER_FACTOR, per_um: NODES_PER_SIZE * wave_number };
+        let (first, last) = (places.of(low), places.of(high));
+        let count = ((last - first).ceil() as usize).clamp(NODES_MIN, NODES_MAX);
+        let step = (last - first) / count as f64;
+        let mut radius = low;
+        let node = |index: usize| {
+            radius = places.radius(first + step * (index as f64 + 0.5), radius);
+            let volume = if self.of == Amount::Number { radius.powi(3) } else { 1.0 };
+            // Up to a constant, the width of the node.
+            let width = 1.0 / places.slope(radius);
+            (radius, self.law.density(radius) * volume * width)
+        };
+        (0..count).map(node).collect()
     }
 
     /// Mean radius by volume, in micrometers.
     pub fn mean_radius_um(&self) -> f64 {
-        self.nodes.iter().map(|(radius, share)| radius * share).sum()
+        self.nodes(0.0).iter().map(|(radius, share)| radius * share).sum()
     }
 
     /// The greatest radius, in micrometers.
     pub fn radius_max_um(&self) -> f64 {
-        self.nodes.iter().fold(0.0, |greatest, (radius, _)| radius.max(greatest))
+        self.nodes(0.0).iter().fold(0.0, |greatest, (radius, _)| radius.max(greatest))
+    }
+}
+
+/// Where radii are on a scale on which nodes are equally spaced: their logarithms, and beside these
+/// the radii themselves.
+struct Places {
+    per_factor: f64,
+    per_um: f64,
+}
+
+impl Places {
+    fn of(&self, radius: f64) -> f64 {
+        self.per_factor * radius.ln() + self.per_um * radius
+    }
+
+    fn slope(&self, radius: f64) -> f64 {
+        self.per_factor / radius + self.per_um
+    }
+
+    /// The radius in a place, from one `before`: Newton's method, which comes closer from there
+    /// with every step as the scale is concave.
+    fn radius(&self, place: f64, before: f64) -> f64 {
+        const STEPS: usize = 8;
+        (0..STEPS).fold(before, |radius, _| radius + (place - self.of(radius)) / self.slope(radius))
     }
 }
 
@@ -263,7 +360,7 @@ impl Suspension<'_> {
         let mut terms = Vec::new();
         for particles in &self.particles {
             let (n, k) = (particles.n / self.host_n, particles.k / self.host_n);
-            for &(radius, share) in &particles.sizes.nodes {
+            for (radius, share) in particles.sizes.nodes(wave_number) {
                 let size_parameter = (wave_number * radius).max(SIZE_PARAMETER_MIN);
                 let sphere = MieSphere::new(n, k, size_parameter);
                 let number = particles.volume_fraction * share / (4.0 / 3.0 * PI * radius.powi(3));

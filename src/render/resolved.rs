@@ -162,12 +162,6 @@ pub fn blindness(integrator: Integrator, look: &Look) -> Option<String> {
              image lacks it; --integrator {AUTO} finds it"
         ));
     }
-    if look.has_points_in_media && !integrator.splats() {
-        return Some(format!(
-            "points shine in media that scatter: `{name}` finds the light close to them only by \
-             chance; --integrator {AUTO} does better"
-        ));
-    }
     let lacks = lacks.filter(|_| look.chance < DOUBTED * chance_min(look))?;
     Some(format!(
         "small lamps light mirrors or glass: `{name}` finds {lacks} only by chance; --integrator \

@@ -47,8 +47,8 @@ pub struct Look {
     /// Whether points, spots or directions are among the lamps of mirrors and glass: light that
     /// paths from the sensor do not find by way of these.
     pub has_points: bool,
-    /// Whether points or spots shine in media that scatter: connections to them from nearby have no
-    /// finite variance.
+    /// Whether points or spots shine in media that scatter: light is bright close to them, where
+    /// paths from emitters begin and few of those from the sensor come.
     pub has_points_in_media: bool,
     /// Share of the light on what the camera sees that would come straight from emitters if there
     /// were no glass before them.

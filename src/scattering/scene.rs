@@ -18,6 +18,7 @@ use super::boundaries::settle;
 use super::emitter::aim::Aim;
 use super::emitter::choice::Choice;
 use super::emitter::direct::DirectTable;
+use super::emitter::lamps::Lamps;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
@@ -73,6 +74,8 @@ pub struct Scene<const N: usize> {
     pub choice: Choice,
     /// What light paths are aimed at, if not all at the whole scene.
     pub aim: Option<Aim>,
+    /// Lamps that light media straight on, if any do.
+    pub lamps: Option<Lamps>,
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
     look: OnceLock<Look>,
@@ -115,7 +118,8 @@ impl<const N: usize> Scene<N> {
         let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
         let sensor = Sensor::new(&shapes.camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
-        let emitter_media = optics.emitters.par_iter().map(media_of).collect();
+        let emitter_media: Vec<_> = optics.emitters.par_iter().map(media_of).collect();
+        let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media);
         let offset_of =
             |emitter: &Emitter<N>| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
@@ -133,6 +137,7 @@ impl<const N: usize> Scene<N> {
             emitter_offsets,
             choice: Choice::new(&shapes, &optics.emitters),
             aim: None,
+            lamps,
             interfaces,
             has_polarizing_vertices,
             events,

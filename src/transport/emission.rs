@@ -64,6 +64,8 @@ pub struct MetEmitter<const N: usize> {
 pub struct Finding {
     /// Segments from the sensor to the emitter.
     pub path_length: u32,
+    /// Whether the path may get any longer.
+    pub is_last: bool,
     /// What competes.
     pub strategy: Strategy,
 }
@@ -74,7 +76,7 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     paths: &PathTable<N, C>,
     MetEmitter { row, t, primitive, reaches }: MetEmitter<N>,
     scene: &Scene<N>,
-    Finding { path_length, strategy }: Finding,
+    Finding { path_length, strategy, .. }: Finding,
 ) {
     let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
     let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));

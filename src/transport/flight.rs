@@ -40,5 +40,6 @@ pub fn fly<const N: usize, C>(
         hits.t[row] = progress.travelled + distance;
         hits.primitive[row] = IN_MEDIUM + inside;
     }
+    progress.from = progress.travelled;
     progress.travelled = t;
 }

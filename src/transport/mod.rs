@@ -56,6 +56,7 @@ pub mod flight;
 pub mod light_model;
 pub mod measure;
 pub mod mis;
+pub mod piece;
 pub mod sampler;
 pub mod scale;
 pub mod sides;

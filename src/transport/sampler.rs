@@ -42,6 +42,8 @@ pub enum Purpose {
     Connections,
     /// What a light path is aimed at (first number).
     Aim,
+    /// Which lamp a path looks for on its way through a medium (first number), and from where.
+    Lamp,
 }
 
 /// Purposes per path length; a power of two that exceeds the last [`Purpose`].

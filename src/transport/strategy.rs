@@ -11,3 +11,14 @@ pub enum Strategy {
     /// emission met by chance and next-event estimation as in [`Strategy::Unidirectional`].
     Merging,
 }
+
+impl Strategy {
+    /// Whether paths connect to lamps between their vertices, too.
+    pub fn connects_flights(self) -> bool {
+        match self {
+            Self::Unidirectional | Self::Merging => true,
+            // Light paths start where these lead.
+            Self::Bidirectional => false,
+        }
+    }
+}

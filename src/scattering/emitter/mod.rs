@@ -18,6 +18,7 @@ mod triangle;
 pub mod aim;
 pub mod choice;
 pub mod direct;
+pub mod lamps;
 pub mod tree;
 
 use glam::Vec3;
@@ -217,12 +218,17 @@ pub fn direct_pdf<const N: usize>(
     from: &Vantage,
     (point, direction): (Vec3, Vec3),
 ) -> f32 {
-    let emitter = &scene.optics.emitters[row];
-    let chance = match scene.choice.depends_on_vantage() {
+    let model = &scene.optics.emitters[row].model;
+    chance_of_choice(scene, row, from)
+        * density(model, &scene.shapes, from.position, (point, direction))
+}
+
+/// The probability with which a vertex chooses an emitter to connect to.
+pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Vantage) -> f32 {
+    match scene.choice.depends_on_vantage() {
         true => scene.choice.chance(from, row),
-        false => emitter.probability,
-    };
-    chance * density(&emitter.model, &scene.shapes, from.position, (point, direction))
+        false => scene.optics.emitters[row].probability,
+    }
 }
 
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {

@@ -4,9 +4,10 @@ use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
-use crate::scattering::{Scene, Side};
+use crate::scattering::{Met, Scene, Side};
 use crate::scene::baked::NONE;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
+use crate::transport::piece::PieceLanes;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
@@ -35,10 +36,11 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
     (scene, all): (&Scene<N>, S),
     strategy: Strategy,
 ) {
-    let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
+    let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
+    let lit = medium_lit(event.met, scene).filter(|_| strategy.connects_flights());
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
-        let Chosen { lanes: mut chosen, emitters, offset } =
+        let Chosen { lanes: mut chosen, offset, emitters, chance: of_choice } =
             choose(paths, surfaces, scene, (row, live), path_length);
         let vertices = all.at(surfaces, Consecutive(row, live));
         let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
@@ -52,7 +54,10 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
                 bidirectional_weight(paths.mis.load(row), &chosen, &turn, chance)
             }
         };
-        let factor = weight / chosen.pdf_w;
+        let mut factor = weight / chosen.pdf_w;
+        if let Some(medium) = lit {
+            factor *= weight_beside_lamps(arrived, scene, medium, row, (emitters, of_choice));
+        }
         let mut values = [[0.0; LANES]; N];
         for (n, values) in values.iter_mut().enumerate() {
             let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
@@ -68,6 +73,28 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
             }
         }
     }
+}
+
+/// The medium that was met, if lamps light it on the way of paths.
+fn medium_lit<const N: usize>(met: Met, scene: &Scene<N>) -> Option<u32> {
+    let Met::Medium(medium) = met else { return None };
+    scene.lamps.as_ref().filter(|lamps| lamps.light(medium)).map(|_| medium)
+}
+
+/// The weight of vertices in a medium beside the places on the way there that connect to lamps.
+fn weight_beside_lamps<const N: usize, C>(
+    &Arrived { paths, surfaces, .. }: &Arrived<N, C>,
+    scene: &Scene<N>,
+    medium: u32,
+    row: usize,
+    chosen: ([usize; LANES], F32s),
+) -> F32s {
+    let (origin, direction) =
+        (Vector::load(&paths.rays.origin, row), Vector::load(&paths.rays.direction, row));
+    let range = [&paths.piece.from, &paths.piece.to].map(|column| lanes::load(column, row));
+    let piece = PieceLanes { medium: scene.medium(medium), origin, direction, range };
+    let distance = (Vector::load(&surfaces.position, row) - origin).dot(direction);
+    piece.weight_of_flight(scene, distance, chosen)
 }
 
 /// The weight among all strategies; `chance` as in [`mis::chance_over_choice`].
@@ -108,15 +135,18 @@ fn choose<const N: usize, C>(
     let offset = F32s::from(chosen.map(|emitter| scene.emitter_offset(emitter)));
     let reference = Vector::load(&surfaces.position, row);
     let lanes = scene.direct.sample(chosen, chance.into(), reference, u);
-    Chosen { lanes, emitters: chosen, offset }
+    Chosen { lanes, offset, emitters: chosen, chance: chance.into() }
 }
 
 /// Points of emitters, or directions to them.
 struct Chosen<const N: usize> {
     lanes: DirectLanes<N>,
-    emitters: [usize; LANES],
     /// How far before the emitters segments end.
     offset: F32s,
+    /// The emitters.
+    emitters: [usize; LANES],
+    /// The probabilities of choosing them.
+    chance: F32s,
 }
 
 /// Eight segments to be tested, off the surfaces at both ends.

@@ -15,7 +15,7 @@ use crate::transport::tables::paths::PathTable;
 /// and lists them, for the carriers.
 ///
 /// From: pass_surfaces, choose_passage. To: collect_sensor, scatter_light, fly_to_crossings,
-/// fly_through_media.
+/// fly_through_media, list_pieces.
 /// Writes: paths (beta, mis, media), kernels, partition. Reads: crossing, flights, scene.
 pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     paths: &mut PathTable<N, C>,

@@ -9,7 +9,7 @@ use crate::transport::tables::paths::PathTable;
 
 /// Draws the optical depth at which every row would meet a particle, at the wavelength of its path.
 ///
-/// From: follow_paths. To: fly_to_crossings, fly_through_media.
+/// From: follow_paths. To: list_pieces, fly_to_crossings, fly_through_media.
 /// Writes: flights. Reads: paths, scene.
 pub fn draw_distances<const N: usize, C>(
     flights: &mut FlightTable<N>,

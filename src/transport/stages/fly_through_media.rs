@@ -12,8 +12,8 @@ use crate::transport::tables::paths::PathTable;
 /// throughput takes transmittance over density; both are summed over the wavelengths that the
 /// distance could have been drawn for.
 ///
-/// From: draw_distances, fly_to_crossings, cross_surfaces. To: collect_emission, play_roulette,
-/// partition_paths.
+/// From: draw_distances, fly_to_crossings, cross_surfaces. To: keep_pieces, collect_emission,
+/// play_roulette, partition_paths.
 /// Writes: hits, paths (beta, media), flights. Reads: paths, scene.
 pub fn fly_through_media<const N: usize, C>(
     hits: &mut HitColumns,

@@ -1,11 +1,13 @@
 //! The systems, one a file, named as the file.
 
 pub mod advance_paths;
+pub mod choose_lamps;
 pub mod choose_passage;
 pub mod collect_crossed_emission;
 pub mod collect_emission;
 pub mod collect_sensor;
 pub mod connect_emission;
+pub mod connect_flights;
 pub mod connect_to_emitters;
 pub mod connect_to_sensor;
 pub mod connect_to_vertices;
@@ -21,6 +23,8 @@ pub mod follow_connections;
 pub mod follow_paths;
 pub mod gather_connections;
 pub mod generate_sensor_paths;
+pub mod keep_pieces;
+pub mod list_pieces;
 pub mod merge_photons;
 pub mod partition_paths;
 pub mod pass_surfaces;

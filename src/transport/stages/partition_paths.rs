@@ -11,7 +11,8 @@ use crate::transport::tables::paths::PathTable;
 /// Moves the rows that have arrived at vertices to `sorted`, grouped, with their odds, those that
 /// have lost behind the others; rows that hit nothing, an absorber, or carry nothing stay behind.
 ///
-/// From: trace_closest, fly_through_media, collect_emission, play_roulette. To: resolve_surfaces.
+/// From: trace_closest, fly_through_media, keep_pieces, collect_emission, play_roulette. To:
+/// resolve_surfaces.
 /// Writes: sorted, sorted_hits, partition. Reads: paths, hits, scene.
 pub fn partition_paths<const N: usize, C: CarrierTable>(
     sorted: &mut PathTable<N, C>,

@@ -9,8 +9,8 @@ use crate::transport::tables::connections::ConnectionTable;
 /// Finds which connections are blocked, or cross surfaces that let them pass, and attenuates the
 /// others.
 ///
-/// From: connect_emission, connect_to_emitters, connect_to_vertices, connect_to_sensor. To:
-/// follow_connections, gather_connections, splat_connections.
+/// From: connect_emission, connect_to_emitters, connect_to_vertices, connect_to_sensor,
+/// connect_flights. To: follow_connections, gather_connections, splat_connections.
 /// Writes: connections (blocked, value), scratch. Reads: connections (rays), scene.
 pub fn trace_connections<const N: usize>(
     connections: &mut ConnectionTable<N>,

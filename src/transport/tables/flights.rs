@@ -26,6 +26,8 @@ columns! {
 pub struct Progress<const N: usize> {
     /// Distance from its start.
     pub travelled: f32,
+    /// Where it had come to before that.
+    pub from: f32,
     /// Optical depth so far.
     pub depth: [f32; N],
     /// Optical depth, at the wavelength that distances are drawn for, left until the path meets a
@@ -45,8 +47,8 @@ impl<const N: usize> FlightTable<N> {
         self.len = 0;
         self.reserve(rows + LANES);
         self.progress.clear();
-        let (travelled, depth, left, crossed) = (0.0, [0.0; N], 0.0, 0);
-        let start = Progress { travelled, depth, left, crossed, chance: 1.0, is_over: false };
+        let (travelled, from, depth, left, crossed) = (0.0, 0.0, [0.0; N], 0.0, 0);
+        let start = Progress { travelled, from, depth, left, crossed, chance: 1.0, is_over: false };
         self.progress.resize(rows, start);
     }
 }

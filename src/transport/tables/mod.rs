@@ -17,6 +17,7 @@ pub mod photon_maps;
 pub mod photon_queries;
 mod photon_sort;
 pub mod photons;
+pub mod pieces;
 pub mod states;
 pub mod vertices;
 

@@ -11,6 +11,7 @@ use crate::transport::sampler::{Purpose, draw};
 use super::carriers::CarrierTable;
 use super::media::MediaColumns;
 use super::partition::Partition;
+use super::pieces::LastPieceColumns;
 
 /// The subpaths of one side that are still being extended.
 pub struct PathTable<const N: usize, C> {
@@ -33,6 +34,8 @@ pub struct PathTable<const N: usize, C> {
     pub nested: NestedColumns,
     /// Media, if the scene has any.
     pub media: MediaColumns<N>,
+    /// Where particles were met, if that matters to lamps.
+    pub piece: LastPieceColumns,
     /// Polarization, for the rows that have any.
     pub carriers: C,
 }
@@ -57,6 +60,13 @@ impl IdentityColumns {
         let seed = lanes::load_u32(&self.seed, row);
         let iteration = lanes::load_u32(&self.iteration, row);
         draw(seed, iteration, path_length, purpose)
+    }
+
+    /// Seeds and iterations of any eight rows.
+    #[inline(always)]
+    pub fn of_rows(&self, rows: &[usize; LANES]) -> (U32s, U32s) {
+        let of = |column: &[u32]| U32s::from(lanes::each(|lane| column[rows[lane]]));
+        (of(&self.seed), of(&self.iteration))
     }
 
     /// [`Self::draw`] for one row.
@@ -219,13 +229,15 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
             last: LastColumns::absent(),
             nested: NestedColumns::absent(),
             media: MediaColumns::if_any(capacity, with_media),
+            piece: LastPieceColumns::absent(),
             carriers: C::new(capacity),
         }
     }
 
     /// Takes the rows that `partition` keeps from another table, in its order.
     pub fn take(&mut self, from: &Self, partition: &Partition) {
-        let Self { len, rays, identity, beta, odds, mis, last, nested, media, carriers } = self;
+        let Self { len, rays, identity, beta, odds, mis, last, nested, media, piece, carriers } =
+            self;
         let order = &partition.order;
         *len = order.len();
         rays.take_rows(&from.rays, order, 0);
@@ -240,6 +252,9 @@ impl<const N: usize, C: CarrierTable> PathTable<N, C> {
             nested.take_rows(&from.nested, order, 0);
         }
         media.take_rows(&from.media, order, 0);
+        if piece.present() {
+            piece.take_rows(&from.piece, order, 0);
+        }
         for part in &partition.parts {
             carriers.gather(&from.carriers, order, part);
         }
