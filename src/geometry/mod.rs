@@ -32,7 +32,7 @@ mod walk;
 
 pub use accelerator::{Accelerator, SHORT_SCENE, Statistics};
 pub use columns::{CROSSES, trace_closest, trace_visibility, trace_visibility_past};
-pub use near::{Neighborhood, Planes, Surroundings, nearest_in_triangle};
+pub use near::{FRONTS_MAX, Neighborhood, Planes, Shape, Surroundings, nearest_in_triangle};
 pub use next::trace_next;
 pub use offset::{offset_distance, offset_origin, reach, reach_of_triangle};
 pub use rays::{Hit, HitColumns, IN_MEDIUM, Ray, RayColumns, medium_met};

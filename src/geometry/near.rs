@@ -2,28 +2,31 @@
 
 use glam::{Affine3A, Mat3A, Vec3A};
 
-use crate::math::{F32s, Vector};
+use crate::math::{F32s, LANES, Vector, lanes};
 
 use super::accelerator::Accelerator;
 use super::block::{Node, Reference, TriangleBlock};
 use super::tree::View;
 
-/// Shapes that are found at least, if as many are near; the nearest.
-pub const SHAPES_MAX: usize = 64;
-
 /// Bounds are taken to be this much wider than they are, relative to the coordinates.
 const PADDING: f32 = 4.0 * f32::EPSILON;
+/// Planes at most before which shapes are looked for.
+pub const FRONTS_MAX: usize = 4;
 
-/// The ball in which shapes are looked for, and a pair of planes of which they must cross one, if
-/// any.
+/// Where shapes are looked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighborhood {
-    /// Middle of the ball.
+    /// Middle of a ball.
     pub center: Vec3A,
     /// Radius of the ball, in scene units.
     pub radius: f32,
-    /// The planes, the same height above and below another.
+    /// A pair of planes of which shapes must cross one, if any.
     pub crossed: Option<Planes>,
+    /// Planes of all points `p` with `n . p + o = 0`, by `n` and `o`: what is all where that is
+    /// negative, for one of them, need not be found.
+    pub fronts: [(Vec3A, f32); FRONTS_MAX],
+    /// How many of these there are.
+    pub front_count: usize,
 }
 
 /// Planes of all points `p` with `n . p + o` the height or its negative.
@@ -37,138 +40,124 @@ pub struct Planes {
     pub height: f32,
 }
 
-/// The shapes that were found, and the memory that it takes to find them.
+/// A shape that is near.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// Corners of a triangle.
+    Triangle([Vec3A; 3]),
+    /// Center and radius of a sphere.
+    Sphere(Vec3A, f32),
+}
+
+/// What it takes to look around, and how far is left to look.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
-    /// Corners of triangles.
-    pub triangles: Vec<[Vec3A; 3]>,
-    /// Centers and radii of spheres.
-    pub spheres: Vec<(Vec3A, f32)>,
-    /// Where they are looked for, which shrinks when there are too many.
-    center: Vec3A,
+    /// What is yet to be looked at, and the square of how far off it is.
+    stack: Vec<(Reference, f32)>,
     reach: f32,
-    distances: Vec<f32>,
-    stack: Vec<Reference>,
 }
 
 impl Surroundings {
-    /// Finds the shapes whose surfaces may be in the ball and cross a plane: none that do is
-    /// missing. If there are more than twice [`SHAPES_MAX`] of them, some of the farthest are.
-    pub fn find(&mut self, accelerator: &Accelerator, near: &Neighborhood) {
-        self.triangles.clear();
-        self.spheres.clear();
+    /// Shows the shapes whose surfaces may be in the neighborhood. None that are is missing, but
+    /// those farther off than what `offer` answers when it is shown one.
+    pub fn look(
+        &mut self,
+        accelerator: &Accelerator,
+        near: &Neighborhood,
+        mut offer: impl FnMut(Shape) -> f32,
+    ) {
         self.stack.clear();
-        (self.center, self.reach) = (near.center, near.radius);
-        self.look(&accelerator.tree.view(), near, None);
+        self.reach = near.radius;
+        self.look_through(&accelerator.tree.view(), near, (1.0, None), &mut offer);
     }
 
-    /// Looks through a tree; `near` is in its space, which `to_world` leads out of.
-    fn look(&mut self, tree: &View, near: &Neighborhood, to_world: Option<&Affine3A>) {
+    /// Looks through a tree; `near` is in its space, which is so many times as large as the world
+    /// and which `to_world` leads out of.
+    fn look_through(
+        &mut self,
+        tree: &View,
+        near: &Neighborhood,
+        (stretch, to_world): (f32, Option<&Affine3A>),
+        offer: &mut impl FnMut(Shape) -> f32,
+    ) {
         let bottom = self.stack.len();
-        let mut ball = Ball::new(near, tree.reach);
-        let stretch = near.radius / self.reach;
-        self.stack.push(tree.root);
+        let probe = Probe::new(near, tree.reach);
+        self.stack.push((tree.root, 0.0));
         while self.stack.len() > bottom {
-            let Some(next) = self.stack.pop() else { return };
+            let Some((next, distance_squared)) = self.stack.pop() else { return };
+            let limit = (stretch * self.reach + probe.slack).powi(2);
+            if distance_squared > limit {
+                continue;
+            }
             if !next.is_leaf() {
-                let node = &tree.nodes[next.row()];
-                let lanes = ball.meets_bounds(node);
-                self.stack.extend(lanes_of(lanes).map(|lane| node.children[lane]));
+                self.push_children(&tree.nodes[next.row()], &probe, limit);
             } else if next.is_of_triangles() {
                 for block in &tree.triangle_blocks[next.blocks()] {
-                    self.take_triangles(block, &ball, near, to_world);
+                    for triangle in probe.triangles(block, limit) {
+                        let in_world =
+                            |corner| to_world.map_or(corner, |map| map.transform_point3a(corner));
+                        self.reach = offer(Shape::Triangle(triangle.map(in_world)));
+                    }
                 }
             } else if let Some(row) = next.as_instance() {
                 let instance = &tree.instances[row];
                 let object = &tree.objects[instance.object as usize].view();
                 let near = Neighborhood { radius: self.reach, ..*near };
-                let inside = near.inside(&instance.to_world, &instance.to_object);
-                self.look(object, &inside, Some(&instance.to_world));
+                let (inside, stretch) = near.inside(&instance.to_world, &instance.to_object);
+                self.look_through(object, &inside, (stretch, Some(&instance.to_world)), offer);
             } else {
                 for block in &tree.sphere_blocks[next.blocks()] {
-                    let near_ones = block.spheres().filter(|sphere| near.meets_sphere(*sphere));
-                    self.spheres.extend(near_ones);
+                    for (center, radius) in block.spheres() {
+                        if near.meets_sphere((center, radius)) {
+                            self.reach = offer(Shape::Sphere(center, radius));
+                        }
+                    }
                 }
             }
-            if self.len() > 2 * SHAPES_MAX {
-                self.keep_nearest();
-                let radius = stretch * self.reach;
-                ball = Ball::new(&Neighborhood { radius, ..*near }, tree.reach);
-            }
         }
     }
 
-    /// Keeps [`SHAPES_MAX`] shapes, the nearest, whatever the order in which they were found, and
-    /// goes on looking nearer than the last of them.
-    fn keep_nearest(&mut self) {
-        let of_triangle = |corners: &[Vec3A; 3]| distance_to_triangle(self.center, corners);
-        let of_sphere =
-            |&(center, radius): &(Vec3A, f32)| ((center - self.center).length() - radius).abs();
-        self.distances.clear();
-        self.distances.extend(self.triangles.iter().map(of_triangle));
-        self.distances.extend(self.spheres.iter().map(of_sphere));
-        let (_, &mut farthest, _) =
-            self.distances.select_nth_unstable_by(SHAPES_MAX - 1, f32::total_cmp);
-        self.triangles.retain(|corners| of_triangle(corners) <= farthest);
-        self.triangles.truncate(SHAPES_MAX);
-        self.spheres.retain(|sphere| of_sphere(sphere) <= farthest);
-        self.spheres.truncate(SHAPES_MAX - self.triangles.len());
-        self.reach = farthest;
-    }
-
-    /// Shapes found.
-    pub fn len(&self) -> usize {
-        self.triangles.len() + self.spheres.len()
-    }
-
-    /// Whether nothing was found.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn take_triangles(
-        &mut self,
-        block: &TriangleBlock,
-        ball: &Ball,
-        near: &Neighborhood,
-        to_world: Option<&Affine3A>,
-    ) {
-        let corners = block.corners([0, 1, 2]);
-        let mut mask = ball.meets_boxes(&corners);
-        if let Some(Planes { normal, offset, height }) = near.crossed {
-            let normal = Vector::splat(normal.to_array());
-            let [a, b, c] = corners.map(|corner| corner.dot(normal) + F32s::splat(offset));
-            let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
-            let crosses = |height: F32s| lower.simd_le(height) & upper.simd_ge(height);
-            mask &= crosses(F32s::splat(height)) | crosses(F32s::splat(-height));
-        }
-        for lane in lanes_of(mask.to_bitmask()) {
-            let of_lane = corners.map(|corner| Vec3A::from(<[f32; 3]>::from(corner.lane(lane))));
-            // Vacant lanes are points.
-            if of_lane[0] == of_lane[1] && of_lane[1] == of_lane[2] {
-                continue;
-            }
-            let in_world = |corner| to_world.map_or(corner, |map| map.transform_point3a(corner));
-            self.triangles.push(of_lane.map(in_world));
+    /// Puts the children that are near on the stack, the nearest on top.
+    fn push_children(&mut self, node: &Node, probe: &Probe, limit: f32) {
+        let (distances, mask) = probe.meet_bounds(node, limit);
+        let first = self.stack.len();
+        self.stack.extend(lanes_of(mask).map(|lane| (node.children[lane], distances[lane])));
+        let pushed = &mut self.stack[first..];
+        let nearest = (0..pushed.len()).min_by(|&a, &b| pushed[a].1.total_cmp(&pushed[b].1));
+        if let Some(nearest) = nearest {
+            let last = pushed.len() - 1;
+            pushed.swap(nearest, last);
         }
     }
 }
 
 impl Neighborhood {
-    /// The same in the space of an instance: a ball that holds what becomes of this one.
-    fn inside(&self, to_world: &Affine3A, to_object: &Mat3A) -> Self {
+    /// A ball.
+    pub fn ball(center: Vec3A, radius: f32) -> Self {
+        let fronts = [(Vec3A::ZERO, 0.0); FRONTS_MAX];
+        Self { center, radius, crossed: None, fronts, front_count: 0 }
+    }
+
+    /// The same in the space of an instance, for a ball that holds what becomes of this one, and
+    /// how many times as large that is.
+    fn inside(&self, to_world: &Affine3A, to_object: &Mat3A) -> (Self, f32) {
         let [x, y, z] = [to_object.x_axis, to_object.y_axis, to_object.z_axis];
         let stretch = (x.length_squared() + y.length_squared() + z.length_squared()).sqrt();
-        let crossed = self.crossed.map(|Planes { normal, offset, height }| Planes {
-            normal: to_world.matrix3.transpose() * normal,
-            offset: offset + normal.dot(to_world.translation),
-            height,
+        let inside = |(normal, offset): (Vec3A, f32)| {
+            (to_world.matrix3.transpose() * normal, offset + normal.dot(to_world.translation))
+        };
+        let crossed = self.crossed.map(|Planes { normal, offset, height }| {
+            let (normal, offset) = inside((normal, offset));
+            Planes { normal, offset, height }
         });
-        Self {
+        let near = Self {
             center: *to_object * (self.center - to_world.translation),
             radius: self.radius * stretch,
             crossed,
-        }
+            fronts: self.fronts.map(inside),
+            front_count: self.front_count,
+        };
+        (near, stretch)
     }
 
     fn meets_sphere(&self, (center, radius): (Vec3A, f32)) -> bool {
@@ -179,10 +168,6 @@ impl Neighborhood {
         });
         crosses && (distance - radius).abs() <= self.radius
     }
-}
-
-fn distance_to_triangle(point: Vec3A, corners: &[Vec3A; 3]) -> f32 {
-    (point - nearest_in_triangle(point, corners)).length()
 }
 
 /// The point of a triangle that is nearest to `point` (Ericson 2005, "Real-time collision
@@ -210,33 +195,87 @@ pub fn nearest_in_triangle(point: Vec3A, &[a, b, c]: &[Vec3A; 3]) -> Vec3A {
     }
 }
 
-/// The ball for eight tests at a time.
-struct Ball {
+/// A neighborhood for eight tests at a time.
+struct Probe {
     center: Vector<F32s>,
-    radius_squared: F32s,
+    /// How much wider everything is taken to be, for rounding.
+    slack: f32,
+    /// The planes to be crossed, and their height.
+    crossed: Option<(Front, F32s)>,
+    fronts: [Front; FRONTS_MAX],
+    front_count: usize,
 }
 
-impl Ball {
+/// A plane in all lanes.
+#[derive(Clone, Copy)]
+struct Front {
+    normal: Vector<F32s>,
+    offset: F32s,
+    slack: F32s,
+}
+
+impl Front {
+    fn new((normal, offset): (Vec3A, f32), slack: f32) -> Self {
+        let slack = F32s::splat(slack * normal.abs().element_sum());
+        Self { normal: Vector::splat(normal.to_array()), offset: F32s::splat(offset), slack }
+    }
+
+    /// The lowest and the highest of boxes, by their middles and half edges.
+    #[inline(always)]
+    fn of_boxes(&self, middle: Vector<F32s>, half: Vector<F32s>) -> [F32s; 2] {
+        let at = middle.dot(self.normal) + self.offset;
+        let [x, y, z] = [self.normal.x, self.normal.y, self.normal.z].map(|it| it.abs());
+        let around = x * half.x + y * half.y + z * half.z + self.slack;
+        [at - around, at + around]
+    }
+
+    /// The lowest and the highest of triangles.
+    #[inline(always)]
+    fn of_triangles(&self, corners: &[Vector<F32s>; 3]) -> [F32s; 2] {
+        let [a, b, c] = corners.map(|corner| corner.dot(self.normal) + self.offset);
+        let (lower, upper) = (a.fast_min(b).fast_min(c), a.fast_max(b).fast_max(c));
+        [lower - self.slack, upper + self.slack]
+    }
+}
+
+impl Probe {
     /// That of a neighborhood in a tree whose largest coordinate is `reach`.
     fn new(near: &Neighborhood, reach: f32) -> Self {
         let slack = (near.center.abs().max_element() + reach) * PADDING;
+        let crossed = near.crossed.map(|Planes { normal, offset, height }| {
+            (Front::new((normal, offset), slack), F32s::splat(height))
+        });
         Self {
             center: Vector::splat(near.center.to_array()),
-            radius_squared: F32s::splat((near.radius + slack).powi(2)),
+            slack,
+            crossed,
+            fronts: near.fronts.map(|front| Front::new(front, slack)),
+            front_count: near.front_count,
         }
     }
 
-    /// Which children's bounds the ball meets.
+    /// The squared distances of children's bounds, and which may hold what is looked for.
     #[inline(always)]
-    fn meets_bounds(&self, node: &Node) -> u32 {
+    fn meet_bounds(&self, node: &Node, limit: f32) -> ([f32; LANES], u32) {
         let [[x, below_x], [y, below_y], [z, below_z]] = node.bounds;
         let (lower, upper) = (Vector::new(x, y, z), Vector::new(below_x, below_y, below_z));
-        self.meets_box(lower, upper).to_bitmask()
+        let squared = self.distances_squared(lower, upper);
+        let half = F32s::splat(0.5);
+        let (middle, half) = ((lower + upper) * half, (upper - lower) * half);
+        let mask = squared.simd_le(F32s::splat(limit));
+        let mask = mask & self.admits(|front| front.of_boxes(middle, half));
+        (squared.to_array(), mask.to_bitmask())
     }
 
-    /// Which triangles' boxes the ball meets.
+    /// The triangles of a block that may be what is looked for.
     #[inline(always)]
-    fn meets_boxes(&self, [a, b, c]: &[Vector<F32s>; 3]) -> F32s {
+    fn triangles(
+        &self,
+        block: &TriangleBlock,
+        limit: f32,
+    ) -> impl Iterator<Item = [Vec3A; 3]> + use<> {
+        let corners = block.corners([0, 1, 2]);
+        let [a, b, c] = corners;
         let lower = Vector::new(
             a.x.fast_min(b.x).fast_min(c.x),
             a.y.fast_min(b.y).fast_min(c.y),
@@ -247,11 +286,32 @@ impl Ball {
             a.y.fast_max(b.y).fast_max(c.y),
             a.z.fast_max(b.z).fast_max(c.z),
         );
-        self.meets_box(lower, upper)
+        let mask = self.distances_squared(lower, upper).simd_le(F32s::splat(limit));
+        let mask = mask & self.admits(|front| front.of_triangles(&corners));
+        let of_lane = move |lane| {
+            corners.map(|corner: Vector<F32s>| Vec3A::from(<[f32; 3]>::from(corner.lane(lane))))
+        };
+        // Vacant lanes are points.
+        lanes_of(mask.to_bitmask()).map(of_lane).filter(|[a, b, c]| a != b || b != c)
+    }
+
+    /// What crosses and is not behind, by its lowest and its highest over a plane.
+    #[inline(always)]
+    fn admits(&self, extent: impl Fn(&Front) -> [F32s; 2]) -> F32s {
+        let mut mask = lanes::first(LANES);
+        if let Some((planes, height)) = &self.crossed {
+            let [lower, upper] = extent(planes);
+            let crosses = |height: F32s| lower.simd_le(height) & upper.simd_ge(height);
+            mask = crosses(*height) | crosses(-*height);
+        }
+        for front in &self.fronts[..self.front_count] {
+            mask &= extent(front)[1].simd_gt(F32s::splat(0.0));
+        }
+        mask
     }
 
     #[inline(always)]
-    fn meets_box(&self, lower: Vector<F32s>, upper: Vector<F32s>) -> F32s {
+    fn distances_squared(&self, lower: Vector<F32s>, upper: Vector<F32s>) -> F32s {
         let zero = F32s::splat(0.0);
         let off =
             |lower: F32s, upper: F32s, at: F32s| (lower - at).fast_max(at - upper).fast_max(zero);
@@ -260,7 +320,7 @@ impl Ball {
             off(lower.y, upper.y, self.center.y),
             off(lower.z, upper.z, self.center.z),
         );
-        off.length_squared().simd_le(self.radius_squared)
+        off.length_squared()
     }
 }
 
@@ -313,66 +373,69 @@ mod tests {
             let normal = (point(21, query) - Vec3::splat(0.5)).normalize();
             let offset = -normal.dot(center);
             let planes = Planes { normal: normal.into(), offset, height: 0.01 };
-            let crossed = (query % 2 == 1).then_some(planes);
-            let near = Neighborhood { center: center.into(), radius: 0.05, crossed };
-            around.find(&accelerator, &near);
-            if around.len() >= SHAPES_MAX {
-                continue;
-            }
+            let front = (point(22, query) - Vec3::splat(0.5)).normalize();
+            let mut near = Neighborhood::ball(center.into(), 0.05);
+            near.crossed = (query % 2 == 1).then_some(planes);
+            near.fronts[0] = (front.into(), 0.01 - front.dot(center));
+            near.front_count = query / 2 % 2;
+            let (mut flakes, mut balls) = (Vec::new(), Vec::new());
+            around.look(&accelerator, &near, |shape| {
+                match shape {
+                    Shape::Triangle(corners) => flakes.push(corners),
+                    Shape::Sphere(center, _) => balls.push(center),
+                }
+                near.radius
+            });
             for triangle in &triangles {
                 let is_near = points(triangle).any(|point| point.distance(center) < near.radius);
-                let crosses = crossed.is_none()
+                let crosses = near.crossed.is_none()
                     || [0.01, -0.01].into_iter().any(|height| {
                         let below = |corner| normal.dot(corner - center) < height;
                         let signs = triangle.corners.map(below);
                         signs != [signs[0]; 3]
                     });
-                let corners = triangle.corners.map(Vec3A::from);
-                let is_found = around.triangles.contains(&corners);
-                assert!(is_found || !(is_near && crosses), "{triangle:?}");
-                found += usize::from(is_near && crosses);
+                let is_before = near.front_count == 0
+                    || triangle.corners.iter().any(|&it| front.dot(it - center) > -0.01);
+                let is_wanted = is_near && crosses && is_before;
+                let is_found = flakes.contains(&triangle.corners.map(Vec3A::from));
+                assert!(is_found || !is_wanted, "{triangle:?}");
+                found += usize::from(is_wanted);
             }
             let near_ones = spheres.iter().filter(|sphere| {
                 let off = (sphere.center.distance(center) - sphere.radius).abs();
                 let height = normal.dot(sphere.center - center).abs() - 0.01;
-                off < 0.99 * near.radius && (crossed.is_none() || height.abs() < sphere.radius)
+                let crosses = near.crossed.is_none() || height.abs() < sphere.radius;
+                let before = front.dot(sphere.center - center) + 0.01 + sphere.radius;
+                let is_before = near.front_count == 0 || before > 1e-5;
+                off < 0.99 * near.radius && crosses && is_before
             });
-            let missing = near_ones.filter(|sphere| {
-                let center = Vec3A::from(sphere.center);
-                !around.spheres.iter().any(|found| found.0 == center)
-            });
+            let missing = near_ones.filter(|sphere| !balls.contains(&Vec3A::from(sphere.center)));
             assert_eq!(missing.count(), 0);
         }
         assert!(found > 50, "{found} triangles were near");
     }
 
     #[test]
-    fn of_too_many_shapes_the_nearest_are_found() {
+    fn the_nearest_of_many_shapes_is_found_without_looking_at_all() {
         let flake = |row| Triangle {
             corners: [1, 2, 3].map(|salt| point(9, row) + 0.02 * point(salt, row)),
         };
-        let flakes: Vec<Triangle> = (0..20 * SHAPES_MAX).map(flake).collect();
+        let flakes: Vec<Triangle> = (0..5000).map(flake).collect();
         let accelerator = Accelerator::build(&flakes, &[]);
         let center = Vec3A::splat(0.5);
-        let distance = |corners: &[Vec3A; 3]| distance_to_triangle(center, corners);
-        let mut distances: Vec<f32> =
-            flakes.iter().map(|it| distance(&it.corners.map(Vec3A::from))).collect();
-        distances.sort_by(f32::total_cmp);
-        let mut around = Surroundings::default();
-        around.find(&accelerator, &Neighborhood { center, radius: 1.0, crossed: None });
-        let mut found: Vec<f32> = around.triangles.iter().map(distance).collect();
-        found.sort_by(f32::total_cmp);
-        assert_eq!(found[..SHAPES_MAX], distances[..SHAPES_MAX]);
-        assert!(found.len() <= 2 * SHAPES_MAX, "{}", found.len());
-    }
-
-    #[test]
-    fn of_many_shapes_in_one_place_some_are_found() {
-        let flake = Triangle { corners: [Vec3::ZERO, Vec3::X, Vec3::Y] };
-        let accelerator = Accelerator::build(&vec![flake; 10 * SHAPES_MAX], &[]);
-        let near = Neighborhood { center: Vec3A::ZERO, radius: 0.1, crossed: None };
-        let mut around = Surroundings::default();
-        around.find(&accelerator, &near);
-        assert!((SHAPES_MAX..=2 * SHAPES_MAX).contains(&around.len()), "{}", around.len());
+        let distance =
+            |corners: &[Vec3A; 3]| (center - nearest_in_triangle(center, corners)).length();
+        let distances = flakes.iter().map(|it| distance(&it.corners.map(Vec3A::from)));
+        let nearest = distances.fold(f32::INFINITY, f32::min);
+        let (mut found, mut shown) = (1.0, 0);
+        Surroundings::default().look(&accelerator, &Neighborhood::ball(center, 1.0), |shape| {
+            if let Shape::Triangle(corners) = shape {
+                found = distance(&corners).min(found);
+            }
+            shown += 1;
+            found
+        });
+        assert_eq!(found, nearest);
+        assert!(shown < 100, "{shown} were shown");
     }
 }

@@ -28,7 +28,7 @@ const BATCHES: u32 = 32;
 /// Photons within the first radius (the paper, section 5).
 const NEAREST: usize = 25;
 /// Points of a map that the first radius is found at.
-const PROBES: usize = 1024;
+const PROBES: usize = 256;
 /// Tiles of the film that they are taken from.
 const PROBED_TILES: usize = 64;
 /// Largest first radius in a medium, relative to its mean free path.

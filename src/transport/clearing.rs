@@ -9,15 +9,18 @@
 //! leads away from it behind an edge; what lies in it does not.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3A};
 
-use crate::geometry::{Accelerator, Neighborhood, Planes, Surroundings, nearest_in_triangle};
+use crate::geometry::{
+    Accelerator, FRONTS_MAX, Neighborhood, Planes, Shape, Surroundings, nearest_in_triangle,
+};
 use crate::math::{F32s, LANES, Vector, lanes};
 
 /// Planes that keep shapes out at most, the nearest: more is cut off by fine meshes alone, of which
 /// a smaller kernel meets less.
-const PLANES_MAX: usize = 4;
+const PLANES_MAX: usize = FRONTS_MAX;
 /// How far above and below a surface the disk is looked at, relative to the radius.
 const LIFT: f32 = 1.0 / 16.0;
 /// How far off the disk's plane photons may be, relative to the radius: curved surfaces are.
@@ -31,8 +34,29 @@ const TOUCHING: f32 = 1e-4;
 const ROUND: f32 = 0.75;
 /// Least part of a kernel, so that its reciprocal is a number.
 const SHARE_MIN: f32 = 1e-3;
-/// Directions by which sizes are computed where more than one plane cuts.
+/// Directions by which sizes are computed where more than one plane cuts, in packets of eight.
 const DIRECTIONS: usize = 128;
+const PACKETS: usize = DIRECTIONS / LANES;
+
+/// Cosines and sines of equal steps around a circle.
+static CIRCLE: LazyLock<[[F32s; 2]; PACKETS]> = LazyLock::new(|| {
+    let turn = |row: usize| TAU * row as f32 / DIRECTIONS as f32;
+    std::array::from_fn(|packet| {
+        let of = |part: fn(f32) -> f32| lanes::each(|lane| part(turn(packet * LANES + lane)));
+        [F32s::from(of(f32::cos)), F32s::from(of(f32::sin))]
+    })
+});
+
+/// A spiral of equal steps in height (Gonzalez 2010).
+static SPIRAL: LazyLock<[Vector<F32s>; PACKETS]> = LazyLock::new(|| {
+    let direction = |row: usize| {
+        let height = 1.0 - (2.0 * row as f32 + 1.0) / DIRECTIONS as f32;
+        let (sine, cosine) = (TAU * 0.618_034 * row as f32).sin_cos();
+        let flat = (1.0 - height * height).max(0.0).sqrt();
+        [cosine * flat, sine * flat, height]
+    };
+    std::array::from_fn(|packet| Vector::gather(|lane| direction(packet * LANES + lane)))
+});
 
 /// Where photons count, and how much.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +64,7 @@ pub struct Clearing {
     center: Vec3A,
     radius: f32,
     /// Normals and distances from the vertex of the planes before which photons count.
-    planes: [(Vec3, f32); PLANES_MAX],
+    planes: [(Vec3A, f32); PLANES_MAX],
     len: usize,
     /// Whether the radius is less than what was asked for.
     is_smaller: bool,
@@ -57,10 +81,20 @@ pub struct Clearing {
 #[derive(Clone, Copy)]
 struct Cut {
     distance: f32,
-    /// Unit vector from it to the vertex.
-    normal: Vec3A,
+    by: By,
     /// Points that say all about where it is; none lies anywhere else.
     points: [Vec3A; 3],
+}
+
+/// How a shape is kept out.
+#[derive(Clone, Copy)]
+enum By {
+    /// A plane, with the unit vector from it to the vertex.
+    Plane(Vec3A),
+    /// The same for a sphere that the vertex is in.
+    Shell(Vec3A, (Vec3A, f32)),
+    /// A smaller radius.
+    Radius,
 }
 
 impl Clearing {
@@ -73,20 +107,23 @@ impl Clearing {
         accelerator: &Accelerator,
         around: &mut Surroundings,
     ) -> Self {
-        let center = Vec3A::from(center);
-        around.find(accelerator, &Neighborhood { center, radius, crossed: None });
-        let mut clearing = Self::whole(center, radius, None);
-        if !around.is_empty() {
-            let of_triangles =
-                around.triangles.iter().map(|corners| cut_of_triangle(center, corners));
-            let mut cuts: Vec<Cut> = of_triangles.collect();
-            cuts.extend(around.spheres.iter().map(|&sphere| cut_of_sphere(center, sphere)));
-            let encloses = |&&(middle, radius): &&(Vec3A, f32)| center.distance(middle) < radius;
-            let smallest = |a: &&(Vec3A, f32), b: &&(Vec3A, f32)| a.1.total_cmp(&b.1);
-            let nearest = cuts.iter().map(|cut| cut.distance).fold(radius, f32::min);
-            clearing.radius = clearing.radius.min(nearest.max(at_boundary));
-            clearing.shell = around.spheres.iter().filter(encloses).min_by(smallest).copied();
-            clearing.cut(&mut cuts);
+        let mut clearing = Self::whole(Vec3A::from(center), radius, None);
+        let center = clearing.center;
+        for count in 0..PLANES_MAX {
+            let found = clearing.nearest(around, accelerator, None, |shape, offer| {
+                offer(match shape {
+                    Shape::Triangle(corners) => cut_of_triangle(center, &corners),
+                    Shape::Sphere(middle, radius) => cut_of_sphere(center, (middle, radius)),
+                });
+            });
+            let Some(cut) = found else { break };
+            if count == 0 {
+                clearing.radius = radius.min(cut.distance.max(at_boundary));
+            }
+            if cut.distance >= clearing.radius {
+                break;
+            }
+            clearing.keep_out(&cut);
         }
         clearing.is_smaller = clearing.radius < radius;
         clearing.gain = (radius / clearing.radius).powi(3) / clearing.share_of_ball();
@@ -102,28 +139,26 @@ impl Clearing {
         accelerator: &Accelerator,
         around: &mut Surroundings,
     ) -> Self {
-        let center = Vec3A::from(center);
-        let height = radius * LIFT;
+        let mut clearing = Self::whole(Vec3A::from(center), radius, Some(normal));
+        let (center, height) = (clearing.center, radius * LIFT);
         let planes = Planes { normal, offset: -normal.dot(center), height };
-        around.find(accelerator, &Neighborhood { center, radius, crossed: Some(planes) });
-        let mut clearing = Self::whole(center, radius, Some(normal));
-        if !around.is_empty() {
-            let mut cuts: Vec<Cut> = Vec::new();
-            for height in [height, -height] {
-                let plane = Plane { center, normal, height };
-                let triangles = around.triangles.iter();
-                cuts.extend(triangles.filter_map(|corners| plane.cut_of_triangle(corners)));
-                for cut in around.spheres.iter().filter_map(|sphere| plane.cut_of_sphere(*sphere)) {
-                    match cut {
-                        Ok(cut) => cuts.push(cut),
-                        Err(radius) => clearing.radius = clearing.radius.min(radius),
-                    }
-                }
+        let lifted = [height, -height].map(|height| Plane { center, normal, height });
+        for _ in 0..PLANES_MAX {
+            let found = clearing.nearest(around, accelerator, Some(planes), |shape, offer| {
+                let cuts = lifted.iter().filter_map(|plane| match shape {
+                    Shape::Triangle(corners) => plane.cut_of_triangle(&corners),
+                    Shape::Sphere(middle, radius) => plane.cut_of_sphere((middle, radius)),
+                });
+                cuts.for_each(offer);
+            });
+            let Some(cut) = found else { break };
+            clearing.keep_out(&cut);
+            if clearing.radius <= cut.distance {
+                break;
             }
-            clearing.cut(&mut cuts);
-            for (_, distance) in &mut clearing.planes[..clearing.len] {
-                *distance = (*distance - MARGIN * clearing.radius).max(0.0);
-            }
+        }
+        for (_, distance) in &mut clearing.planes[..clearing.len] {
+            *distance = (*distance - MARGIN * clearing.radius).max(0.0);
         }
         clearing.is_smaller = clearing.radius < radius;
         clearing.gain = (radius / clearing.radius).powi(2) / clearing.share_of_disk();
@@ -131,32 +166,64 @@ impl Clearing {
     }
 
     fn whole(center: Vec3A, radius: f32, normal: Option<Vec3A>) -> Self {
-        let planes = [(Vec3::ZERO, 0.0); PLANES_MAX];
+        let planes = [(Vec3A::ZERO, 0.0); PLANES_MAX];
         Self { center, radius, planes, len: 0, is_smaller: false, normal, shell: None, gain: 1.0 }
     }
 
-    /// Keeps out what is cut, nearest first, but for what others keep out already.
-    fn cut(&mut self, cuts: &mut [Cut]) {
-        cuts.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        for cut in cuts.iter().filter(|cut| cut.distance.is_finite()) {
-            if cut.distance >= self.radius {
-                break;
-            }
-            let (center, tolerance) = (self.center, TOUCHING * self.radius);
-            let is_out = self.planes[..self.len].iter().any(|(normal, distance)| {
-                let beyond =
-                    |point: &Vec3A| normal.dot((*point - center).into()) + distance <= tolerance;
-                cut.points.iter().all(beyond)
+    /// The nearest cut within the radius that is not out already; `cuts_of` offers those of a
+    /// shape.
+    #[inline(always)]
+    fn nearest(
+        &self,
+        around: &mut Surroundings,
+        accelerator: &Accelerator,
+        crossed: Option<Planes>,
+        cuts_of: impl Fn(Shape, &mut dyn FnMut(Cut)),
+    ) -> Option<Cut> {
+        let fronts = self.planes.map(|(normal, distance)| {
+            (normal, distance - normal.dot(self.center) - TOUCHING * self.radius)
+        });
+        let ball = Neighborhood::ball(self.center, self.radius);
+        let near = Neighborhood { crossed, fronts, front_count: self.len, ..ball };
+        let (mut reach, mut nearest) = (self.radius, None);
+        around.look(accelerator, &near, |shape| {
+            cuts_of(shape, &mut |cut: Cut| {
+                if cut.distance < reach && !self.has_out(&cut) {
+                    (reach, nearest) = (cut.distance, Some(cut));
+                }
             });
-            if is_out {
-                continue;
-            }
-            if self.len == PLANES_MAX {
-                break;
-            }
-            self.planes[self.len] = (cut.normal.into(), cut.distance);
-            self.len += 1;
+            reach
+        });
+        nearest
+    }
+
+    /// Whether what is to be kept out is out.
+    fn has_out(&self, cut: &Cut) -> bool {
+        if let By::Radius = cut.by {
+            return false;
         }
+        let (center, tolerance) = (self.center, TOUCHING * self.radius);
+        self.planes[..self.len].iter().any(|(normal, distance)| {
+            cut.points.iter().all(|point| normal.dot(*point - center) + distance <= tolerance)
+        })
+    }
+
+    fn keep_out(&mut self, cut: &Cut) {
+        let normal = match cut.by {
+            By::Radius => {
+                self.radius = cut.distance;
+                return;
+            }
+            By::Plane(normal) => normal,
+            By::Shell(normal, sphere) => {
+                let smallest =
+                    |shell: (Vec3A, f32)| if shell.1 < sphere.1 { shell } else { sphere };
+                self.shell = Some(self.shell.map_or(sphere, smallest));
+                normal
+            }
+        };
+        self.planes[self.len] = (normal, cut.distance);
+        self.len += 1;
     }
 
     /// What is left of the ball: closed for one plane, else the mean over directions of the cube
@@ -168,13 +235,7 @@ impl Clearing {
                 let u = (distance / self.radius).min(1.0);
                 (2.0 + u * (3.0 - u * u)) * 0.25
             }
-            _ => self.mean(|step| {
-                // A spiral of equal steps in height (Gonzalez 2010).
-                let height = 1.0 - (2.0 * step + 1.0) / DIRECTIONS as f32;
-                let (sine, cosine) = (TAU * 0.618_034 * step).sin_cos();
-                let flat = (1.0 - height * height).max(0.0).sqrt();
-                (Vec3A::new(cosine * flat, sine * flat, height), 3)
-            }),
+            _ => self.mean(SPIRAL.iter().copied(), |reach| reach * reach * reach),
         };
         share.max(SHARE_MIN)
     }
@@ -191,36 +252,42 @@ impl Clearing {
             }
             _ => {
                 let (x, y) = normal.any_orthonormal_pair();
-                self.mean(|step| {
-                    let (sine, cosine) = (TAU * step / DIRECTIONS as f32).sin_cos();
-                    (x * cosine + y * sine, 2)
-                })
+                let [x, y] = [x, y].map(|axis| Vector::splat(axis.to_array()));
+                let directions = CIRCLE.iter().map(|&[cosine, sine]| x * cosine + y * sine);
+                self.mean(directions, |reach| reach * reach)
             }
         };
         share.max(SHARE_MIN)
     }
 
-    /// The mean of a power of how far the clearing goes, relative to its radius.
-    fn mean(&self, direction: impl Fn(f32) -> (Vec3A, i32)) -> f32 {
-        let mut sum = 0.0;
-        for step in 0..DIRECTIONS {
-            let (direction, power) = direction(step as f32);
-            let mut reach = self.radius;
-            if let Some((middle, radius)) = self.shell {
-                let offset = self.center - middle;
+    /// The mean over directions of a power of how far the clearing goes, relative to its radius.
+    #[inline(always)]
+    fn mean(
+        &self,
+        directions: impl Iterator<Item = Vector<F32s>>,
+        power: impl Fn(F32s) -> F32s,
+    ) -> f32 {
+        let (mut sum, whole) = (F32s::splat(0.0), F32s::splat(self.radius));
+        let shell = self.shell.map(|(middle, radius)| {
+            let offset = self.center - middle;
+            let within = (radius * radius - offset.length_squared()).max(0.0);
+            (Vector::splat(offset.to_array()), F32s::splat(within))
+        });
+        for direction in directions {
+            let mut reach = whole;
+            if let Some((offset, within)) = shell {
                 let along = offset.dot(direction);
-                let within = (radius * radius - offset.length_squared()).max(0.0);
-                reach = reach.min((along * along + within).sqrt() - along);
+                reach = reach.fast_min((along * along + within).sqrt() - along);
             }
             for (normal, distance) in &self.planes[..self.len] {
-                let approach = -normal.dot(direction.into());
-                if approach * reach > *distance {
-                    reach = distance / approach;
-                }
+                let approach = -direction.dot(Vector::splat(normal.to_array()));
+                let distance = F32s::splat(*distance);
+                let meets = (approach * reach).simd_gt(distance);
+                reach = meets.bitselect(distance / approach, reach);
             }
-            sum += (reach / self.radius).powi(power);
+            sum += power(reach / whole);
         }
-        sum / DIRECTIONS as f32
+        sum.reduce_add() / DIRECTIONS as f32
     }
 
     /// Which of eight points, of those within the radius that was asked for, are in it.
@@ -248,7 +315,9 @@ fn cut_of_sphere(center: Vec3A, (middle, radius): (Vec3A, f32)) -> Cut {
     let outwards = offset.normalize_or(Vec3A::Z);
     let height = offset.length() - radius;
     let point = middle + outwards * radius;
-    Cut { distance: height.abs(), normal: outwards * height.signum(), points: [point; 3] }
+    let normal = outwards * height.signum();
+    let by = if height < 0.0 { By::Shell(normal, (middle, radius)) } else { By::Plane(normal) };
+    Cut { distance: height.abs(), by, points: [point; 3] }
 }
 
 fn cut_of_triangle(center: Vec3A, corners: &[Vec3A; 3]) -> Cut {
@@ -260,7 +329,7 @@ fn cut_of_triangle(center: Vec3A, corners: &[Vec3A; 3]) -> Cut {
     // The way to the face itself is along its normal, which rounding does not turn.
     let is_face = side.abs() >= distance * (1.0 - TOUCHING) && of_face != Vec3A::ZERO;
     let normal = if is_face { of_face * 1.0_f32.copysign(side) } else { offset / distance };
-    Cut { distance, normal, points: *corners }
+    Cut { distance, by: By::Plane(normal), points: *corners }
 }
 
 /// The plane in which the disk of a surface is looked at.
@@ -281,7 +350,8 @@ impl Plane {
     fn cut(&self, distance: f32, normal: Vec2, points: [Vec2; 2]) -> Cut {
         let (x, y) = self.normal.any_orthonormal_pair();
         let [p, q] = points.map(|point| self.center + x * point.x + y * point.y);
-        Cut { distance, normal: x * normal.x + y * normal.y, points: [p, q, q] }
+        let normal = x * normal.x + y * normal.y;
+        Cut { distance, by: By::Plane(normal), points: [p, q, q] }
     }
 
     /// What a triangle that crosses the plane keeps of it: a line, of which the vertex is on one
@@ -311,8 +381,8 @@ impl Plane {
             .then(|| self.cut(distance, -nearest / distance, ends))
     }
 
-    /// The same of a sphere; as an error the radius that a disk inside may have.
-    fn cut_of_sphere(&self, (middle, radius): (Vec3A, f32)) -> Option<Result<Cut, f32>> {
+    /// The same of a sphere; near to the middle of the ring it is the disk that ends there.
+    fn cut_of_sphere(&self, (middle, radius): (Vec3A, f32)) -> Option<Cut> {
         let off = self.normal.dot(middle - self.center) - self.height;
         if off.abs() > radius {
             return None;
@@ -321,16 +391,18 @@ impl Plane {
         let middle = self.flat(middle);
         let apart = middle.length();
         if apart < ROUND * ring {
-            return Some(Err(ring - apart));
+            return Some(Cut { distance: ring - apart, by: By::Radius, points: [self.center; 3] });
         }
         let away = -middle / apart.max(f32::MIN_POSITIVE);
         let distance = apart - ring;
-        Some(Ok(self.cut(distance.abs(), away * distance.signum(), [away * -distance; 2])))
+        Some(self.cut(distance.abs(), away * distance.signum(), [away * -distance; 2]))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::math::hash;
     use crate::scene::baked::{Sphere, Triangle};
