@@ -108,6 +108,29 @@ fn media_that_scatter_forwards_are_invisible_in_a_furnace() {
     }
 }
 
+/// Light in the peak of a phase function is found by paths that go on and the rest by photons,
+/// each once: of a lamp at the side and of one behind, whose light is scattered by little.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn peaks_of_phase_functions_are_as_bright_as_path_tracing_says() {
+    for (g, error_max) in [(0.5, 0.008), (0.85, 0.014)] {
+        let mut document = Document::default();
+        let fog = json!({"phase": "hg", "g": g, "sigma_a": 0.2, "sigma_s": 4});
+        let fog = document.medium(fog);
+        document.fog(fog, |document, null| document.cuboid(Vec3::ZERO, Vec3::splat(0.5), null));
+        let black = document.diffuse(0.0);
+        let glow = document.emits(black, 5.0);
+        document.quad(Vec3::new(0.0, 1.5, 0.0), Vec3::X * 0.5, Vec3::Z * 0.5, glow);
+        document.quad(Vec3::new(0.3, 0.2, -1.5), Vec3::X * 0.5, Vec3::Y * 0.5, glow);
+        document.perspective(Vec3::new(0.7, 0.9, 3.0), Vec3::ZERO, 0.3, None);
+        let world = document.load("peak");
+        let effort = Effort { iterations: 32, photons: 10_000, path_length: 50 };
+        let truth = mean(&world, Integrator::Path, Effort { iterations: 512, ..effort });
+        let found = mean(&world, Integrator::Ppm, effort);
+        check(&format!("a peak of {g}"), found, truth, [0.01, error_max]);
+    }
+}
+
 /// Where mean free paths are so short that kernels hold no photons, paths go on.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]

@@ -6,6 +6,10 @@
 //! have left. What comes straight from an emitter, there and at vertices before, is found as in
 //! path tracing: by a connection and by the next segment, each weighed by what it is good at. So
 //! the paths that photons bring are found in one way.
+//!
+//! In media whose phase functions have a forward peak, the few photons in it would make nearly all
+//! of the noise. They do not count, and paths that are scattered so little go on to merge farther
+//! off: what the two find is apart by the angle.
 
 use crate::scattering::Scene;
 use crate::transport::stages::merge_photons::merge_photons;
@@ -33,15 +37,19 @@ pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
     SensorWalk::start(workspace, scene, chunk, 0.0);
     workspace.merged.clear();
     let merges_everywhere = maps.0.iter().all(|map| map.merges);
-    let ends_at_once = merges_everywhere && !scene.has_met_emitters();
+    let ends_at_once = merges_everywhere && !scene.has_met_emitters() && !scene.has_peaks();
     walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |w, path_length| {
         visit(w, path_length);
         if ends_at_once {
             w.walk.partition.end_at_connections();
             return;
         }
-        let merging = w.walk.partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
-        w.merged.extend(merging.map(|(_, rows)| rows));
+        let directions = &w.sensor[1].rays.direction;
+        for (event, rows) in w.walk.partition.connectable() {
+            if maps.merge_at(event.met) {
+                w.merged.push(rows, directions, scene.peak_at(event.met));
+            }
+        }
     });
 }
 

@@ -2,7 +2,6 @@
 
 use crate::geometry::SurfaceColumns;
 use crate::scattering::{Scene, Side};
-use crate::scene::baked::NONE;
 use crate::transport::chunk::ROWS;
 use crate::transport::emission::Finding;
 use crate::transport::stages::collect_crossed_emission::collect_crossed_emission;
@@ -107,9 +106,7 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         w.profile.time(Stage::Emission, || {
             collect_emission(&mut w.measured, paths, hits, scene, finding);
         });
-        for rows in w.merged.drain(..) {
-            w.walk.hits[0].primitive[rows].fill(NONE);
-        }
+        w.merged.end(&mut w.walk.hits[0], &w.sensor[0].rays.direction);
     }
 
     fn meet_emitters_crossed(

@@ -1,7 +1,5 @@
 //! All tables that a chunk needs, allocated once and reused.
 
-use std::ops::Range;
-
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
 use crate::math::LANES;
 use crate::transport::LightModel;
@@ -11,6 +9,7 @@ use crate::transport::tables::crossings::CrossingTable;
 use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::measured::{Measured, Splats};
+use crate::transport::tables::merged::MergedRows;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_queries::PhotonQueries;
@@ -29,8 +28,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub walk: WalkTables<N>,
     /// Vertices that look for photons.
     pub queries: PhotonQueries,
-    /// Rows of sensor paths that have merged, and of which but an emitter can follow.
-    pub merged: Vec<Range<usize>>,
+    /// Rows of sensor paths that have merged.
+    pub merged: MergedRows,
     /// Pieces of segments that lamps are looked for from.
     pub pieces: PieceTable,
     /// Connections under test.
@@ -75,7 +74,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
             walk: WalkTables::new(),
             queries: PhotonQueries::default(),
-            merged: Vec::new(),
+            merged: MergedRows::new(ROWS),
             pieces: PieceTable::new(ROWS),
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),

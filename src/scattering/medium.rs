@@ -1,5 +1,8 @@
 //! Participating media as the stages read them: coefficients, and what is derived from them.
 
+use std::f32::consts::PI;
+
+use crate::math::{F32s, LANES, lanes};
 use crate::scene::baked;
 
 use super::phase::{HenyeyGreenstein, PhaseFunction, Scatters, for_phase};
@@ -7,6 +10,13 @@ use super::phase::{HenyeyGreenstein, PhaseFunction, Scatters, for_phase};
 /// Mean square of a phase function ([`Scatters::moments`]) from which on it is nearly a delta: that
 /// of Henyey and Greenstein's at a mean cosine of 0.93.
 const PEAKED: f32 = 100.0;
+/// Where the forward peak of a phase function ends: what it has fallen to, relative to an even one.
+/// That of dipoles has none.
+const END_OF_PEAK: f32 = 2.0;
+/// Smallest `half_sine2` at which ends of peaks are looked for, and how many are looked at within
+/// a factor of two.
+const PEAK_MIN: f32 = 1.0 / (1 << 24) as f32;
+const STEPS: u16 = 8;
 
 /// A homogeneous medium with what is derived from its coefficients.
 #[derive(Clone, Debug)]
@@ -25,6 +35,9 @@ pub struct Medium<const N: usize> {
     pub reduced: f32,
     /// Whether its phase function is nearly a delta.
     pub is_peaked: bool,
+    /// `half_sine2` of the angle at which the forward peak of its phase function ends: closer to
+    /// forward than this, photons do not merge but paths go on. 0 if it has none.
+    pub peak: f32,
     /// How it scatters.
     pub phase: PhaseFunction<N>,
 }
@@ -52,6 +65,7 @@ impl<const N: usize> Medium<N> {
             survival: albedo.clamp(0.05, 1.0),
             reduced,
             is_peaked,
+            peak: for_phase!(&phase, phase => end_of_peak(phase)),
             phase,
         }
     }
@@ -60,7 +74,47 @@ impl<const N: usize> Medium<N> {
     pub fn clear() -> Self {
         let phase = PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [0.0; N] });
         let (sigma_t, sigma_s) = ([0.0; N], [0.0; N]);
-        let (density, survival, reduced, is_peaked) = (0.0, 1.0, 0.0, false);
-        Self { sigma_t, sigma_s, density, survival, reduced, is_peaked, phase }
+        let (density, survival, reduced, is_peaked, peak) = (0.0, 1.0, 0.0, false, 0.0);
+        Self { sigma_t, sigma_s, density, survival, reduced, is_peaked, peak, phase }
+    }
+}
+
+/// `half_sine2` from which on a phase function has fallen to [`END_OF_PEAK`] at all wavelengths.
+fn end_of_peak<const N: usize>(phase: &impl Scatters<N>) -> f32 {
+    let end = F32s::splat(END_OF_PEAK / (4.0 * PI));
+    let at = |step: u16| PEAK_MIN * (f32::from(step) / f32::from(STEPS)).exp2();
+    for first in (0_u16..).step_by(LANES) {
+        let half_sine2 = lanes::each(|lane| at(first + lane as u16).min(1.0));
+        let has_ended = (phase.values(F32s::from(half_sine2)).iter())
+            .fold(lanes::first(LANES), |ended, value| ended & value.simd_le(end))
+            .to_bitmask();
+        let lane = has_ended.trailing_zeros() as usize;
+        if (first, lane) == (0, 0) {
+            return 0.0;
+        } else if lane < LANES {
+            return half_sine2[lane];
+        } else if half_sine2[LANES - 1] == 1.0 {
+            break;
+        }
+    }
+    1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_end_where_they_have_fallen_to_twice_an_even_one() {
+        for g in [0.3_f32, 0.5, 0.9, 0.999] {
+            let found = end_of_peak(&HenyeyGreenstein { g: [g, 0.0] });
+            let base = ((1.0 - g * g) / END_OF_PEAK).powf(2.0 / 3.0);
+            let end = (base - (1.0 - g).powi(2)) / (4.0 * g);
+            let steps = (found / end).log2() * f32::from(STEPS);
+            assert!((0.0..=1.01).contains(&steps), "{g}: {found} for {end}");
+        }
+        for g in [0.0, 0.1, -0.8] {
+            assert_eq!(end_of_peak(&HenyeyGreenstein { g: [g] }), 0.0);
+        }
     }
 }

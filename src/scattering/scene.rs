@@ -318,6 +318,19 @@ impl<const N: usize> Scene<N> {
         &self.media[(row as usize).min(self.media.len() - 1)]
     }
 
+    /// Where the forward peak ends of what was met ([`Medium::peak`]).
+    pub fn peak_at(&self, met: Met) -> f32 {
+        match met {
+            Met::Surface(_) => 0.0,
+            Met::Medium(row) => self.medium(row).peak,
+        }
+    }
+
+    /// Whether some media have forward peaks.
+    pub fn has_peaks(&self) -> bool {
+        self.media.iter().any(|medium| medium.peak > 0.0)
+    }
+
     /// The medium on the side of a surface that is entered, for a path in the medium `before`, and
     /// the `solid` there, if it is known.
     #[inline(always)]

@@ -7,6 +7,7 @@ use glam::Vec3A;
 use crate::geometry::{SurfaceColumns, Surroundings};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::scattering::phase::half_sine2;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::transport::clearing::Clearing;
@@ -44,7 +45,8 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     order.sort(&surfaces.position, rows.clone(), map.grid.cells());
     let (per_volume, radius) = (map.per_volume(), map.radius);
     let (kernel, met) = (Kernel { per_volume, radius, around }, event.met);
-    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max };
+    let peak = F32s::splat(scene.peak_at(met));
+    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max, peak };
     let grid = &map.grid;
     let points = &surfaces.position;
     for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));
@@ -91,6 +93,8 @@ struct Gather<'a, const N: usize, C> {
     met: Met,
     /// Most segments of a photon's path.
     length_max: u32,
+    /// Photons within this of forwards, as `half_sine2`, do not count: paths go on there.
+    peak: F32s,
 }
 
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
@@ -299,16 +303,18 @@ impl Pending {
     }
 }
 
-/// Adds what the photons `rows` in the mask scatter along `k_out`.
+/// Adds what the photons `rows` in the mask scatter along `k_out`, but for those in the `peak`.
 #[inline(always)]
 fn add_scattered<const N: usize>(
     sums: &mut [F32s; N],
     vertex: &impl Vertices<N>,
     photons: &PhotonTable<N>,
-    k_out: Vector<F32s>,
+    (k_out, peak): (Vector<F32s>, F32s),
     (rows, within): (&[u32; LANES], F32s),
 ) {
-    let scattered = vertex.merge(photons.directions_of(rows), k_out);
+    let k_in = photons.directions_of(rows);
+    let within = within & half_sine2(k_in, k_out).simd_ge(peak);
+    let scattered = vertex.merge(k_in, k_out);
     for (n, (sum, &scattered)) in sums.iter_mut().zip(&scattered).enumerate() {
         *sum += within & (photons.power_of(rows, n) * scattered);
     }
@@ -339,17 +345,19 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
         photons: &PhotonTable<N>,
     ) {
         let UnevenState { clearing, vertex, sums, pending, k_out, .. } = state;
-        let within = self.gather.counting(clearing, photons, row, within);
+        let (peak, within) =
+            (self.gather.peak, self.gather.counting(clearing, photons, row, within));
         pending.add(row, within, |rows, within| {
-            add_scattered(sums, vertex, photons, *k_out, (rows, within));
+            add_scattered(sums, vertex, photons, (*k_out, peak), (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
         let UnevenState { clearing, vertex, mut sums, pending, k_out, .. } = state;
+        let peak = self.gather.peak;
         pending.finish(|rows, within| {
-            add_scattered(&mut sums, &vertex, self.photons, k_out, (rows, within));
+            add_scattered(&mut sums, &vertex, self.photons, (k_out, peak), (rows, within));
         });
         self.gather.add((row, clearing.gain), &sums, &vertex.per_photon());
     }
@@ -364,16 +372,17 @@ struct Polarizing<'a, const N: usize, const COMMON: bool, S, C> {
 }
 
 /// Adds the Stokes vectors that the photons `rows` in the mask scatter along `k_out`, in the frame
-/// of `axis_out`.
+/// of `axis_out`, but for those in the `peak`.
 #[inline(always)]
 fn add_polarized<const N: usize, const COMMON: bool>(
     sums: &mut [Stokes<F32s>; N],
     vertex: &impl Vertices<N>,
     photons: &PhotonTable<N>,
-    (k_out, axis_out): (Vector<F32s>, Vector<F32s>),
+    (k_out, axis_out, peak): (Vector<F32s>, Vector<F32s>, F32s),
     (rows, within): (&[u32; LANES], F32s),
 ) {
     let k_in = photons.directions_of(rows);
+    let within = within & half_sine2(k_in, k_out).simd_ge(peak);
     let (shares, (kernels, axis)) = vertex.merge_polarized(k_in, k_out);
     let x = k_in.any_perpendicular();
     let arrival = Arrival::between(x, axis, k_in);
@@ -422,7 +431,7 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
         let UnevenState { clearing, vertex, sums, pending, k_out, axis } = state;
         let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
-            let out = (*k_out, *axis);
+            let out = (*k_out, *axis, self.gather.peak);
             add_polarized::<N, COMMON>(sums, vertex, photons, out, (rows, within));
         });
     }
@@ -431,7 +440,7 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
     fn finish(&mut self, row: usize, state: Self::State) {
         let UnevenState { clearing, vertex, mut sums, pending, k_out, axis } = state;
         pending.finish(|rows, within| {
-            let out = (k_out, axis);
+            let out = (k_out, axis, self.gather.peak);
             add_polarized::<N, COMMON>(&mut sums, &vertex, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;

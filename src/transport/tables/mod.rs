@@ -9,6 +9,7 @@ pub mod flights;
 pub mod kernels;
 pub mod measured;
 pub mod media;
+pub mod merged;
 pub mod nearest_photons;
 pub mod partition;
 pub mod paths;
