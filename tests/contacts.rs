@@ -153,6 +153,33 @@ fn media_that_touch_end_where_the_others_begin() {
     }
 }
 
+/// A spot in the face of a body of fog, and a camera in that of another: as a millimeter before.
+#[test]
+fn lamps_and_cameras_on_boundaries_are_before_them() {
+    let shone = |above: f32, integrator: Integrator| {
+        let mut scene = Document::default();
+        let floor = scene.diffuse(0.8);
+        scene.quad(Vec3::ZERO, Vec3::X, Vec3::Y, floor);
+        let fog = json!({"phase": "isotropic", "sigma_a": 1.0, "sigma_s": 0.0});
+        let fog = scene.medium(fog);
+        scene.fog(fog, |scene, null| {
+            scene.cuboid(Vec3::Z, Vec3::new(0.5, 0.5, 0.5), null);
+        });
+        let spot = json!({"type": "spot", "intensity": 10.0,
+            "spot": {"innerConeAngle": 0.03, "outerConeAngle": 0.05}});
+        scene.light(spot, Vec3::Z * (1.5 + above), Vec3::NEG_Z);
+        scene.perspective(vec3(0.1, 0.0, 1.5 + above), Vec3::ZERO, 0.02, None);
+        stokes(scene, integrator, FOGGY.0)[0]
+    };
+    let expected = shone(1e-3, Integrator::Path);
+    assert!(expected > 0.1, "{expected}");
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Light] {
+        let found = shone(0.0, integrator);
+        // Of 65,536 paths one in seven comes through: that is one percent of noise.
+        assert!((found / expected - 1.0).abs() < 0.05, "{found}, {expected}: {integrator:?}");
+    }
+}
+
 /// Bodies of fog of six walls each, of which some are in the planes of others': an arm that ends
 /// in the face of a plate, boxes that are stacked, and one in the corner of another.
 #[test]

@@ -190,7 +190,9 @@ impl<const N: usize> PhotonPass<N> {
             .0
             .iter()
             .zip(points)
-            .map(|(map, points)| {
+            .map(|(map, mut points)| {
+                // Modes come to them in other orders.
+                points.sort_by_key(|point| point.map(f32::to_bits));
                 let step = points.len().div_ceil(PROBES).max(1);
                 let some: Vec<[f32; 3]> = points.into_iter().step_by(step).collect();
                 let mut distances = nearest_distances(map.grid.photons(), &some, NEAREST);

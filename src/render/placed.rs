@@ -215,7 +215,8 @@ fn sentences(world: &World, doubts: &[Doubt]) -> Vec<String> {
         match *doubt {
             Doubt::Overlap([a, b]) => {
                 let text = format!(
-                    "overlaps {}: where both are, the medium is that of the smaller one",
+                    "overlaps {}: where both are, the medium is that of the higher `priority`, or \
+                     else of the smaller one",
                     name(b)
                 );
                 warnings.add_like("overlap", name(a), &text);

@@ -10,6 +10,9 @@ use crate::scattering::{Look, Scene};
 /// mirrors and glass only by chance; and with so much more where glass hides all lamps.
 const CHANCE_MIN: f64 = 0.02;
 const CHANCE_MIN_HIDDEN: f64 = 0.1;
+/// Share of light that glass hides ([`Look::hidden`]) from which on photons find the most. Where it
+/// hides less, paths from emitters do, which connect to what the camera sees.
+const MOSTLY_HIDDEN: f64 = 0.5;
 /// The part of that probability below which other integrators than the chosen one are doubted.
 const DOUBTED: f64 = 0.25;
 
@@ -83,8 +86,8 @@ pub enum Rule {
     Points,
     /// Points shine in media that scatter.
     PointsInMedia,
-    /// Small lamps light what is specular, and the camera sees such.
-    SmallSeen,
+    /// Glass hides small lamps from most of what the camera sees, and it sees mirrors or glass.
+    SmallHidden,
     /// Small lamps light what is specular.
     Small,
     /// Neither.
@@ -96,12 +99,13 @@ impl Rule {
     pub fn of(look: &Look) -> Self {
         let sees_specular = look.sees_specular > 0.0;
         let is_chance = look.chance < chance_min(look);
+        let is_hidden = look.hidden > MOSTLY_HIDDEN && sees_specular;
         match (look.has_points, sees_specular) {
             (true, true) => Self::PointsSeen,
             (true, false) => Self::Points,
             (false, _) if look.has_points_in_media => Self::PointsInMedia,
-            (false, true) if is_chance => Self::SmallSeen,
-            (false, false) if is_chance => Self::Small,
+            (false, _) if is_chance && is_hidden => Self::SmallHidden,
+            (false, _) if is_chance => Self::Small,
             (false, true | false) => Self::Plain,
         }
     }
@@ -109,7 +113,7 @@ impl Rule {
     /// What suits it.
     pub fn integrator(self) -> Integrator {
         match self {
-            Self::PointsSeen | Self::SmallSeen => Integrator::Ppm,
+            Self::PointsSeen | Self::SmallHidden => Integrator::Ppm,
             Self::Points | Self::PointsInMedia | Self::Small => Integrator::Bdpt,
             Self::Plain => Integrator::Path,
         }
@@ -128,8 +132,8 @@ impl Rule {
             }
             Self::Points => "points or directions light mirrors or glass",
             Self::PointsInMedia => "points shine in media that scatter",
-            Self::SmallSeen => {
-                "small lamps light mirrors or glass, and the camera sees mirrors or glass"
+            Self::SmallHidden => {
+                "glass hides small lamps from most of the view, and the camera sees such or mirrors"
             }
             Self::Small => "small lamps light mirrors or glass",
             Self::Plain => "neither points nor small lamps light mirrors or glass",
@@ -162,7 +166,9 @@ pub fn blindness(integrator: Integrator, look: &Look) -> Option<String> {
              image lacks it; --integrator {AUTO} finds it"
         ));
     }
-    let lacks = lacks.filter(|_| look.chance < DOUBTED * chance_min(look))?;
+    let does_better = Rule::of(look).integrator() != integrator;
+    let is_doubted = does_better && look.chance < DOUBTED * chance_min(look);
+    let lacks = lacks.filter(|_| is_doubted)?;
     Some(format!(
         "small lamps light mirrors or glass: `{name}` finds {lacks} only by chance; --integrator \
          {AUTO} does better"

@@ -49,7 +49,7 @@ fn every_format_is_written() {
     for name in ["a.exr", "b.hdr", "c.png", "D.EXR"] {
         let run = sunstone(&here, &[&["render", &scene, "-o", name][..], &TINY].concat()).done();
         assert!(
-            run.stderr.contains("16 x 16, 2 samples a pixel of ppm (polarized)"),
+            run.stderr.contains("16 x 16, 2 samples a pixel of bdpt (polarized)"),
             "{}",
             run.stderr
         );
@@ -81,7 +81,7 @@ fn options_reach_the_image() {
     let name = "it's $HOME.exr";
     let run = ["render", &scene, "-o", name, "--width", "8", "--spp", "1"];
     let stderr = sunstone(&here, &run).done().stderr;
-    assert!(stderr.contains("8 x 8, 1 iteration of ppm"), "{stderr}");
+    assert!(stderr.contains("8 x 8, 1 sample a pixel of bdpt"), "{stderr}");
     // As a shell takes it.
     let image = image::load(&here.join(name)).unwrap();
     let script = format!("set -- {}; printf %s \"$5\"", metadata(&image, "command"));

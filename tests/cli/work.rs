@@ -71,7 +71,7 @@ fn a_signal_ends_a_render_with_its_image() {
         let value = |key: &str| image.metadata.iter().find(|(name, _)| name == key).unwrap();
         assert_eq!(value("interrupted").1, format!("SIG{signal}"));
         assert!(value("iterations").1.parse::<u32>().unwrap() > 0);
-        assert!(value("integrator").1 == "ppm" && value("command").1.contains("--spp"));
+        assert!(value("integrator").1 == "bdpt" && value("command").1.contains("--spp"));
         assert_eq!(names_in(&here), ["out.exr"]);
     }
 }

@@ -10,6 +10,10 @@ use crate::math::{F32s, Real, Vector, warp};
 /// the distances and cosines of all points are nearly the same.
 const LARGE: f64 = 0.025;
 
+/// Squared chord, of 0.1 rad, that every side has to have: along shorter ones directions are not
+/// told apart in single precision.
+const LONG: f64 = 0.01;
+
 /// The corners of a triangle as seen from a point.
 #[derive(Clone, Copy)]
 pub struct SphericalTriangle<F> {
@@ -38,7 +42,11 @@ impl<F: Real> SphericalTriangle<F> {
     #[inline(always)]
     pub fn is_large(&self) -> F::Mask {
         let [volume, sum] = self.half;
-        volume.gt(sum * F::splat(LARGE))
+        let [a, b, c] = self.corners;
+        let chord = |one: Vector<F>, other: Vector<F>| (one - other).length_squared();
+        let shortest = chord(a, b).min(chord(b, c)).min(chord(c, a));
+        let share = F::select(shortest.gt(F::splat(LONG)), volume, F::zero());
+        share.gt((sum * F::splat(LARGE)).max(F::zero()))
     }
 
     /// The solid angle, in sr.

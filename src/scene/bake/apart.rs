@@ -27,7 +27,7 @@ use crate::scene::baked::{RELATIVE_OFFSET, Sphere, Triangle};
 
 /// How far surfaces are set apart, relative to the largest coordinate of either: four times the
 /// offset of rays, two of which may come from either side.
-const CLEARANCE: f64 = 4.0 * RELATIVE_OFFSET;
+pub const CLEARANCE: f64 = 4.0 * RELATIVE_OFFSET;
 
 /// Least cosine between two planes that count as one.
 const PARALLEL: f64 = 0.999;

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 
+use super::beside::Passable;
 use super::{Materials, outside_table};
 use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
@@ -48,10 +49,13 @@ pub fn emitters<const N: usize>(
         powers: Vec::new(),
     };
     table.add_primitives(materials, shapes);
+    let passable = Passable::new(shapes);
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
         let intensity = light.intensity.sample(color);
         intensity
-            .map(|intensity| (punctual(light.kind, &place.about(shapes.origin)), intensity))
+            .map(|intensity| {
+                (punctual(light.kind, &place.about(shapes.origin), &passable), intensity)
+            })
             .map_err(|error| outside_table(&name.0, error))
     });
     for light in lights {
@@ -69,8 +73,8 @@ pub fn emitters<const N: usize>(
     Ok(table)
 }
 
-fn punctual(kind: PunctualKind, place: &DAffine3) -> EmitterModel {
-    let position = place.translation.as_vec3();
+fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> EmitterModel {
+    let position = passable.before(place.translation.as_vec3());
     let direction = (-place.matrix3.z_axis.normalize()).as_vec3();
     match kind {
         PunctualKind::Point => emitter::Point { position }.into(),

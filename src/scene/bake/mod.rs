@@ -6,6 +6,7 @@
 //! or on world space in `f32`.
 
 mod apart;
+mod beside;
 mod bodies;
 mod emitters;
 mod media;
@@ -28,6 +29,8 @@ use super::world::{
     World,
 };
 use crate::spectrum::{Color, OutsideTable, Spectrum};
+
+use self::beside::Passable;
 
 /// Shapes and optics in one.
 ///
@@ -68,7 +71,7 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
     let mut warnings = Warnings::default();
     let primitives = primitives::primitives(world, &rows, origin, &mut warnings)?;
     let bounds = bounds(world, origin, &primitives)?;
-    Ok(Shapes {
+    let mut shapes = Shapes {
         triangles: primitives.triangles,
         shading_normals: primitives.shading_normals,
         spheres: primitives.spheres,
@@ -83,7 +86,9 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         origin,
         warnings: warnings.sentences(),
         bounds,
-    })
+    };
+    shapes.camera.position = Passable::new(&shapes).before(shapes.camera.position);
+    Ok(shapes)
 }
 
 fn optics_of<const N: usize>(
