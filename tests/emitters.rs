@@ -250,7 +250,7 @@ fn many_lamps_are_chosen_by_what_they_bring() {
 }
 
 /// A white plate under the middle of a strip that is far longer than wide and than it is high: it
-/// receives as from an endless one. Of triangles as long single precision tells no directions apart.
+/// receives as from an endless one. Single precision tells no directions to such triangles apart.
 #[test]
 fn long_strips_shine_as_endless_ones() {
     for [length, half, height] in [[5.0, 0.01, 0.01], [300.0, 1.0, 1.0], [1000.0, 1.0, 1.0]] {

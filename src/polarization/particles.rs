@@ -236,7 +236,8 @@ impl Sizes {
 
     /// The greatest radius, in micrometers.
     pub fn radius_max_um(&self) -> f64 {
-        self.nodes(0.0).iter().fold(0.0, |greatest, (radius, _)| radius.max(greatest))
+        let nodes = self.spread(0.0).into_iter().filter(|(_, share)| *share > 0.0);
+        nodes.fold(0.0, |greatest, (radius, _)| radius.max(greatest))
     }
 }
 
