@@ -22,6 +22,7 @@ use sunstone::internals::scene::baked::NONE;
 use sunstone::internals::scene::emitter::EmitterModel;
 
 use support::gltf::Document;
+use support::random::Random;
 use support::rendering::{MONO, in_package, replicates, scene, settings, world};
 use support::statistics::{Estimate, estimate};
 
@@ -29,17 +30,7 @@ fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-/// Numbers in [0, 1) that repeat with the seed (Steele et al. 2014, SplitMix64).
-struct Random(u64);
-
 impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
-    }
-
     fn emission(&mut self, scene: &Scene<1>) -> EmissionSample<1> {
         let mut pair = || [self.next(), self.next()];
         let [choice, aim, position, direction] = [pair(), pair(), pair(), pair()];

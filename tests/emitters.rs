@@ -18,6 +18,7 @@ use sunstone::internals::scattering::emitter::tree::Vantage;
 use sunstone::internals::scene::World;
 
 use support::gltf::Document;
+use support::random::Random;
 use support::rendering::{MONO, replicates, scene, settings};
 use support::scenes::{lamps_and_sky, lamps_in_fog, many_lamps, sphere_on_the_floor};
 
@@ -25,17 +26,7 @@ fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-/// Numbers in [0, 1) that repeat with the seed (Steele et al. 2014, SplitMix64).
-struct Random(u64);
-
 impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
-    }
-
     fn direction(&mut self) -> Vec3 {
         loop {
             let point = v(self.next(), self.next(), self.next()) * 2.0 - 1.0;

@@ -4,6 +4,7 @@
 pub mod evidence;
 pub mod filters;
 pub mod gltf;
+pub mod random;
 pub mod rendering;
 pub mod scenes;
 pub mod statistics;

@@ -87,7 +87,7 @@ fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
     let tree = tree(tables, &yielding);
     let of_other = |other: usize| {
         let mut found = Vec::new();
-        tree.aabb_traverse(bounds(tables, other), |tree, node| {
+        tree.aabb_traverse(bounds(tables.shapes(), other), |tree, node| {
             let node = &tree.nodes[node as usize];
             let first = node.first_index as usize;
             for &index in &tree.primitive_indices[first..first + node.prim_count as usize] {
@@ -111,13 +111,14 @@ fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
 
 /// A tree over the primitives that give way.
 fn tree(tables: &Primitives, yielding: &[usize]) -> Bvh2 {
-    let bounds: Vec<Aabb> = yielding.iter().map(|primitive| bounds(tables, *primitive)).collect();
+    let bounds: Vec<Aabb> =
+        yielding.iter().map(|primitive| bounds(tables.shapes(), *primitive)).collect();
     build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default())
 }
 
-/// The box of a primitive, with room about it.
-fn bounds(tables: &Primitives, primitive: usize) -> Aabb {
-    let [low, high] = match shape(tables, primitive) {
+/// The box of a primitive of these triangles and spheres, with room about it.
+pub fn bounds(of: (&[Triangle], &[Sphere]), primitive: usize) -> Aabb {
+    let [low, high] = match shape_of(of, primitive) {
         Shape::Triangle(Triangle { corners }) => {
             let [a, b, c] = corners.map(Vec3A::from);
             [a.min(b).min(c), a.max(b).max(c)]
@@ -136,9 +137,13 @@ enum Shape {
 }
 
 fn shape(tables: &Primitives, primitive: usize) -> Shape {
-    match primitive.checked_sub(tables.triangles.len()) {
-        None => Shape::Triangle(tables.triangles[primitive]),
-        Some(row) => Shape::Sphere(tables.spheres[row]),
+    shape_of(tables.shapes(), primitive)
+}
+
+fn shape_of((triangles, spheres): (&[Triangle], &[Sphere]), primitive: usize) -> Shape {
+    match primitive.checked_sub(triangles.len()) {
+        None => Shape::Triangle(triangles[primitive]),
+        Some(row) => Shape::Sphere(spheres[row]),
     }
 }
 

@@ -8,7 +8,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 
-use super::apart::CLEARANCE;
+use super::apart::{CLEARANCE, bounds};
 use crate::scene::baked::{Shapes, Sphere, Triangle};
 
 /// Triangles and spheres that light goes through, but for those of instances.
@@ -28,7 +28,8 @@ impl<'a> Passable<'a> {
             !shapes.surfaces[surface as usize].is_opaque
         };
         let rows: Vec<usize> = (0..count).filter(passes).collect();
-        let boxes: Vec<Aabb> = rows.iter().map(|&row| bounds(shapes, row)).collect();
+        let boxes: Vec<Aabb> =
+            rows.iter().map(|&row| bounds((&shapes.triangles, &shapes.spheres), row)).collect();
         let params = BvhBuildParams::fast_build();
         let tree = || build_bvh2(&boxes, params, &mut Duration::default());
         let tree = (!rows.is_empty()).then(tree);
@@ -86,20 +87,4 @@ fn height_over(Triangle { corners }: &Triangle, point: DVec3) -> Option<(f64, DV
         (point - from).dot(inwards) > -clearance
     });
     is_inside.then(|| ((point - a).dot(normal), normal, clearance))
-}
-
-/// The box of a primitive, with room about it.
-fn bounds(shapes: &Shapes, row: usize) -> Aabb {
-    let [low, high] = match shapes.triangles.get(row) {
-        Some(Triangle { corners }) => {
-            let [a, b, c] = corners.map(Vec3A::from);
-            [a.min(b).min(c), a.max(b).max(c)]
-        }
-        None => {
-            let Sphere { center, radius } = shapes.spheres[row - shapes.triangles.len()];
-            [Vec3A::from(center) - radius, Vec3A::from(center) + radius]
-        }
-    };
-    let room = 2.0 * CLEARANCE as f32 * low.abs().max(high.abs()).max_element();
-    Aabb::new(low - room, high + room)
 }

@@ -128,6 +128,11 @@ fn surface(
 }
 
 impl Primitives {
+    /// Triangles and spheres, which are numbered in this order.
+    pub fn shapes(&self) -> (&[Triangle], &[Sphere]) {
+        (&self.triangles, &self.spheres)
+    }
+
     fn add_surface(&mut self, (surface, yields): (Surface, Yields)) -> u32 {
         let row = self.surfaces.len() as u32;
         self.surfaces.push(Surface { whole: row, ..surface });
