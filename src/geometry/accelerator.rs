@@ -16,9 +16,6 @@ use super::walk::{TraceScratch, walk};
 /// Scenes of at most so many primitives are traced eight rays at a time through all of them.
 pub const SHORT_SCENE: usize = 48;
 
-/// Most corners of a short scene.
-pub(super) const SHORT_CORNERS: usize = 3 * SHORT_SCENE;
-
 /// All primitives of a scene, ready to be traced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accelerator {

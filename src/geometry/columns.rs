@@ -6,7 +6,7 @@ use crate::math::columns::Rows;
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scene::baked::NONE;
 
-use super::accelerator::{Accelerator, SHORT_CORNERS, ShortScene};
+use super::accelerator::{Accelerator, SHORT_SCENE, ShortScene};
 use super::kernel::{Nearest, Rays, Renaming};
 use super::rays::{Hit, HitColumns, RayColumns};
 use super::tree::Tree;
@@ -26,7 +26,8 @@ pub fn trace_closest(
     accelerator: &Accelerator,
 ) {
     if let Some(scene) = &accelerator.short {
-        return closest_in_short(hits, rays, rows, (scene, accelerator.tree.reach));
+        let scene = (scene, accelerator.tree.reach);
+        return closest_in_short(hits, &mut scratch.corners, rays, rows, scene);
     }
     hits.t[rows.clone()].fill(f32::INFINITY);
     hits.u[rows.clone()].fill(0.0);
@@ -58,7 +59,8 @@ pub fn trace_visibility(
     accelerator: &Accelerator,
 ) {
     if let Some(scene) = &accelerator.short {
-        return visibility_in_short(blocked, rays, t_max, rows, (scene, accelerator.tree.reach));
+        let scene = (scene, accelerator.tree.reach);
+        return visibility_in_short(blocked, &mut scratch.corners, (rays, t_max), rows, scene);
     }
     any_in_tree(blocked, scratch, (rays, t_max), rows, &accelerator.tree, |_| false);
 }
@@ -74,8 +76,9 @@ pub fn trace_visibility_past(
     passes: impl Fn(u32) -> bool,
 ) {
     if let Some(scene) = &accelerator.short {
-        let scene = (scene, accelerator.tree.reach);
-        return visibility_past_in_short(blocked, (rays, t_max), rows, scene, passes);
+        let scene = (scene, accelerator.tree.reach, Past::new(scene, passes));
+        let corners = &mut scratch.corners;
+        return visibility_past_in_short(blocked, corners, (rays, t_max), rows, scene);
     }
     any_in_tree(blocked, scratch, (rays, t_max), rows, &accelerator.tree, passes);
 }
@@ -106,17 +109,18 @@ fn any_in_tree(
 
 fn closest_in_short(
     hits: &mut HitColumns,
+    corners: &mut Vec<Vector<F32s>>,
     columns: &RayColumns,
     rows: Range<usize>,
     (scene, reach): (&ShortScene, f32),
 ) {
-    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
+    let corners = room_for_corners(corners, scene);
     for row in rows.clone().step_by(LANES) {
         let (origin, direction) = columns.eight(row);
         let nearest = if Rays::are_alike(origin, direction, reach) {
-            nearest_in_short::<false>(&mut corners, origin, direction, scene)
+            nearest_in_short::<false>(corners, origin, direction, scene)
         } else {
-            nearest_in_short::<true>(&mut corners, origin, direction, scene)
+            nearest_in_short::<true>(corners, origin, direction, scene)
         };
         lanes::store(&mut hits.t, row, rows.end, nearest.t);
         lanes::store(&mut hits.u, row, rows.end, nearest.u);
@@ -127,7 +131,7 @@ fn closest_in_short(
 
 #[inline(always)]
 fn nearest_in_short<const HOPEFUL: bool>(
-    corners: &mut [Vector<F32s>; SHORT_CORNERS],
+    corners: &mut [Vector<F32s>],
     origin: Vector<F32s>,
     direction: Vector<F32s>,
     scene: &ShortScene,
@@ -153,54 +157,81 @@ fn nearest_in_short<const HOPEFUL: bool>(
 
 fn visibility_in_short(
     blocked: &mut [u32],
-    columns: &RayColumns,
-    t_max: &[f32],
+    corners: &mut Vec<Vector<F32s>>,
+    (columns, t_max): (&RayColumns, &[f32]),
     rows: Range<usize>,
     (scene, reach): (&ShortScene, f32),
 ) {
-    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
+    let corners = room_for_corners(corners, scene);
     for row in rows.clone().step_by(LANES) {
         let rays = columns.eight(row);
         let t_max = lanes::load(t_max, row);
         let mut mask = F32s::ZERO;
         let meets = |met: F32s, _| mask |= met;
         if Rays::are_alike(rays.0, rays.1, reach) {
-            any_in_short::<false>(&mut corners, rays, t_max, scene, meets);
+            any_in_short::<false>(corners, rays, t_max, scene, meets);
         } else {
-            any_in_short::<true>(&mut corners, rays, t_max, scene, meets);
+            any_in_short::<true>(corners, rays, t_max, scene, meets);
         }
         lanes::store_u32(blocked, row, rows.end, mask.to_bits());
     }
 }
 
+/// Which primitives of a short scene let rays pass: all bits of what ends them are set.
+struct Past([u32; SHORT_SCENE]);
+
+impl Past {
+    fn new(scene: &ShortScene, passes: impl Fn(u32) -> bool) -> Self {
+        let mut ends = [u32::MAX; SHORT_SCENE];
+        let count = scene.triangles.len() + scene.spheres.len();
+        for (ends, primitive) in ends[..count].iter_mut().zip(0..) {
+            *ends = u32::from(passes(primitive)).wrapping_sub(1);
+        }
+        Self(ends)
+    }
+}
+
 fn visibility_past_in_short(
     blocked: &mut [u32],
+    corners: &mut Vec<Vector<F32s>>,
     (columns, t_max): (&RayColumns, &[f32]),
     rows: Range<usize>,
-    (scene, reach): (&ShortScene, f32),
-    passes: impl Fn(u32) -> bool,
+    (scene, reach, Past(ends)): (&ShortScene, f32, Past),
 ) {
-    let mut corners = [Vector::splat([0.0; 3]); SHORT_CORNERS];
+    let corners = room_for_corners(corners, scene);
     for row in rows.clone().step_by(LANES) {
         let rays = columns.eight(row);
         let t_max = lanes::load(t_max, row);
-        // What ends the rays, and what lets them pass.
-        let mut masks = [F32s::ZERO; 2];
-        let meets = |met: F32s, primitive| masks[usize::from(passes(primitive))] |= met;
+        let (mut ended, mut met) = (U32s::splat(0), U32s::splat(0));
+        let meets = |these: F32s, primitive: u32| {
+            let these = these.to_bits();
+            ended |= these & U32s::splat(ends[primitive as usize]);
+            met |= these;
+        };
         if Rays::are_alike(rays.0, rays.1, reach) {
-            any_in_short::<false>(&mut corners, rays, t_max, scene, meets);
+            any_in_short::<false>(corners, rays, t_max, scene, meets);
         } else {
-            any_in_short::<true>(&mut corners, rays, t_max, scene, meets);
+            any_in_short::<true>(corners, rays, t_max, scene, meets);
         }
-        let [ends, crosses] = masks.map(F32s::to_bits);
-        lanes::store_u32(blocked, row, rows.end, ends | crosses & U32s::splat(CROSSES));
+        lanes::store_u32(blocked, row, rows.end, ended | met & U32s::splat(CROSSES));
     }
+}
+
+/// Where the corners of a short scene are kept as rays see them: memory that is there already.
+fn room_for_corners<'a>(
+    corners: &'a mut Vec<Vector<F32s>>,
+    scene: &ShortScene,
+) -> &'a mut [Vector<F32s>] {
+    if corners.len() < scene.corners.len() {
+        corners.resize(scene.corners.len(), Vector::splat([0.0; 3]));
+    }
+    corners
 }
 
 /// Tells `meets` of each primitive which rays meet it.
 #[inline(always)]
 fn any_in_short<const HOPEFUL: bool>(
-    corners: &mut [Vector<F32s>; SHORT_CORNERS],
+    corners: &mut [Vector<F32s>],
     (origin, direction): (Vector<F32s>, Vector<F32s>),
     t_max: F32s,
     scene: &ShortScene,
@@ -225,7 +256,7 @@ fn any_in_short<const HOPEFUL: bool>(
 /// The corners of all triangles as eight rays see them.
 #[inline(always)]
 fn shear_corners(
-    sheared: &mut [Vector<F32s>; SHORT_CORNERS],
+    sheared: &mut [Vector<F32s>],
     rays: &Rays,
     renaming: Renaming,
     scene: &ShortScene,

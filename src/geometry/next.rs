@@ -64,7 +64,7 @@ impl Search {
         tree: &View,
         [origin, direction]: [Vec3A; 2],
         first_primitive: u32,
-        TraceScratch { prepared, stacks }: &mut TraceScratch,
+        TraceScratch { prepared, stacks, .. }: &mut TraceScratch,
     ) {
         stacks.make_room(tree, 1);
         let lanes = |v: Vec3A| Vector::splat(v.to_array());

@@ -42,6 +42,8 @@ pub(super) struct Walk {
 pub struct TraceScratch {
     pub(super) prepared: Prepared,
     pub(super) stacks: Stacks,
+    /// Of a short scene, as eight rays see them.
+    pub(super) corners: Vec<Vector<F32s>>,
 }
 
 /// What is still to be visited by the rays under way, nearest on top.
@@ -198,7 +200,7 @@ fn enter_instance<const ANY: bool>(
     let object = &tree.objects[instance.object as usize].view();
     let ray = outside.ray & (BATCH - 1);
     let [origin, direction] = instance.ray_inside(prepared.world_ray(ray).map(Vec3A::from));
-    let TraceScratch { prepared, stacks } = inside.scratch();
+    let TraceScratch { prepared, stacks, .. } = inside.scratch();
     stacks.make_room(object, 1);
     let [origin, direction] = [origin, direction].map(Vector::splat);
     prepared.prepare(ray & !(LANES - 1), origin, direction, F32s::splat(object.reach));
@@ -221,7 +223,7 @@ pub(super) fn walk<const FLIGHT: usize, const ANY: bool>(
     scratch: &mut TraceScratch,
     mut better: impl FnMut(usize, Hit) -> bool,
 ) {
-    let TraceScratch { prepared, stacks } = scratch;
+    let TraceScratch { prepared, stacks, .. } = scratch;
     let tree = &tree.view();
     let room = stacks.make_room(tree, FLIGHT);
     // Slices by value: pointers behind a pointer would be read again in every step.

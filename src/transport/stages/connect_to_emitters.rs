@@ -1,15 +1,14 @@
 //! Next-event estimation: connects vertices of sensor paths to emitters.
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
-use crate::math::{F32s, LANES, Real, Vector, lanes};
+use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
 use crate::scattering::emitter::direct::DirectLanes;
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene, Side};
-use crate::scene::baked::NONE;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::piece::PieceLanes;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
+use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::vantage::vantages;
 use crate::transport::{Arrived, Strategy};
@@ -58,20 +57,13 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
         if let Some(medium) = lit {
             factor *= weight_beside_lamps(arrived, scene, medium, row, (emitters, of_choice));
         }
-        let mut values = [[0.0; LANES]; N];
-        for (n, values) in values.iter_mut().enumerate() {
+        let mut value = chosen.radiance;
+        for (n, value) in value.iter_mut().enumerate() {
             let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
-            *values = (beta * chosen.radiance[n] * factor).to_array();
+            *value = beta * *value * factor;
         }
-        let weight = weight.to_array();
-        let segments = segments(paths, surfaces, (&chosen, offset), row, live);
-        for (lane, &segment) in segments.iter().enumerate().take(live) {
-            let value = lanes::row_of_lanes(&values, lane);
-            if value.iter().any(|&value| value > 0.0) {
-                let cargo = Cargo { value, weight: weight[lane] };
-                connections.push(segment, cargo, (row + lane) as u32);
-            }
-        }
+        let lanes = segments(paths, surfaces, (&chosen, offset), (value, weight), row);
+        connections.push_lanes(&lanes, lanes.carrying(live));
     }
 }
 
@@ -149,15 +141,15 @@ struct Chosen<const N: usize> {
     chance: F32s,
 }
 
-/// Eight segments to be tested, off the surfaces at both ends.
+/// Eight connections to be tested, off the surfaces at both ends, with what they would carry.
 #[inline(always)]
 fn segments<const N: usize, C>(
     paths: &PathTable<N, C>,
     surfaces: &SurfaceColumns,
     (chosen, offset): (&DirectLanes<N>, F32s),
+    (value, weight): ([F32s; N], F32s),
     row: usize,
-    live: usize,
-) -> [Segment; LANES] {
+) -> ConnectionLanes<N> {
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
     let start = lanes::load(&surfaces.offset, row);
@@ -168,25 +160,14 @@ fn segments<const N: usize, C>(
     let offset = end - origin;
     let length = offset.length();
     let towards = offset * (F32s::splat(1.0) / length);
-    let origin = origin.to_rows();
-    let direction = Vector::select(chosen.finite, towards, chosen.direction).to_rows();
-    let t_max = Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)).to_array();
-    let none = Segment {
-        origin: [0.0; 3],
-        direction: [0.0; 3],
-        t_max: 0.0,
-        inside: NONE,
+    ConnectionLanes {
+        origin,
+        direction: Vector::select(chosen.finite, towards, chosen.direction),
+        t_max: Real::select(chosen.finite, length, F32s::splat(f32::INFINITY)),
+        value,
+        weight,
+        target: U32s::from(lanes::each(|lane| (row + lane) as u32)),
+        inside: paths.media.inside_of_lanes(row),
         from: Side::Sensor,
-    };
-    let mut segments = [none; LANES];
-    for lane in 0..live {
-        segments[lane] = Segment {
-            origin: origin[lane],
-            direction: direction[lane],
-            t_max: t_max[lane],
-            inside: paths.media.inside(row + lane),
-            from: Side::Sensor,
-        };
     }
-    segments
 }

@@ -2,14 +2,15 @@
 //! equation 12).
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scattering::event::Form;
 use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::sampler::Purpose;
-use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
+use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 use crate::transport::vertex::{departing_states, turn_of_light};
 use crate::transport::{Arrived, LightModel};
@@ -141,39 +142,62 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
         let inverse2 = F32s::splat(1.0) / distance2;
         let factor = mis::weight_of_vertices_connected(sensor_end, light_end, inverse2);
-        let weights = (factor * distance2).to_array();
-        let mut values = [[0.0; LANES]; N];
-        for (n, values) in values.iter_mut().enumerate() {
+        let mut value = self.beta;
+        for (n, value) in value.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], first) * light.value[n];
-            *values = (self.beta[n] * turn.value[n] * power * factor).to_array();
+            *value = *value * turn.value[n] * power * factor;
         }
         let normal = Vector::load(&vertices.geometric_normal, first);
-        let from = offset_origin(self.position, self.normal, direction, self.offset).to_rows();
+        let from = offset_origin(self.position, self.normal, direction, self.offset);
         // The distances that its test computes have errors of where the ray comes from, too.
         let end = lanes::load(&vertices.offset, first).max(offset_distance(reach(self.position)));
-        let to = offset_origin(position, normal, -direction, end).to_rows();
+        let to = offset_origin(position, normal, -direction, end);
+        let length = (to - from).length();
+        let lanes = ConnectionLanes {
+            origin: from,
+            direction: (to - from) * (F32s::splat(1.0) / length),
+            t_max: length,
+            value,
+            weight: factor * distance2,
+            target: U32s::splat(self.row),
+            inside: U32s::splat(self.inside),
+            from: Side::Sensor,
+        };
+        let path_length = lanes::load_u32(&vertices.path_length, first);
+        let fits: F32s = bytemuck::cast(path_length.simd_le(U32s::splat(vertex_length_max)));
+        let carrying = lanes.carrying(live) & fits;
         let states = departing_states::<N, M>(vertices, scene, -direction, (first, live));
-        for lane in 0..live {
-            let mut value = lanes::row_of_lanes(&values, lane);
-            let fits = vertices.path_length[first + lane] <= vertex_length_max;
-            if !fits || !value.iter().any(|&value| value > 0.0) {
-                continue;
-            }
-            let segment = Segment::between(Side::Sensor, from[lane], to[lane], self.inside);
+        if states.iter().all(Option::is_none) {
+            connections.push_lanes(&lanes, carrying);
+        } else {
+            self.push_polarized(connections, scene, (&lanes, carrying), &states);
+        }
+    }
+
+    /// Appends the lanes in the mask, which light in these states comes to.
+    fn push_polarized(
+        &self,
+        connections: &mut ConnectionTable<N>,
+        scene: &Scene<N>,
+        (lanes, carrying): (&ConnectionLanes<N>, F32s),
+        states: &[Option<LightState<N>>; LANES],
+    ) {
+        let carrying = carrying.to_bitmask();
+        for lane in (0..LANES).filter(|lane| carrying >> lane & 1 == 1) {
+            let (segment, mut cargo) = lanes.lane(lane);
             match &states[lane] {
                 Some(state) if !self.depolarizes || scene.has_straight_on => {
-                    let cargo = Cargo { value, weight: weights[lane] };
                     connections.push_polarized(segment, cargo, self.row, *state);
                     continue;
                 }
                 Some(state) => {
-                    for (n, value) in value.iter_mut().enumerate() {
+                    for (n, value) in cargo.value.iter_mut().enumerate() {
                         *value *= state.at(n).depolarized();
                     }
                 }
                 None => {}
             }
-            connections.push(segment, Cargo { value, weight: weights[lane] }, self.row);
+            connections.push(segment, cargo, self.row);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Ray, RayColumns};
 use crate::math::columns::{Column, columns};
-use crate::math::{Vector, lanes};
+use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scattering::Side;
 use crate::scene::baked::NONE;
 
@@ -64,6 +64,83 @@ impl Segment {
     }
 }
 
+/// Eight connections of unpolarized light, between points that are off their surfaces.
+pub struct ConnectionLanes<const N: usize> {
+    /// One end.
+    pub origin: Vector<F32s>,
+    /// Towards the other, unit length.
+    pub direction: Vector<F32s>,
+    /// The length.
+    pub t_max: F32s,
+    /// Intensity, weight included.
+    pub value: [F32s; N],
+    /// The weight among all strategies.
+    pub weight: F32s,
+    /// Where each goes.
+    pub target: U32s,
+    /// The media around the origins.
+    pub inside: U32s,
+    /// Which end the origin is.
+    pub from: Side,
+}
+
+impl<const N: usize> ConnectionLanes<N> {
+    /// Where they carry anything, of the first `live`.
+    #[inline(always)]
+    pub fn carrying(&self, live: usize) -> F32s {
+        let zero = F32s::splat(0.0);
+        let carries = |n: usize| self.value[n].simd_gt(zero);
+        lanes::first(live) & (1..N).fold(carries(0), |any, n| any | carries(n))
+    }
+
+    /// One of them.
+    pub fn lane(&self, lane: usize) -> (Segment, Cargo<N>) {
+        let of = |lanes: F32s| lanes.as_array()[lane];
+        let segment = Segment {
+            origin: self.origin.lane(lane).into(),
+            direction: self.direction.lane(lane).into(),
+            t_max: of(self.t_max),
+            inside: self.inside.as_array()[lane],
+            from: self.from,
+        };
+        (segment, Cargo { value: self.value.map(of), weight: of(self.weight) })
+    }
+}
+
+/// The lanes of a mask, one after the other.
+struct Order {
+    lanes: [usize; LANES],
+    len: usize,
+}
+
+impl Order {
+    #[inline(always)]
+    fn new(mask: F32s) -> Self {
+        let bits = mask.to_bitmask();
+        let (mut lanes, mut len) = ([0; LANES], 0);
+        for lane in 0..LANES {
+            lanes[len & (LANES - 1)] = lane;
+            len += (bits >> lane & 1) as usize;
+        }
+        Self { lanes, len }
+    }
+
+    /// Writes the lanes to the rows from `row` on, and anything to the rest of eight rows.
+    #[inline(always)]
+    fn store<T: Copy + Default>(&self, column: &mut [T], row: usize, values: [T; LANES]) {
+        let in_order = lanes::each(|place| values[self.lanes[place] & (LANES - 1)]);
+        column[row..row + LANES].copy_from_slice(&in_order);
+    }
+
+    #[inline(always)]
+    fn store_vector(&self, columns: &mut [Column; 3], row: usize, vector: Vector<F32s>) {
+        let [x, y, z] = columns;
+        self.store(x, row, vector.x.to_array());
+        self.store(y, row, vector.y.to_array());
+        self.store(z, row, vector.z.to_array());
+    }
+}
+
 columns! {
     /// Rows to be traced for visibility and then measured.
     pub table ConnectionTable<const N: usize> of Connection {
@@ -110,6 +187,28 @@ impl<const N: usize> ConnectionTable<N> {
     #[inline(always)]
     pub fn push(&mut self, segment: Segment, cargo: Cargo<N>, target: u32) {
         self.push_row(segment.carrying(cargo, target, NONE));
+    }
+
+    /// Appends the lanes in the mask.
+    #[inline(always)]
+    pub fn push_lanes(&mut self, lanes: &ConnectionLanes<N>, keep: F32s) {
+        let order = Order::new(keep);
+        self.reserve(LANES);
+        let row = self.len;
+        order.store_vector(&mut self.rays.origin, row, lanes.origin);
+        order.store_vector(&mut self.rays.direction, row, lanes.direction);
+        order.store(&mut self.t_max, row, lanes.t_max.to_array());
+        let values = lanes.value.map(F32s::to_array);
+        for (value, &lane) in self.value[row..row + LANES].iter_mut().zip(&order.lanes) {
+            *value = lanes::row_of_lanes(&values, lane & (LANES - 1));
+        }
+        order.store(&mut self.weight, row, lanes.weight.to_array());
+        order.store(&mut self.target, row, lanes.target.to_array());
+        order.store(&mut self.inside, row, lanes.inside.to_array());
+        let from_sensor = u32::from(lanes.from == Side::Sensor);
+        self.from_sensor[row..row + LANES].fill(from_sensor);
+        self.state[row..row + LANES].fill(NONE);
+        self.len += order.len;
     }
 
     /// Appends a row of light in a state of polarization.

@@ -1,6 +1,7 @@
 //! What paths know of the media they are in.
 
 use crate::math::columns::{Channels, Columns, columns};
+use crate::math::{U32s, lanes};
 use crate::scene::baked::NONE;
 
 columns! {
@@ -36,6 +37,15 @@ impl<const N: usize> MediaColumns<N> {
     #[inline(always)]
     pub fn inside(&self, row: usize) -> u32 {
         self.inside.get(row).copied().unwrap_or(NONE)
+    }
+
+    /// [`Self::inside`] of the eight rows from `row` on.
+    #[inline(always)]
+    pub fn inside_of_lanes(&self, row: usize) -> U32s {
+        match self.present() {
+            true => lanes::load_u32(&self.inside, row),
+            false => U32s::splat(NONE),
+        }
     }
 
     /// What the throughput of a row is multiplied by where it has come through the optical depth
