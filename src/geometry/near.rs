@@ -215,6 +215,12 @@ struct Front {
 }
 
 impl Front {
+    const NONE: Self = Self {
+        normal: Vector { x: F32s::ZERO, y: F32s::ZERO, z: F32s::ZERO },
+        offset: F32s::ZERO,
+        slack: F32s::ZERO,
+    };
+
     fn new((normal, offset): (Vec3A, f32), slack: f32) -> Self {
         let slack = F32s::splat(slack * normal.abs().element_sum());
         Self { normal: Vector::splat(normal.to_array()), offset: F32s::splat(offset), slack }
@@ -245,11 +251,15 @@ impl Probe {
         let crossed = near.crossed.map(|Planes { normal, offset, height }| {
             (Front::new((normal, offset), slack), F32s::splat(height))
         });
+        let mut fronts = [Front::NONE; FRONTS_MAX];
+        for (to, front) in fronts.iter_mut().zip(&near.fronts[..near.front_count]) {
+            *to = Front::new(*front, slack);
+        }
         Self {
             center: Vector::splat(near.center.to_array()),
             slack,
             crossed,
-            fronts: near.fronts.map(|front| Front::new(front, slack)),
+            fronts,
             front_count: near.front_count,
         }
     }

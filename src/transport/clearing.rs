@@ -32,6 +32,8 @@ const MARGIN: f32 = 1.0 / 1024.0;
 const TOUCHING: f32 = 1e-4;
 /// So near to the middle of a ring, relative to its radius, a disk ends where it meets that.
 const ROUND: f32 = 0.75;
+/// Shapes that are listed at most; the nearest of more are searched for one by one.
+const LISTED_MAX: usize = 16;
 /// Least part of a kernel, so that its reciprocal is a number.
 const SHARE_MIN: f32 = 1e-3;
 /// Directions by which sizes are computed where more than one plane cuts, in packets of eight.
@@ -77,6 +79,14 @@ pub struct Clearing {
     pub gain: f32,
 }
 
+/// What it takes to look around a vertex.
+#[derive(Default)]
+pub struct Nearby {
+    surroundings: Surroundings,
+    /// What reaches into the kernel, if that is not too much to list.
+    cuts: Vec<Cut>,
+}
+
 /// A shape that is to be kept out.
 #[derive(Clone, Copy)]
 struct Cut {
@@ -105,18 +115,24 @@ impl Clearing {
         center: [f32; 3],
         [radius, at_boundary]: [f32; 2],
         accelerator: &Accelerator,
-        around: &mut Surroundings,
+        around: &mut Nearby,
     ) -> Self {
         let mut clearing = Self::whole(Vec3A::from(center), radius, None);
         let center = clearing.center;
-        for count in 0..PLANES_MAX {
-            let found = clearing.nearest(around, accelerator, None, |shape, offer| {
+        let mut search = Search {
+            around,
+            accelerator,
+            crossed: None,
+            cuts_of: |shape, offer: &mut dyn FnMut(Cut)| {
                 offer(match shape {
                     Shape::Triangle(corners) => cut_of_triangle(center, &corners),
                     Shape::Sphere(middle, radius) => cut_of_sphere(center, (middle, radius)),
                 });
-            });
-            let Some(cut) = found else { break };
+            },
+        };
+        let is_listed = search.list(&clearing);
+        for count in 0..PLANES_MAX {
+            let Some(cut) = search.nearest(&clearing, is_listed) else { break };
             if count == 0 {
                 clearing.radius = radius.min(cut.distance.max(at_boundary));
             }
@@ -137,21 +153,27 @@ impl Clearing {
         normal: Vec3A,
         radius: f32,
         accelerator: &Accelerator,
-        around: &mut Surroundings,
+        around: &mut Nearby,
     ) -> Self {
         let mut clearing = Self::whole(Vec3A::from(center), radius, Some(normal));
         let (center, height) = (clearing.center, radius * LIFT);
         let planes = Planes { normal, offset: -normal.dot(center), height };
         let lifted = [height, -height].map(|height| Plane { center, normal, height });
-        for _ in 0..PLANES_MAX {
-            let found = clearing.nearest(around, accelerator, Some(planes), |shape, offer| {
+        let mut search = Search {
+            around,
+            accelerator,
+            crossed: Some(planes),
+            cuts_of: |shape, offer: &mut dyn FnMut(Cut)| {
                 let cuts = lifted.iter().filter_map(|plane| match shape {
                     Shape::Triangle(corners) => plane.cut_of_triangle(&corners),
                     Shape::Sphere(middle, radius) => plane.cut_of_sphere((middle, radius)),
                 });
                 cuts.for_each(offer);
-            });
-            let Some(cut) = found else { break };
+            },
+        };
+        let is_listed = search.list(&clearing);
+        for _ in 0..PLANES_MAX {
+            let Some(cut) = search.nearest(&clearing, is_listed) else { break };
             clearing.keep_out(&cut);
             if clearing.radius <= cut.distance {
                 break;
@@ -168,33 +190,6 @@ impl Clearing {
     fn whole(center: Vec3A, radius: f32, normal: Option<Vec3A>) -> Self {
         let planes = [(Vec3A::ZERO, 0.0); PLANES_MAX];
         Self { center, radius, planes, len: 0, is_smaller: false, normal, shell: None, gain: 1.0 }
-    }
-
-    /// The nearest cut within the radius that is not out already; `cuts_of` offers those of a
-    /// shape.
-    #[inline(always)]
-    fn nearest(
-        &self,
-        around: &mut Surroundings,
-        accelerator: &Accelerator,
-        crossed: Option<Planes>,
-        cuts_of: impl Fn(Shape, &mut dyn FnMut(Cut)),
-    ) -> Option<Cut> {
-        let fronts = self.planes.map(|(normal, distance)| {
-            (normal, distance - normal.dot(self.center) - TOUCHING * self.radius)
-        });
-        let ball = Neighborhood::ball(self.center, self.radius);
-        let near = Neighborhood { crossed, fronts, front_count: self.len, ..ball };
-        let (mut reach, mut nearest) = (self.radius, None);
-        around.look(accelerator, &near, |shape| {
-            cuts_of(shape, &mut |cut: Cut| {
-                if cut.distance < reach && !self.has_out(&cut) {
-                    (reach, nearest) = (cut.distance, Some(cut));
-                }
-            });
-            reach
-        });
-        nearest
     }
 
     /// Whether what is to be kept out is out.
@@ -307,6 +302,66 @@ impl Clearing {
             held &= before.simd_gt(F32s::splat(-distance));
         }
         held
+    }
+}
+
+/// Looks for what is to be kept out.
+struct Search<'a, F> {
+    around: &'a mut Nearby,
+    accelerator: &'a Accelerator,
+    /// The planes that shapes must cross, if any.
+    crossed: Option<Planes>,
+    /// Offers the cuts of a shape.
+    cuts_of: F,
+}
+
+impl<F: Fn(Shape, &mut dyn FnMut(Cut))> Search<'_, F> {
+    /// Lists all cuts within the radius of what is not cut yet; false if they are too many.
+    fn list(&mut self, clearing: &Clearing) -> bool {
+        let near = Neighborhood {
+            crossed: self.crossed,
+            ..Neighborhood::ball(clearing.center, clearing.radius)
+        };
+        let Nearby { surroundings, cuts } = &mut *self.around;
+        cuts.clear();
+        surroundings.look(self.accelerator, &near, |shape| {
+            (self.cuts_of)(shape, &mut |cut: Cut| {
+                if cut.distance < clearing.radius && cuts.len() <= LISTED_MAX {
+                    cuts.push(cut);
+                }
+            });
+            if cuts.len() <= LISTED_MAX { clearing.radius } else { 0.0 }
+        });
+        cuts.len() <= LISTED_MAX
+    }
+
+    /// The nearest cut within the radius that is not out already.
+    fn nearest(&mut self, clearing: &Clearing, is_listed: bool) -> Option<Cut> {
+        if !is_listed {
+            return self.search(clearing);
+        }
+        let is_left = |cut: &&Cut| cut.distance < clearing.radius && !clearing.has_out(cut);
+        let left = self.around.cuts.iter().filter(is_left);
+        left.min_by(|a, b| a.distance.total_cmp(&b.distance)).copied()
+    }
+
+    /// [`Self::nearest`] without the list.
+    fn search(&mut self, clearing: &Clearing) -> Option<Cut> {
+        let Clearing { center, radius, planes, len, .. } = clearing;
+        let fronts = planes
+            .map(|(normal, distance)| (normal, distance - normal.dot(*center) - TOUCHING * radius));
+        let ball = Neighborhood::ball(*center, *radius);
+        let near = Neighborhood { crossed: self.crossed, fronts, front_count: *len, ..ball };
+        let (mut reach, mut nearest) = (*radius, None);
+        self.around.surroundings.look(self.accelerator, &near, |shape| {
+            (self.cuts_of)(shape, &mut |cut: Cut| {
+                if cut.distance < reach && !clearing.has_out(&cut) {
+                    (reach, nearest) = (cut.distance, Some(cut));
+                }
+            });
+            reach
+        });
+        nearest
     }
 }
 
@@ -463,7 +518,7 @@ mod tests {
     /// the directions leave inexact.
     #[test]
     fn balls_in_a_corner_are_as_large_as_what_they_hold() {
-        let (accelerator, mut around) = (corner(), Surroundings::default());
+        let (accelerator, mut around) = (corner(), Nearby::default());
         for place in [1e-4, 0.002, 0.03, 0.07, 0.2] {
             for center in [[place; 3], [0.5, place, place], [0.5, 0.4, place]] {
                 let clearing =
@@ -475,7 +530,7 @@ mod tests {
 
     #[test]
     fn disks_in_a_corner_are_as_large_as_what_they_hold() {
-        let (accelerator, mut around) = (corner(), Surroundings::default());
+        let (accelerator, mut around) = (corner(), Nearby::default());
         for place in [0.002, 0.03, 0.07, 0.2] {
             for center in [[place, place, 0.0], [0.5, place, 0.0]] {
                 let clearing =
@@ -490,7 +545,7 @@ mod tests {
         let floor = wall(Vec3::ZERO, Vec3::X, Vec3::Y);
         let [near, far] = [0.01, 0.011].map(|x| wall(Vec3::X * x, Vec3::Y, Vec3::Z));
         let accelerator = Accelerator::build([floor, near, far].as_flattened(), &[]);
-        let mut around = Surroundings::default();
+        let mut around = Nearby::default();
         let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, RADIUS, &accelerator, &mut around);
         assert!(check(&clearing, |point| point.x < 0.01, 0.01) < 0.57);
         // What lies on the floor lies on the edge of the wall's disk.
@@ -508,8 +563,7 @@ mod tests {
     #[test]
     fn balls_inside_and_outside_of_spheres_keep_to_their_side() {
         let sphere = Sphere { center: Vec3::ZERO, radius: 0.4 };
-        let (accelerator, mut around) =
-            (Accelerator::build(&[], &[sphere]), Surroundings::default());
+        let (accelerator, mut around) = (Accelerator::build(&[], &[sphere]), Nearby::default());
         for off in [0.001, 0.02, 0.06] {
             let outside =
                 Clearing::in_medium([0.4 + off, 0.0, 0.0], [RADIUS; 2], &accelerator, &mut around);
@@ -525,7 +579,7 @@ mod tests {
     fn surfaces_that_only_bend_cut_nothing() {
         let sphere = Sphere { center: 2.0 * Vec3::NEG_Z, radius: 2.0 };
         let accelerator = Accelerator::build(&wall(Vec3::ZERO, Vec3::X, Vec3::Y), &[sphere]);
-        let mut around = Surroundings::default();
+        let mut around = Nearby::default();
         let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, RADIUS, &accelerator, &mut around);
         assert_eq!((clearing.gain, clearing.len), (1.0, 0));
         assert!(clearing.holds(lanes_on_disk()).all());

@@ -123,7 +123,14 @@ pub trait ColumnWork {
 /// Takes the rows `order` of a column to the rows from `start` on.
 #[inline(always)]
 pub fn take<T: Copy>(to: &mut [T], from: &[T], order: &[u32], start: usize) {
-    for (to, &row) in to[start..start + order.len()].iter_mut().zip(order) {
+    let (to, ends) = to[start..start + order.len()].as_chunks_mut::<LANES>();
+    let (order, last) = order.as_chunks::<LANES>();
+    for (to, rows) in to.iter_mut().zip(order) {
+        for (to, &row) in to.iter_mut().zip(rows) {
+            *to = from[row as usize];
+        }
+    }
+    for (to, &row) in ends.iter_mut().zip(last) {
         *to = from[row as usize];
     }
 }

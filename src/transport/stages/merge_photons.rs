@@ -4,13 +4,13 @@
 
 use glam::Vec3A;
 
-use crate::geometry::{SurfaceColumns, Surroundings};
+use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::phase::half_sine2;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
-use crate::transport::clearing::Clearing;
+use crate::transport::clearing::{Clearing, Nearby};
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
@@ -80,7 +80,7 @@ struct Kernel<'a> {
     /// Reciprocal of the disk or ball, over the light paths.
     per_volume: f32,
     radius: f32,
-    around: &'a mut Surroundings,
+    around: &'a mut Nearby,
 }
 
 /// What all merges read and write.

@@ -107,29 +107,28 @@ impl<const N: usize> ConnectionLanes<N> {
     }
 }
 
-/// The lanes of a mask, one after the other.
-struct Order {
+/// The lanes of a mask, one after the other; `SPARSE` if others are between them.
+struct Order<const SPARSE: bool> {
     lanes: [usize; LANES],
-    len: usize,
 }
 
-impl Order {
+impl<const SPARSE: bool> Order<SPARSE> {
     #[inline(always)]
-    fn new(mask: F32s) -> Self {
-        let bits = mask.to_bitmask();
+    fn new(bits: u32) -> Self {
         let (mut lanes, mut len) = ([0; LANES], 0);
         for lane in 0..LANES {
             lanes[len & (LANES - 1)] = lane;
-            len += (bits >> lane & 1) as usize;
+            len += if SPARSE { (bits >> lane & 1) as usize } else { 1 };
         }
-        Self { lanes, len }
+        Self { lanes }
     }
 
     /// Writes the lanes to the rows from `row` on, and anything to the rest of eight rows.
     #[inline(always)]
     fn store<T: Copy + Default>(&self, column: &mut [T], row: usize, values: [T; LANES]) {
-        let in_order = lanes::each(|place| values[self.lanes[place] & (LANES - 1)]);
-        column[row..row + LANES].copy_from_slice(&in_order);
+        let in_order = || lanes::each(|place| values[self.lanes[place] & (LANES - 1)]);
+        let values = if SPARSE { in_order() } else { values };
+        column[row..row + LANES].copy_from_slice(&values);
     }
 
     #[inline(always)]
@@ -192,8 +191,22 @@ impl<const N: usize> ConnectionTable<N> {
     /// Appends the lanes in the mask.
     #[inline(always)]
     pub fn push_lanes(&mut self, lanes: &ConnectionLanes<N>, keep: F32s) {
-        let order = Order::new(keep);
+        let bits = keep.to_bitmask();
         self.reserve(LANES);
+        if bits & (bits + 1) == 0 {
+            self.store_lanes(lanes, &Order::<false>::new(bits));
+        } else {
+            self.store_lanes(lanes, &Order::<true>::new(bits));
+        }
+        self.len += bits.count_ones() as usize;
+    }
+
+    #[inline(always)]
+    fn store_lanes<const SPARSE: bool>(
+        &mut self,
+        lanes: &ConnectionLanes<N>,
+        order: &Order<SPARSE>,
+    ) {
         let row = self.len;
         order.store_vector(&mut self.rays.origin, row, lanes.origin);
         order.store_vector(&mut self.rays.direction, row, lanes.direction);
@@ -208,7 +221,6 @@ impl<const N: usize> ConnectionTable<N> {
         let from_sensor = u32::from(lanes.from == Side::Sensor);
         self.from_sensor[row..row + LANES].fill(from_sensor);
         self.state[row..row + LANES].fill(NONE);
-        self.len += order.len;
     }
 
     /// Appends a row of light in a state of polarization.

@@ -234,10 +234,9 @@ impl<const N: usize> PhotonGrid<N> {
                 states[index] = Some(visitor.begin(row));
             }
             for (point, state) in block.iter().zip(&mut states[..queries.len()]) {
-                *state = state.take().map(|mut state| {
-                    self.visit_near(visitor, &mut state, &mut candidates, *point);
-                    state
-                });
+                if let Some(state) = state {
+                    self.visit_near(visitor, state, &mut candidates, *point);
+                }
             }
             for (state, &query) in states.iter_mut().zip(queries) {
                 if let Some(state) = state.take() {

@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use crate::geometry::Surroundings;
 use crate::math::columns::Column;
 
+use super::super::clearing::Nearby;
 use super::photon_grid::Cells;
 
 /// Bits that one pass of the sort looks at.
@@ -19,7 +19,7 @@ pub struct PhotonQueries {
     /// In which order they do.
     pub order: QueryOrder,
     /// The shapes that cut into the kernel.
-    pub around: Surroundings,
+    pub around: Nearby,
 }
 
 /// A batch of queries in the order of the buckets they start from; keeps its memory.
