@@ -155,6 +155,42 @@ fn nearest_in_short<const HOPEFUL: bool>(
     nearest
 }
 
+/// Moves hits on to the next ones; see [`super::trace_next`].
+pub(super) fn next_in_short(
+    hits: &mut HitColumns,
+    corners: &mut Vec<Vector<F32s>>,
+    (columns, t_max): (&RayColumns, &[f32]),
+    rows: Range<usize>,
+    scene: &ShortScene,
+) {
+    let corners = room_for_corners(corners, scene);
+    for row in rows.clone().step_by(LANES) {
+        let (origin, direction) = columns.eight(row);
+        let (rays, renaming) = Rays::eight(origin, direction);
+        shear_corners(corners, &rays, renaming, scene);
+        let after = (lanes::load(&hits.t, row), lanes::load_u32(&hits.primitive, row));
+        let mut next = Nearest::none(lanes::load(t_max, row));
+        for (&[a, b, c], primitive) in scene.triangles.iter().zip(0..) {
+            if let Some(found) = rays.meet_sheared::<false>(corners[a], corners[b], corners[c]) {
+                next.offer_beyond(after, &found, primitive);
+            }
+        }
+        let spheres = scene.spheres.iter().zip(scene.triangles.len() as u32..);
+        for (&(center, radius_squared), primitive) in spheres {
+            let (center, radius_squared) = (Vector::splat(center), F32s::splat(radius_squared));
+            for found in rays.meet_spheres_twice(center, radius_squared).iter().flatten() {
+                next.offer_beyond(after, found, primitive);
+            }
+        }
+        let Nearest { t, u, v, primitive } = next;
+        let missed: F32s = bytemuck::cast(primitive.simd_eq(U32s::splat(NONE)));
+        lanes::store(&mut hits.t, row, rows.end, missed.select(F32s::splat(f32::INFINITY), t));
+        lanes::store(&mut hits.u, row, rows.end, u);
+        lanes::store(&mut hits.v, row, rows.end, v);
+        lanes::store_u32(&mut hits.primitive, row, rows.end, primitive);
+    }
+}
+
 fn visibility_in_short(
     blocked: &mut [u32],
     corners: &mut Vec<Vector<F32s>>,

@@ -247,6 +247,17 @@ impl Nearest {
         self.primitive = mask.select(primitive, self.primitive);
     }
 
+    /// Takes over what is nearer, of what comes after hits, by their distances and primitives;
+    /// primitives come in ascending order.
+    #[inline(always)]
+    pub fn offer_beyond(&mut self, (t, last): (F32s, U32s), found: &Candidates, primitive: u32) {
+        let primitive = U32s::splat(primitive);
+        let is_higher: F32s = bytemuck::cast(primitive.simd_gt(last));
+        let is_beyond = found.t.simd_gt(t) | found.t.simd_eq(t) & is_higher;
+        let mask = found.mask & is_beyond & found.t.simd_lt(self.t);
+        self.replace(mask, found, primitive);
+    }
+
     /// Takes over what is nearer; primitives come in ascending order.
     #[inline(always)]
     pub fn offer_in_order(&mut self, found: &Candidates, primitive: u32) {

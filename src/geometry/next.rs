@@ -10,6 +10,7 @@ use crate::math::{F32s, LANES, U32s, Vector};
 
 use super::accelerator::Accelerator;
 use super::block::Reference;
+use super::columns::next_in_short;
 use super::kernel::{Candidates, Rays, renamed};
 use super::rays::{Hit, HitColumns, RayColumns};
 use super::tree::View;
@@ -26,6 +27,9 @@ pub fn trace_next(
     rows: Range<usize>,
     accelerator: &Accelerator,
 ) {
+    if let Some(scene) = &accelerator.short {
+        return next_in_short(hits, &mut scratch.corners, (rays, t_max), rows, scene);
+    }
     let tree = &accelerator.tree.view();
     for row in rows {
         let ray = rays.get(row);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use sunstone::internals::geometry::{
-    Accelerator, CROSSES, Hit, TraceScratch, trace_visibility_past,
+    Accelerator, CROSSES, Hit, HitColumns, TraceScratch, trace_next, trace_visibility_past,
 };
 use sunstone::internals::scene::baked::{NONE, Sphere, Triangle};
 
@@ -37,6 +37,29 @@ fn one_after_the_other(accelerator: &Accelerator, [o, d]: [Vec3; 2]) -> Vec<(f32
     hits.map(|hit| (hit.t, hit.primitive)).collect()
 }
 
+/// All rays at once, as columns, each until it meets nothing more.
+fn side_by_side(accelerator: &Accelerator, rays: &[[Vec3; 2]]) -> Vec<Vec<(f32, u32)>> {
+    let pairs: Vec<(Vec3, Vec3)> = rays.iter().map(|&[o, d]| (o, d)).collect();
+    let (columns, t_max) = (columns(&pairs), limits(rays.len(), f32::INFINITY));
+    let mut hits = HitColumns::new(rays.len());
+    hits.t.fill(0.0);
+    let mut found = vec![Vec::new(); rays.len()];
+    loop {
+        let scratch = &mut TraceScratch::default();
+        trace_next(&mut hits, scratch, &columns, &t_max, 0..rays.len(), accelerator);
+        let mut is_over = true;
+        for (row, found) in found.iter_mut().enumerate() {
+            if hits.primitive[row] != NONE {
+                found.push((hits.t[row], hits.primitive[row]));
+                is_over = false;
+            }
+        }
+        if is_over {
+            return found;
+        }
+    }
+}
+
 fn rays(random: &mut Random, count: usize) -> Vec<[Vec3; 2]> {
     let ray = |_| {
         let origin = random.in_cube() * 2.0;
@@ -56,9 +79,11 @@ fn hits_come_in_order_and_none_is_left_out() {
         triangles.extend(quad(Vec3::new(-1.0, 0.1, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0));
         let accelerator = Accelerator::build(&triangles, &spheres);
         let mut met = 0;
-        for ray in rays(&mut random, 100) {
-            let expected = brute_force(&triangles, &spheres, ray);
-            assert_eq!(one_after_the_other(&accelerator, ray), expected, "{ray:?}");
+        let rays = rays(&mut random, 101);
+        for (ray, found) in rays.iter().zip(side_by_side(&accelerator, &rays)) {
+            let expected = brute_force(&triangles, &spheres, *ray);
+            assert_eq!(one_after_the_other(&accelerator, *ray), expected, "{ray:?}");
+            assert_eq!(found, expected, "{ray:?}");
             met += expected.len();
         }
         assert!(met > 20, "only {met} hits");

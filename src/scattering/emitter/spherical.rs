@@ -6,9 +6,14 @@ use std::f64::consts::FRAC_1_PI;
 
 use crate::math::{F32s, Real, Vector, warp};
 
-/// Tangent of half the solid angle, 0.05 sr, from which on directions are chosen in it. Below it
+/// Tangent of half the solid angle, 0.3 sr, from which on directions are chosen in it. Below it
 /// the distances and cosines of all points are nearly the same.
-const LARGE: f64 = 0.025;
+const LARGE: f64 = 0.151;
+
+/// The square of the longest edge over that of the distance to the nearest corner below which no
+/// triangle is so large: its nearest point is at most 1/sqrt(3) of the edge nearer than that
+/// corner, and its area at most sqrt(3)/4 of the square, so that it covers less than 0.22 sr.
+const SMALL: f64 = 0.25;
 
 /// Squared chord, of 0.1 rad, that every side has to have: along shorter ones directions are not
 /// told apart in single precision.
@@ -24,6 +29,15 @@ pub struct SphericalTriangle<F> {
 }
 
 impl<F: Real> SphericalTriangle<F> {
+    /// Where it may be large, by the vectors to its corners.
+    #[inline(always)]
+    pub fn may_be_large([a, b, c]: [Vector<F>; 3]) -> F::Mask {
+        let longest = [b - a, c - b, a - c].map(Vector::length_squared);
+        let nearest = [a, b, c].map(Vector::length_squared);
+        let longest = longest[0].max(longest[1]).max(longest[2]);
+        longest.gt(nearest[0].min(nearest[1]).min(nearest[2]) * F::splat(SMALL))
+    }
+
     /// From the vectors to its corners.
     #[inline(always)]
     pub fn new([a, b, c]: [Vector<F>; 3]) -> Self {

@@ -49,17 +49,22 @@ impl Emits for Triangle {
         let mut point = b.mul_add(v, c.mul_add(w, a));
         let normal = Vector::new(nx, ny, nz);
         let corner = a - reference;
-        let seen = SphericalTriangle::new([corner, corner + b, corner + c]);
-        let is_large = seen.is_large();
+        let corners = [corner, corner + b, corner + c];
         let densities = [chance * per_area, start_pdf];
+        let by_area =
+            |point| area::choose::<Self, N>((point, normal), reference, radiance, densities, sides);
+        if SphericalTriangle::may_be_large(corners).none() {
+            return by_area(point);
+        }
+        let seen = SphericalTriangle::new(corners);
+        let is_large = seen.is_large();
         if is_large.none() {
-            return area::choose::<Self, N>((point, normal), reference, radiance, densities, sides);
+            return by_area(point);
         }
         let direction = seen.direction(u);
         let distance = corner.dot(normal) / direction.dot(normal);
         point = Vector::select(is_large, direction.mul_add(distance, reference), point);
-        let chosen =
-            area::choose::<Self, N>((point, normal), reference, radiance, densities, sides);
+        let chosen = by_area(point);
         let pdf_w = Real::select(is_large, chance / seen.solid_angle(), chosen.pdf_w);
         DirectLanes { pdf_w, ..chosen }
     }
