@@ -86,7 +86,13 @@ pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
         return doubts;
     }
     let boundaries = look_around(shapes, accelerator, &primitives);
-    let tallies = learn(shapes, &boundaries);
+    let open = learn(shapes, &boundaries);
+    shapes.bodies = bodies(shapes, &boundaries, &open);
+    surround(shapes, accelerator, &boundaries, &open);
+    let none = BTreeSet::new();
+    let tallies =
+        boundaries.iter().map(|it| it.seen.each_ref().map(|seen| tally(shapes, &none, seen)));
+    let tallies: Vec<[Tally; 2]> = tallies.collect();
     let mut sought = BTreeSet::new();
     let immersion = Immersion::new(shapes, accelerator, true);
     for (boundary, tallies) in boundaries.iter().zip(&tallies) {
@@ -99,7 +105,7 @@ pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
     let doubts = (0..doubts.len()).filter(|&index| is_new(index)).map(|index| doubts[index]);
     let doubts = doubts.collect();
     if !sought.is_empty() {
-        keep_bodies(shapes, &boundaries, &sought);
+        seek(shapes, &boundaries, &sought);
     }
     doubts
 }
@@ -155,9 +161,9 @@ fn look_around(
     bounding.iter().map(boundary).collect()
 }
 
-/// Settles the sides that are not stated, nearest to what is stated first; what the looks from all
-/// sides say then.
-fn learn(shapes: &mut Shapes, boundaries: &[Boundary]) -> Vec<[Tally; 2]> {
+/// Settles the sides that are not stated, nearest to what is stated first; those that nothing is
+/// seen from are left.
+fn learn(shapes: &mut Shapes, boundaries: &[Boundary]) -> BTreeSet<(u32, usize)> {
     let is_unstated = |shapes: &Shapes, surface: u32, side: usize| {
         shapes.surfaces[surface as usize].unstated[side]
     };
@@ -184,10 +190,47 @@ fn learn(shapes: &mut Shapes, boundaries: &[Boundary]) -> Vec<[Tally; 2]> {
             *[&mut surface.interior, &mut surface.exterior][side] = medium;
         }
     }
-    let none = BTreeSet::new();
-    let tallies =
-        |boundary: &Boundary| [0, 1].map(|side| tally(shapes, &none, &boundary.seen[side]));
-    boundaries.iter().map(tallies).collect()
+    open
+}
+
+/// What closed boundaries hold, but for those of which that is open.
+fn bodies(shapes: &Shapes, boundaries: &[Boundary], open: &BTreeSet<(u32, usize)>) -> Vec<Body> {
+    let body = |boundary: &Boundary| {
+        let filling = sides_of(shapes, boundary.surface)[0];
+        let is_known = filling != KEEP && !open.contains(&(boundary.surface, 0));
+        let is_body = boundary.is_closed && is_known && boundary.surface == boundary.whole;
+        let priority = shapes.surfaces[boundary.surface as usize].priority;
+        is_body.then_some(Body {
+            surface: boundary.surface,
+            filling,
+            priority,
+            size: boundary.size,
+        })
+    };
+    boundaries.iter().filter_map(body).collect()
+}
+
+/// Settles the sides that walls hide from all others by the bodies around.
+fn surround(
+    shapes: &mut Shapes,
+    accelerator: &Accelerator,
+    boundaries: &[Boundary],
+    open: &BTreeSet<(u32, usize)>,
+) {
+    for boundary in boundaries {
+        for side in 0..2 {
+            let place = boundary.points.first();
+            let (Some(&(point, normal)), true) = (place, open.contains(&(boundary.surface, side)))
+            else {
+                continue;
+            };
+            let off = if side == 0 { -boundary.step } else { boundary.step };
+            let immersion = Immersion::new(shapes, accelerator, true);
+            let medium = immersion.behind_walls(point + off * normal);
+            let surface = &mut shapes.surfaces[boundary.surface as usize];
+            *[&mut surface.interior, &mut surface.exterior][side] = medium;
+        }
+    }
 }
 
 /// What looks say, but for those that end on sides of which nothing is known.
@@ -275,20 +318,9 @@ fn meeting(immersion: &Immersion, a: &Boundary, b: &Boundary) -> Meeting {
     if is_touching { Meeting::Touch } else { Meeting::Nowhere }
 }
 
-/// Has the medium sought at the given surfaces, and tells of all closed ones what they hold.
-fn keep_bodies(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u32>) {
-    let body = |boundary: &Boundary| {
-        let filling = sides_of(shapes, boundary.surface)[0];
-        let is_body = boundary.is_closed && filling != KEEP && boundary.surface == boundary.whole;
-        let priority = shapes.surfaces[boundary.surface as usize].priority;
-        is_body.then_some(Body {
-            surface: boundary.surface,
-            filling,
-            priority,
-            size: boundary.size,
-        })
-    };
-    shapes.bodies = boundaries.iter().filter_map(body).collect();
+/// Has the medium sought at the given surfaces.
+fn seek(shapes: &mut Shapes, boundaries: &[Boundary], sought: &BTreeSet<u32>) {
+    shapes.overlaps = true;
     let is_other = |it: &&Boundary| shapes.surfaces[it.surface as usize].solid == NONE;
     let others: Vec<_> =
         boundaries.iter().filter(is_other).map(|it| (it.bounds, it.step)).collect();

@@ -114,15 +114,20 @@ impl<'a> Immersion<'a> {
     /// The medium around a point: a row in `media`, or [`NONE`].
     ///
     /// What the boundaries say that can be seen from there, or from the walls seen from there.
-    /// Opaque walls say nothing; where there is nothing else to be seen, it is the medium of the
-    /// scene. Where boundaries contradict each other, it is what fills the smallest body around
-    /// the point.
+    /// Opaque walls say nothing; where there is nothing else to be seen, it is what fills the
+    /// smallest body around them all, or the medium of the scene. Where boundaries contradict each
+    /// other, it is what fills the smallest body around the point.
     pub fn at(&self, point: Vec3) -> u32 {
         if !self.has_media {
             return NONE;
         }
         let near = self.in_sight(point).or_else(|| self.round_corners(point));
-        near.unwrap_or(self.shapes.scene_medium)
+        near.unwrap_or_else(|| self.behind_walls(point))
+    }
+
+    /// What fills the smallest body around a point, or the scene, whatever walls there are.
+    pub fn behind_walls(&self, point: Vec3) -> u32 {
+        self.filling(point).unwrap_or(self.shapes.scene_medium)
     }
 
     /// The medium about points that are close together; none are looked for where there are no
@@ -139,7 +144,7 @@ impl<'a> Immersion<'a> {
                 is_walled_in = far.is_none();
                 far
             });
-            near.unwrap_or(self.shapes.scene_medium)
+            near.unwrap_or_else(|| self.behind_walls(point))
         };
         Around::of(points.into_iter().map(at)).unwrap_or(Around::Same(self.shapes.scene_medium))
     }
@@ -210,7 +215,8 @@ impl<'a> Immersion<'a> {
     /// What fills the smallest body around a point, or else what most of a few looks find.
     fn in_sight(&self, point: Vec3) -> Option<u32> {
         let look = |direction: Vec3| self.see(point, direction.normalize());
-        self.filling(point).or_else(|| self.majority(DIRECTIONS.into_iter().map(look)))
+        let filling = if self.shapes.overlaps { self.filling(point) } else { None };
+        filling.or_else(|| self.majority(DIRECTIONS.into_iter().map(look)))
     }
 
     /// What most of many looks find that go on from the walls they meet.

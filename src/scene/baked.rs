@@ -56,9 +56,11 @@ pub struct Shapes {
     pub surface_of_primitive: Vec<u32>,
     /// One row per mesh primitive of a node, or sphere.
     pub surfaces: Vec<Surface>,
-    /// What closed surfaces bound, if boundaries overlap or touch: then the medium of a point is
-    /// that of the smallest body around it. Empty where every surface knows its two sides.
+    /// What closed surfaces bound.
     pub bodies: Vec<Body>,
+    /// Whether boundaries overlap or touch: then the medium of a point is that of the smallest body
+    /// around it. Else every surface knows its two sides.
+    pub overlaps: bool,
     /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on
     /// which of them are on its two sides. Empty where all are apart.
     pub solids: Vec<Solid>,

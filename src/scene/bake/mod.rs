@@ -79,6 +79,7 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         surface_of_primitive: primitives.surface_of_primitive,
         surfaces: primitives.surfaces,
         bodies: Vec::new(),
+        overlaps: false,
         solids: Vec::new(),
         around_solids: KEEP,
         scene_medium: rows.scene_medium,

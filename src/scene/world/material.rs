@@ -276,11 +276,5 @@ impl From<Bsdf> for Material {
 /// Refuses components of a material that are wrong, or do not go together.
 pub(super) fn check_material(bsdf: &Bsdf, emission: Option<&Emission>) -> Result<(), Fault> {
     bsdf.check()?;
-    let Some(emission) = emission else { return Ok(()) };
-    emission.check()?;
-    if bsdf.passage() == Passage::Boundary {
-        let problem = "a null surface is not there, so it cannot emit";
-        return Err(Fault::new("", problem, "remove its emission, or use an absorber"));
-    }
-    Ok(())
+    emission.map_or(Ok(()), Emission::check)
 }
