@@ -202,16 +202,25 @@ fn interpolate<'a>(
     triangle_in: impl Fn(usize) -> Option<&'a Triangle>,
     [u, v]: [F32s; 2],
 ) -> Points {
-    let corners = lanes::each(|lane| match triangle_in(lane) {
-        Some(Triangle { corners: [a, b, c] }) => [a.to_array(), b.to_array(), c.to_array()],
-        None => [[0.0; 3]; 3],
-    });
-    let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| corners[lane][corner]));
+    let [a, b, c] = corners(|lane| triangle_in(lane).map(|triangle| &triangle.corners));
     let (edge_b, edge_c) = (b - a, c - a);
     let position = edge_b.mul_add(u, edge_c.mul_add(v, a));
     let geometric_normal = normalize_or_zero(edge_b.cross(edge_c));
     let reach = reach(a).max(reach(b)).max(reach(c));
     Points { position, geometric_normal, shading_normal: geometric_normal, reach }
+}
+
+/// What eight triangles have at their corners, zero where there is none.
+#[inline(always)]
+fn corners<'a>(of_lane: impl Fn(usize) -> Option<&'a [Vec3; 3]>) -> [Vector<F32s>; 3] {
+    let mut corners = [&[Vec3::ZERO; 3]; LANES];
+    for (lane, corners) in corners.iter_mut().enumerate() {
+        if let Some(found) = of_lane(lane) {
+            *corners = found;
+        }
+    }
+    let at = |corner: usize| Vector::gather(|lane| corners[lane][corner].to_array());
+    [at(0), at(1), at(2)]
 }
 
 /// Unit normals between those of the corners; `geometric` where there are none.
@@ -221,11 +230,7 @@ fn interpolate_normals<'a>(
     [u, v]: [F32s; 2],
     geometric: Vector<F32s>,
 ) -> Vector<F32s> {
-    let normals = lanes::each(|lane| match normals_in(lane) {
-        Some([a, b, c]) => [a.to_array(), b.to_array(), c.to_array()],
-        None => [[0.0; 3]; 3],
-    });
-    let [a, b, c] = [0, 1, 2].map(|corner| Vector::gather(|lane| normals[lane][corner]));
+    let [a, b, c] = corners(normals_in);
     let sum = b.mul_add(u, c.mul_add(v, a * (F32s::ONE - u - v)));
     let has_length = sum.length_squared().gt(F32s::ZERO);
     Vector::select(has_length, normalize_or_zero(sum), geometric)

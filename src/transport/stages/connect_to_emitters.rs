@@ -118,13 +118,13 @@ fn choose<const N: usize, C>(
     let (chosen, chance) = if scene.choice.depends_on_vantage() {
         let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
         let of = scene.choice.choose(&from, choice, live);
-        (of.map(|(emitter, _)| emitter), of.map(|(_, chance)| chance))
+        (lanes::each(|lane| of[lane].0), lanes::each(|lane| of[lane].1))
     } else {
         let of = lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])));
-        (of, of.map(|emitter| scene.optics.emitters[emitter].probability))
+        (of, lanes::each(|lane| scene.optics.emitters[of[lane]].probability))
     };
     let u = draw(seed, iteration, path_length, Purpose::EmitterPosition);
-    let offset = F32s::from(chosen.map(|emitter| scene.emitter_offset(emitter)));
+    let offset = F32s::from(lanes::each(|lane| scene.emitter_offset(chosen[lane])));
     let reference = Vector::load(&surfaces.position, row);
     let lanes = scene.direct.sample(chosen, chance.into(), reference, u);
     Chosen { lanes, offset, emitters: chosen, chance: chance.into() }
