@@ -22,6 +22,10 @@ use crate::transport::tables::photons::{PATH_LENGTH_MAX, PhotonClass, PhotonTabl
 use crate::transport::tables::states::LightState;
 use crate::transport::{Arrived, LightModel};
 
+/// Photons that a vertex merges with at most; where more are in reach, the kernel ends at the first
+/// after so many. Over what that encloses their sum is a density as it is over a kernel whose size
+/// they do not choose, as a Poisson process has it. Caustics are as sharp as their light is dense.
+const CROWD: usize = 100;
 /// Largest radius at the boundary of a medium, relative to its mean free path.
 const BOUNDARY_OF_FREE_PATH: f32 = 0.25;
 
@@ -100,17 +104,27 @@ struct Gather<'a, const N: usize, C> {
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
     /// Where photons count about the vertex in row `query`.
     fn clearing(&mut self, query: usize) -> Clearing {
-        let Kernel { radius, around, .. } = &mut self.kernel;
+        self.clearing_within(query, self.kernel.radius)
+    }
+
+    /// The same within a radius that may be less than the kernel's.
+    fn clearing_within(&mut self, query: usize, radius: f32) -> Clearing {
         let (center, accelerator) =
             (lanes::row_of(&self.surfaces.position, query), &self.scene.accelerator);
+        let whole = self.kernel.radius / radius;
+        let around = &mut self.kernel.around;
         if let Met::Medium(medium) = self.met {
             let at_boundary = BOUNDARY_OF_FREE_PATH / self.scene.medium(medium).reduced;
-            return Clearing::in_medium(center, [*radius, at_boundary], accelerator, around);
+            let mut of = Clearing::in_medium(center, [radius, at_boundary], accelerator, around);
+            of.gain *= whole.powi(3);
+            return of;
         }
         let normal = Vec3A::from(lanes::row_of(&self.surfaces.geometric_normal, query));
         let direction = Vec3A::from(lanes::row_of(&self.paths.rays.direction, query));
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Clearing::on_surface(center, normal, *radius, accelerator, around)
+        let mut of = Clearing::on_surface(center, normal, radius, accelerator, around);
+        of.gain *= whole.powi(2);
+        of
     }
 
     /// The photons of the packet at `row` that count.
@@ -188,6 +202,12 @@ struct SurfaceState<const N: usize> {
 
 impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Even<'_, N, S, C> {
     type State = SurfaceState<N>;
+
+    const CROWD: usize = CROWD;
+
+    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = self.gather.clearing_within(query, radius);
+    }
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> SurfaceState<N> {
@@ -323,6 +343,12 @@ fn add_scattered<const N: usize>(
 impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Uneven<'_, N, S, C> {
     type State = UnevenState<S::Vertices, [F32s; N]>;
 
+    const CROWD: usize = CROWD;
+
+    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = self.gather.clearing_within(query, radius);
+    }
+
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
@@ -406,6 +432,12 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
     for Polarizing<'_, N, COMMON, S, C>
 {
     type State = UnevenState<S::Vertices, [Stokes<F32s>; N]>;
+
+    const CROWD: usize = CROWD;
+
+    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = self.gather.clearing_within(query, radius);
+    }
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {

@@ -34,6 +34,9 @@ const SCATTER: u32 = 0x9e37_79b1;
 /// Fewest and most bits of the number of a bucket.
 const BUCKET_BITS: Range<u32> = 4..28;
 
+/// Least square of a reach that was narrowed, relative to what it was.
+const LEAST_REACH: f32 = 1e-8;
+
 /// Rows of a column that a thread takes at a time.
 const ROWS: usize = 1 << 14;
 
@@ -46,8 +49,15 @@ pub trait PhotonVisitor<const N: usize> {
     /// What is kept, in registers with luck, while the packets of one query are visited.
     type State;
 
+    /// Most photons in reach; of more, so many that are nearest are visited. None by default.
+    const CROWD: usize = usize::MAX;
+
     /// Starts the query at this row of the points.
     fn begin(&mut self, query: usize) -> Self::State;
+
+    /// Nothing beyond `radius` will be visited: it is the distance to the first photon after
+    /// [`Self::CROWD`] of them.
+    fn narrow(&mut self, _state: &mut Self::State, _query: usize, _radius: f32) {}
 
     /// The eight rows from `first_row` on, of which those in the mask `within` are in reach. The
     /// other rows hold any values, infinite ones included.
@@ -233,9 +243,9 @@ impl<const N: usize> PhotonGrid<N> {
                 block[index] = lanes::row_of(points, row);
                 states[index] = Some(visitor.begin(row));
             }
-            for (point, state) in block.iter().zip(&mut states[..queries.len()]) {
+            for ((point, &query), state) in block.iter().zip(queries).zip(&mut states) {
                 if let Some(state) = state {
-                    self.visit_near(visitor, state, &mut candidates, *point);
+                    self.visit_near(visitor, state, &mut candidates, (*point, order.row(query)));
                 }
             }
             for (state, &query) in states.iter_mut().zip(queries) {
@@ -252,7 +262,7 @@ impl<const N: usize> PhotonGrid<N> {
         visitor: &mut V,
         state: &mut V::State,
         candidates: &mut Candidates,
-        point: [f32; 3],
+        (point, query): ([f32; 3], usize),
     ) {
         let corner = self.cells.corner(point);
         if candidates.corner != Some(corner) {
@@ -261,8 +271,17 @@ impl<const N: usize> PhotonGrid<N> {
             candidates.rewind(&self.photons.position);
         }
         let center = Vector::splat(point);
+        let mut reach = F32s::splat(self.radius_squared);
+        let mut hits = candidates.test(center, reach);
+        let crowd = V::CROWD;
+        if crowd < LANES * hits || !candidates.is_whole {
+            if let Some(nearest) = self.crowded(candidates, center, (hits, crowd)) {
+                visitor.narrow(state, query, nearest.sqrt());
+                reach = F32s::splat(nearest.next_down());
+            }
+            hits = candidates.test(center, reach);
+        }
         loop {
-            let hits = candidates.test(center, F32s::splat(self.radius_squared));
             for hit in &candidates.hits[..hits] {
                 visitor.visit(state, hit.row as usize, hit.within, &self.photons);
             }
@@ -270,10 +289,48 @@ impl<const N: usize> PhotonGrid<N> {
                 break;
             }
             candidates.fill(&self.photons.position);
+            hits = candidates.test(center, reach);
         }
         if !candidates.is_whole {
             candidates.rewind(&self.photons.position);
         }
+    }
+
+    /// The squared distance to the first photon after a crowd of them, if there are so many in
+    /// reach; `hits` have been tested.
+    #[inline(never)]
+    fn crowded(
+        &self,
+        candidates: &mut Candidates,
+        center: Vector<F32s>,
+        (mut hits, crowd): (usize, usize),
+    ) -> Option<f32> {
+        let mut distances = std::mem::take(&mut candidates.distances);
+        distances.clear();
+        loop {
+            for hit in &candidates.hits[..hits] {
+                let position = Vector::load(&self.photons.position, hit.row as usize);
+                let squared = (position - center).length_squared().to_array();
+                let mut left = hit.within.to_bitmask();
+                while left != 0 {
+                    distances.push(squared[(left.trailing_zeros() & 7) as usize]);
+                    left &= left - 1;
+                }
+            }
+            if candidates.is_end() {
+                break;
+            }
+            candidates.fill(&self.photons.position);
+            hits = candidates.test(center, F32s::splat(self.radius_squared));
+        }
+        if !candidates.is_whole {
+            candidates.rewind(&self.photons.position);
+        }
+        let first = (distances.len() > crowd)
+            .then(|| *distances.select_nth_unstable_by(crowd, f32::total_cmp).1);
+        candidates.distances = distances;
+        // Many may be in one place.
+        first.map(|squared| squared.max(LEAST_REACH * self.radius_squared))
     }
 
     /// The rows of the eight cells from `corner` on.
@@ -344,6 +401,8 @@ struct Candidates {
     position: [Vector<F32s>; PACKETS],
     rows: [u32; PACKETS],
     hits: [Hit; PACKETS],
+    /// Squared distances of photons in reach.
+    distances: Vec<f32>,
 }
 
 /// A packet with photons in reach.
@@ -365,6 +424,7 @@ impl Candidates {
             position: [Vector { x: zero, y: zero, z: zero }; PACKETS],
             rows: [0; PACKETS],
             hits: [Hit { within: zero, row: 0 }; PACKETS],
+            distances: Vec::new(),
         }
     }
 
