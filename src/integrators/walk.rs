@@ -242,11 +242,11 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     strategy: Strategy,
 ) {
     let ([paths, sorted], tables, profile) = S::tables(w);
-    let WalkTables { hits: [hits, sorted_hits], surfaces, partition, .. } = tables;
+    let WalkTables { hits: [hits, sorted_hits], flights, surfaces, partition, .. } = tables;
     profile.time(Stage::Sort, || {
         if chunk.plays_roulette(S::SIDE, path_length) {
             let kept = S::vertices_kept(strategy, path_length);
-            play_roulette(paths, hits, scene, path_length, kept);
+            play_roulette(paths, hits, (scene, flights), path_length, kept);
         } else {
             paths.odds[..paths.len].fill(1.0);
         }

@@ -25,11 +25,12 @@ pub struct Medium<const N: usize> {
     pub sigma_t: [f32; N],
     /// Scattering coefficient per scene unit.
     pub sigma_s: [f32; N],
-    /// Mean extinction coefficient over the wavelengths: what takes the place of a surface's
-    /// cosine where strategies are weighed against each other.
+    /// Coefficient that free flights are drawn by, per scene unit: the geometric mean of the two.
+    /// 0 where the medium only absorbs.
+    pub sigma_d: [f32; N],
+    /// The mean of that over the wavelengths: what takes the place of a surface's cosine where
+    /// strategies are weighed against each other.
     pub density: f32,
-    /// The probability with which roulette lets a path go on.
-    pub survival: f32,
     /// The largest reduced extinction coefficient over the wavelengths, of which scattering that
     /// leads forwards is left out by its mean cosine: one over the transport mean free path.
     pub reduced: f32,
@@ -45,12 +46,8 @@ pub struct Medium<const N: usize> {
 impl<const N: usize> Medium<N> {
     /// Derives the row of a baked medium.
     pub fn new(medium: &baked::Medium<N>) -> Self {
-        let mut sigma_t = medium.sigma_a;
-        let mut albedo = 0.0_f32;
-        for (sigma_t, &sigma_s) in sigma_t.iter_mut().zip(&medium.sigma_s) {
-            *sigma_t += sigma_s;
-            albedo = albedo.max(if sigma_s > 0.0 { sigma_s / *sigma_t } else { 0.0 });
-        }
+        let sigma_t = std::array::from_fn(|n| medium.sigma_a[n] + medium.sigma_s[n]);
+        let sigma_d = std::array::from_fn(|n| geometric_mean(medium.sigma_s[n], sigma_t[n]));
         let phase = PhaseFunction::from(&medium.phase);
         let (mut reduced, mut is_peaked) = (0.0_f32, false);
         for (n, (sigma_t, sigma_s)) in sigma_t.iter().zip(&medium.sigma_s).enumerate() {
@@ -61,8 +58,8 @@ impl<const N: usize> Medium<N> {
         Self {
             sigma_t,
             sigma_s: medium.sigma_s,
-            density: sigma_t.iter().sum::<f32>() / N as f32,
-            survival: albedo.clamp(0.05, 1.0),
+            sigma_d,
+            density: mean(&sigma_d),
             reduced,
             is_peaked,
             peak: for_phase!(&phase, phase => end_of_peak(phase)),
@@ -73,10 +70,24 @@ impl<const N: usize> Medium<N> {
     /// A medium that is not there.
     pub fn clear() -> Self {
         let phase = PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [0.0; N] });
-        let (sigma_t, sigma_s) = ([0.0; N], [0.0; N]);
-        let (density, survival, reduced, is_peaked, peak) = (0.0, 1.0, 0.0, false, 0.0);
-        Self { sigma_t, sigma_s, density, survival, reduced, is_peaked, peak, phase }
+        let [sigma_t, sigma_s, sigma_d] = [[0.0; N]; 3];
+        let (density, reduced, is_peaked, peak) = (0.0, 0.0, false, 0.0);
+        Self { sigma_t, sigma_s, sigma_d, density, reduced, is_peaked, peak, phase }
     }
+
+    /// Mean extinction coefficient over the wavelengths.
+    pub fn extinction(&self) -> f32 {
+        mean(&self.sigma_t)
+    }
+}
+
+/// Of two numbers that are not negative; exactly theirs if they are equal.
+fn geometric_mean(a: f32, b: f32) -> f32 {
+    (f64::from(a) * f64::from(b)).sqrt() as f32
+}
+
+fn mean<const N: usize>(values: &[f32; N]) -> f32 {
+    values.iter().sum::<f32>() / N as f32
 }
 
 /// `half_sine2` from which on a phase function has fallen to [`END_OF_PEAK`] at all wavelengths.

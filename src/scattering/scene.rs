@@ -414,15 +414,6 @@ impl<const N: usize> Scene<N> {
         met
     }
 
-    /// The probability with which roulette lets a path go on from what it hit.
-    #[inline(always)]
-    pub fn survival(&self, primitive: u32) -> f32 {
-        match medium_met(primitive) {
-            Some(medium) => self.medium(medium).survival,
-            None => self.material_at(primitive).survival,
-        }
-    }
-
     /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees; none in
     /// media.
     pub fn emitter_seen(&self, primitive: u32) -> u32 {

@@ -58,7 +58,7 @@ impl<'a, const N: usize> PieceLanes<'a, N> {
     /// The places that lamps are chosen from: in the middle of what light comes through.
     pub fn vantages(&self) -> [Vantage; LANES] {
         let [from, to] = self.range;
-        let free = F32s::splat(1.0 / self.medium.density);
+        let free = F32s::splat(1.0 / self.medium.extinction());
         let middle = from + ((to - from) * F32s::splat(0.5)).min(free);
         let position = (self.origin + self.direction * middle).to_rows();
         std::array::from_fn(|lane| Vantage {
@@ -83,14 +83,15 @@ impl<'a, const N: usize> PieceLanes<'a, N> {
         bright.max(F32s::splat(LEAST_SHARE)).min(F32s::ONE)
     }
 
-    /// Density per unit of length with which free flights end at distances from the origin.
+    /// Density per unit of length with which free flights end at distances from the origin, where
+    /// the piece is short or nothing is absorbed; elsewhere it stands for that.
     #[inline(always)]
     pub fn density(&self, distance: F32s) -> F32s {
         let length = distance - self.range[0];
         let mut sum = F32s::ZERO;
-        for &sigma_t in &self.medium.sigma_t {
-            let sigma_t = F32s::splat(sigma_t);
-            sum += sigma_t * (-(sigma_t * length)).exp();
+        for (&sigma_d, &sigma_t) in self.medium.sigma_d.iter().zip(&self.medium.sigma_t) {
+            let [sigma_d, sigma_t] = [sigma_d, sigma_t].map(F32s::splat);
+            sum += sigma_d * (-(sigma_t * length)).exp();
         }
         sum * F32s::splat(1.0 / N as f32)
     }

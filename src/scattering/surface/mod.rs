@@ -407,8 +407,8 @@ impl<const N: usize> Surfaces<N> {
     }
 }
 
-/// So that no path gains too much where it is let go on.
-const SURVIVAL_MIN: f32 = 0.05;
+/// The least probability of going on, so that no path gains too much where it is let.
+pub const SURVIVAL_MIN: f32 = 0.05;
 
 /// The row that `model` becomes, and what it scatters.
 fn append<M: Surface>(table: &mut Vec<M>, model: M) -> (u32, f32) {

@@ -28,7 +28,7 @@ pub fn collect_crossed_emission<const N: usize, C: SensorSide<N>>(
         let progress = &flights.progress[row];
         if !progress.is_over {
             let Hit { t, primitive, .. } = crossings.hits.get(index);
-            let reaches = paths.media.reaching(row, &progress.depth);
+            let reaches = paths.media.reaching(row, &progress.depth, &progress.drawn);
             let met = MetEmitter { row, t, primitive, reaches };
             measure_emission(measured, paths, met, scene, finding);
         }

@@ -13,7 +13,7 @@ use crate::scattering::vertex::{InMedium, Turn, Vertices};
 use crate::scattering::{Scene, Side};
 use crate::transport::piece::PieceLanes;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
-use crate::transport::tables::flights::FlightTable;
+use crate::transport::tables::flights::{FlightTable, Progress};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::pieces::PieceTable;
 
@@ -96,7 +96,8 @@ fn push<const N: usize, C>(
     }
     let (from, to) = (place.position.to_rows(), place.lamp.point.to_rows());
     for (lane, &row) in rows.iter().enumerate() {
-        let reaching = paths.media.reaching(row, &flights.progress[row].depth);
+        let Progress { depth, drawn, .. } = &flights.progress[row];
+        let reaching = paths.media.reaching(row, depth, drawn);
         let mut value = lanes::row_of_lanes(&values, lane);
         for (n, value) in value.iter_mut().enumerate() {
             *value *= paths.beta[n][row] * reaching[n];

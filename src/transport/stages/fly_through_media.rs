@@ -52,9 +52,10 @@ fn weigh<const N: usize, C>(
     let live = LANES.min(paths.len - row);
     let of = |lane: usize| row + lane.min(live - 1);
     let depth = |n: usize| F32s::from(lanes::each(|lane| flights.progress[of(lane)].depth[n]));
-    let mut least = depth(0);
+    let drawn = |n: usize| F32s::from(lanes::each(|lane| flights.progress[of(lane)].drawn[n]));
+    let mut least = drawn(0);
     for n in 1..N {
-        least = least.min(depth(n));
+        least = least.min(drawn(n));
     }
     let meets = lanes::each(|lane| {
         let met = hits.primitive[of(lane)];
@@ -70,10 +71,9 @@ fn weigh<const N: usize, C>(
             let value = |lane| of_medium(scene.medium(paths.media.inside[of(lane)]))[n];
             Real::select(meets, F32s::from(lanes::each(value)), one)
         };
-        // Only ratios matter: the least depth is taken out, so that nothing underflows.
-        let transmittance = (least - depth(n)).exp();
-        values[n] = sigma(|medium| &medium.sigma_s) * transmittance;
-        densities[n] = sigma(|medium| &medium.sigma_t) * transmittance;
+        // Only ratios matter: the least depth is taken out, so that no sum underflows.
+        values[n] = sigma(|medium| &medium.sigma_s) * (least - depth(n)).exp();
+        densities[n] = sigma(|medium| &medium.sigma_t) * (least - drawn(n)).exp();
         if N > 1 {
             densities[n] *= lanes::load(&paths.media.share[n], row);
         }

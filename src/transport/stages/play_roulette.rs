@@ -1,10 +1,11 @@
 //! Ends paths at random, by what they have met scatters and by how far they have come.
 
-use crate::geometry::HitColumns;
+use crate::geometry::{HitColumns, medium_met};
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::sampler::Purpose;
+use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::paths::PathTable;
 
 /// Segments after which even paths that lose nothing are played for.
@@ -23,11 +24,11 @@ const PATIENCE: u32 = 128;
 /// keeps a render from ending, and a path of a length that is not extreme weighs a few times more.
 ///
 /// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, pay_out.
-/// Writes: paths (odds, beta), hits. Reads: paths (identity), scene.
+/// Writes: paths (odds, beta), hits. Reads: paths (identity), scene, flights.
 pub fn play_roulette<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     hits: &mut HitColumns,
-    scene: &Scene<N>,
+    (scene, flights): (&Scene<N>, &FlightTable<N>),
     path_length: u32,
     kept: f32,
 ) {
@@ -41,7 +42,11 @@ pub fn play_roulette<const N: usize, C>(
                 paths.odds[row] = 0.0;
                 continue;
             }
-            let survival = scene.survival(primitive).min(longest);
+            let survival = match medium_met(primitive) {
+                Some(_) => flights.progress[row].survival,
+                None => scene.material_at(primitive).survival,
+            };
+            let survival = survival.min(longest);
             let kept = kept.max(survival);
             if u >= kept {
                 hits.primitive[row] = NONE;

@@ -30,9 +30,13 @@ pub struct Progress<const N: usize> {
     pub from: f32,
     /// Optical depth so far.
     pub depth: [f32; N],
-    /// Optical depth, at the wavelength that distances are drawn for, left until the path meets a
+    /// The same of what is drawn: minus the logarithm of the probability of coming so far.
+    pub drawn: [f32; N],
+    /// Of that, at the wavelength that distances are drawn for, what is left until the path meets a
     /// particle.
     pub left: f32,
+    /// The probability with which roulette lets the path go on from the particle that it has met.
+    pub survival: f32,
     /// Surfaces so far that might have scattered it.
     pub crossed: u32,
     /// The probability with which paths pass what it has crossed.
@@ -47,8 +51,17 @@ impl<const N: usize> FlightTable<N> {
         self.len = 0;
         self.reserve(rows + LANES);
         self.progress.clear();
-        let (travelled, from, depth, left, crossed) = (0.0, 0.0, [0.0; N], 0.0, 0);
-        let start = Progress { travelled, from, depth, left, crossed, chance: 1.0, is_over: false };
+        let start = Progress {
+            travelled: 0.0,
+            from: 0.0,
+            depth: [0.0; N],
+            drawn: [0.0; N],
+            left: 0.0,
+            survival: 1.0,
+            crossed: 0,
+            chance: 1.0,
+            is_over: false,
+        };
         self.progress.resize(rows, start);
     }
 }

@@ -49,19 +49,17 @@ impl<const N: usize> MediaColumns<N> {
     }
 
     /// What the throughput of a row is multiplied by where it has come through the optical depth
-    /// `depth` without meeting a particle: transmittance over density.
-    pub fn reaching(&self, row: usize, depth: &[f32; N]) -> [f32; N] {
-        if N == 1 {
-            return [1.0; N];
-        }
-        // Only ratios matter: the least depth is taken out, so that nothing underflows.
-        let least = depth.iter().copied().fold(f32::INFINITY, f32::min);
+    /// `depth` without meeting a particle, `drawn` of it by chance: transmittance over density.
+    pub fn reaching(&self, row: usize, depth: &[f32; N], drawn: &[f32; N]) -> [f32; N] {
+        // Only ratios matter: the least depth is taken out, so that no sum underflows.
+        let least = drawn.iter().copied().fold(f32::INFINITY, f32::min);
         let transmittance = depth.map(|depth| (least - depth).exp());
-        if !self.present() {
+        if N == 1 || !self.present() {
             return transmittance;
         }
         let shares = self.share.iter().map(|share| share[row]);
-        let density: f32 = shares.zip(transmittance).map(|(share, of)| share * of).sum();
+        let densities = drawn.map(|drawn| (least - drawn).exp());
+        let density: f32 = shares.zip(densities).map(|(share, of)| share * of).sum();
         transmittance.map(|of| of / density)
     }
 
