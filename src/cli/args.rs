@@ -150,9 +150,7 @@ impl ValueEnum for SamplingName {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let help = match self.0 {
-            Sampling::Stokes => {
-                "What polarized light does, in media that polarize: thick ones need it"
-            }
+            Sampling::Stokes => "What polarized light does, in media that polarize and at glass",
             Sampling::Intensity => {
                 "What unpolarized light would do: all modes trace the same paths, and share noise"
             }

@@ -21,7 +21,8 @@ pub struct Bounce {
 /// What the directions of polarized paths are drawn by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sampling {
-    /// Where polarization piles up, in media: what the light that paths carry, or accept, does.
+    /// Where polarization piles up, in media and at smooth interfaces: what the light that paths
+    /// carry, or accept, does.
     #[default]
     Stokes,
     /// What unpolarized light would do: all modes trace the same paths.

@@ -1,6 +1,6 @@
 //! The smooth metal: a mirror whose Fresnel reflection polarizes, differently at each wavelength.
 
-use super::model::{Incidence, Scattered, Specular, Surface, reflect, strongest};
+use super::model::{Choice, Incidence, OneOfTwo, Scattered, Specular, Surface, reflect, strongest};
 use crate::math::F32s;
 use crate::polarization::{Block, fresnel, s_axis};
 use crate::scattering::side::Side;
@@ -35,7 +35,7 @@ impl<const N: usize> Specular<N> for Conductor<N> {
     #[inline(always)]
     fn scatter<const POLARIZED: bool>(
         at: &Incidence<Self>,
-        _choice: impl FnOnce() -> F32s,
+        _choose: impl FnOnce(OneOfTwo) -> Choice,
         _side: Side,
     ) -> Scattered<N, Self::Kernel> {
         let direction = reflect(at.direction, at.normal);

@@ -1,6 +1,6 @@
 //! The smooth boundary of glass or water: reflects or refracts, by Fresnel's equations.
 
-use super::model::{Incidence, Scattered, Specular, Surface, reflect, refract};
+use super::model::{Choice, Incidence, OneOfTwo, Scattered, Specular, Surface, reflect, refract};
 use crate::math::{F32s, Real, Vector};
 use crate::polarization::{Block, fresnel, s_axis};
 use crate::scattering::side::Side;
@@ -34,31 +34,37 @@ impl<const N: usize> Specular<N> for Dielectric {
     #[inline(always)]
     fn scatter<const POLARIZED: bool>(
         at: &Incidence<Self>,
-        choice: impl FnOnce() -> F32s,
+        choose: impl FnOnce(OneOfTwo) -> Choice,
         side: Side,
     ) -> Scattered<N, Self::Kernel> {
-        let u = choice();
         let ior = at.models.field(|model| model.ior);
         let one = F32s::splat(1.0);
         let eta = Real::select(at.front, ior, one / ior);
         let (reflectance, cos_t) = fresnel::dielectric_reflectance(at.cos_i, eta);
-        let reflects = u.simd_lt(reflectance);
+        let ([reflection, transmission], axis) = if POLARIZED {
+            let fresnel::Interface { reflection, transmission, .. } =
+                fresnel::dielectric(at.cos_i, eta);
+            ([reflection, transmission], s_axis(at.normal, at.direction))
+        } else {
+            ([Block::identity(); 2], at.direction)
+        };
+        let reflecting = OneOfTwo { share: reflectance, diattenuation: reflection.a, axis };
+        let Choice { first: reflects, gain } = choose(reflecting);
+        let block = Block::select(reflects, reflection, transmission);
         let reflected = reflect(at.direction, at.normal);
         let refracted = refract(at.direction, at.normal, at.cos_i, cos_t, eta);
         let direction = Vector::select(reflects, reflected, refracted);
-        let (block, axis) = if POLARIZED {
-            let interface = fresnel::dielectric(at.cos_i, eta);
-            let block = Block::select(reflects, interface.reflection, interface.transmission);
-            (block, s_axis(at.normal, at.direction))
-        } else {
-            (Block::identity(), direction)
-        };
         // Radiance grows with the square of the index; importance, and power, do not.
         let squeeze = match side {
             Side::Sensor => Real::select(reflects, one, one / (eta * eta)),
             Side::Light => one,
         };
         let consistent = !(at.stays(direction) ^ reflects);
-        Scattered { direction, weight: [consistent & squeeze; N], kernels: [block; N], axis }
+        Scattered {
+            direction,
+            weight: [consistent & (squeeze / gain); N],
+            kernels: [block; N],
+            axis,
+        }
     }
 }

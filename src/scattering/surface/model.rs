@@ -41,13 +41,31 @@ pub trait Specular<const N: usize>: Surface {
     /// Whether its kernel is the same at all wavelengths.
     const ACHROMATIC: bool;
 
-    /// Sends light on. `choice` draws a number in [0, 1) where there are two ways. With
-    /// `POLARIZED`, the kernel is wanted too, else it may be anything.
+    /// Sends light on. `choose` draws which way it goes where there are two. With `POLARIZED`, the
+    /// kernel is wanted too, else it may be anything.
     fn scatter<const POLARIZED: bool>(
         at: &Incidence<Self>,
-        choice: impl FnOnce() -> F32s,
+        choose: impl FnOnce(OneOfTwo) -> Choice,
         side: Side,
     ) -> Scattered<N, Self::Kernel>;
+}
+
+/// The first of two ways that share all light.
+pub struct OneOfTwo {
+    /// The share of unpolarized light that goes it.
+    pub share: F32s,
+    /// Its diattenuation about [`Self::axis`].
+    pub diattenuation: F32s,
+    /// Perpendicular to the light.
+    pub axis: Vector<F32s>,
+}
+
+/// Which of two ways rows go.
+pub struct Choice {
+    /// Mask of the rows that go the first one.
+    pub first: F32s,
+    /// The probability of that, over the share of unpolarized light that goes the same way.
+    pub gain: F32s,
 }
 
 /// A new direction, what it costs, and what happens to polarization.

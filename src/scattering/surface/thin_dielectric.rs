@@ -1,7 +1,9 @@
 //! A pane too thin to tell its two faces apart: all reflections within it are summed, without
 //! interference.
 
-use super::model::{Incidence, Passage, Scattered, Specular, StraightOn, Surface, reflect};
+use super::model::{
+    Choice, Incidence, OneOfTwo, Passage, Scattered, Specular, StraightOn, Surface, reflect,
+};
 use crate::math::F32s;
 use crate::polarization::{Block, Pane, pane, s_axis};
 use crate::scattering::side::Side;
@@ -40,7 +42,7 @@ impl<const N: usize> Specular<N> for ThinDielectric {
     #[inline(always)]
     fn scatter<const POLARIZED: bool>(
         at: &Incidence<Self>,
-        _choice: impl FnOnce() -> F32s,
+        _choose: impl FnOnce(OneOfTwo) -> Choice,
         _side: Side,
     ) -> Scattered<N, Self::Kernel> {
         let direction = reflect(at.direction, at.normal);

@@ -10,7 +10,7 @@ use crate::scattering::vertex::mean;
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::Purpose;
-use crate::transport::tables::carriers::CarrierTable;
+use crate::transport::tables::carriers::{CarrierTable, ratio};
 use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
@@ -82,7 +82,7 @@ fn choose_plane<const N: usize, C: CarrierTable>(
     let (axis, two) = (s_axis(k_in, k_out), F32s::splat(2.0));
     let mut gains = [F32s::splat(1.0); N];
     for (n, gain) in gains.iter_mut().enumerate() {
-        let s1 = paths.carriers.lean(part, n, row, (axis, k));
+        let s1 = ratio(paths.carriers.lean(part, n, row, (axis, k)));
         *gain = kernels[n].a.mul_add(s1, *gain).fast_max(F32s::ZERO).fast_min(two);
     }
     let wavelength = paths.identity.wavelength::<N>(row);

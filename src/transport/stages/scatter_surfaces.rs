@@ -7,18 +7,26 @@ use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form, spheroids};
 use crate::scattering::nesting::InterfaceLanes;
-use crate::scattering::surface::model::{Incidence, Scattered};
+use crate::scattering::surface::model::{Choice, Incidence, OneOfTwo, Scattered};
 use crate::scattering::surface::{Connecting, Specular, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
-use crate::transport::Bounce;
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::Purpose;
+use crate::transport::tables::carriers::{CarrierTable, ratio};
 use crate::transport::tables::kernels::DepartureColumns;
-use crate::transport::tables::partition::Partition;
+use crate::transport::tables::partition::{Part, Partition};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::{Bounce, Sampling};
 
 /// Draws a new direction for every row that has met a surface.
+///
+/// With [`Sampling::Stokes`], of two ways that are drawn one is as frequent as it is bright for the
+/// light that a path carries, or what it accepts: of light (1, s1, ...) about the axis of the plane
+/// of incidence, R (1 + a s1) is reflected, where a is the diattenuation of reflection. Behind many
+/// panes paths have all the weight of those of unpolarized light. The rows of a sensor's matrix
+/// that measure S1 to S3 are no greater than that of S0 for any light, and go along. Which way the
+/// wavelengths go that a path has in common, all of their light decides.
 ///
 /// With `POLARIZED`, also writes one kernel a row of polarizing models: achromatic ones to
 /// channel 0 only.
@@ -26,7 +34,7 @@ use crate::transport::tables::paths::PathTable;
 /// From: depolarize_sensor, depolarize_light, pay_out. To: collect_sensor, scatter_light,
 /// advance_paths.
 /// Writes: departures, paths (beta, mis, media, nested). Reads: paths, surfaces, scene, partition.
-pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
+pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     departures: &mut DepartureColumns<N>,
     paths: &mut PathTable<N, C>,
     surfaces: &SurfaceColumns,
@@ -34,22 +42,26 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C>(
     partition: &Partition,
     bounce: Bounce,
 ) {
-    for (event, rows) in partition.events() {
-        let Met::Surface(kind) = event.met else { continue };
-        let mut to = Departing { departures, paths, end: rows.end };
+    for part in &partition.parts {
+        let Met::Surface(kind) = part.event.met else { continue };
+        let mut to = Departing { departures, paths, end: part.rows.end };
         for_scattering!(scene.surfaces, kind, models => {
             specular: {
                 let all = (scene, models);
-                send_on::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows, bounce);
+                send_on::<N, POLARIZED, C, _>(&mut to, all, surfaces, part, bounce);
             },
             connecting: {
                 let all = OnSurfaces::new(scene, models);
-                scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, rows, bounce);
+                scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, part.rows.clone(), bounce);
             },
             else: {},
         });
     }
 }
+
+/// How much of a choice unpolarized light decides, whatever the path carries: no way is closed by
+/// rounding to light that goes it.
+const EVEN_SHARE: f32 = 1.0 / 64.0;
 
 /// What is written of the rows up to `end`.
 struct Departing<'a, const N: usize, C> {
@@ -59,25 +71,29 @@ struct Departing<'a, const N: usize, C> {
 }
 
 /// One way, or two.
-fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
+fn send_on<const N: usize, const POLARIZED: bool, C: CarrierTable, M: Specular<N>>(
     to: &mut Departing<N, C>,
     (scene, models): (&Scene<N>, &[M]),
     surfaces: &SurfaceColumns,
-    rows: Range<usize>,
+    part: &Part,
     bounce: Bounce,
 ) {
-    for row in rows.clone().step_by(LANES) {
-        let some = (row, LANES.min(rows.end - row));
+    let leans = POLARIZED && bounce.sampling == Sampling::Stokes && C::leans(part);
+    for row in part.rows.clone().step_by(LANES) {
+        let some = (row, LANES.min(part.rows.end - row));
         let mut at = Incidence::load(scene, models, surfaces, &to.paths.rays, some);
         let nested = if M::NESTS { to.interfaces(&at, surfaces, scene, some) } else { None };
         if let Some(InterfaceLanes { rows, .. }) = &nested {
             at.models.rows = *rows;
         }
-        let choice = || {
+        let choose = |way: OneOfTwo| {
             let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
-            u
+            if leans {
+                return choose_by_light(to.paths, u, &way, (part, row, bounce.side));
+            }
+            Choice { first: u.simd_lt(way.share), gain: F32s::ONE }
         };
-        let scattered = M::scatter::<POLARIZED>(&at, choice, bounce.side);
+        let scattered = M::scatter::<POLARIZED>(&at, choose, bounce.side);
         if POLARIZED {
             let kernels = (spheroids(&scattered.kernels), scattered.axis);
             to.departures.kernels.store_events(
@@ -95,6 +111,33 @@ fn send_on<const N: usize, const POLARIZED: bool, C, M: Specular<N>>(
         }
         to.depart_specular(&at, &scattered, bounce.side, row);
     }
+}
+
+/// Chooses one of two ways by what goes there of the light that paths carry, or accept.
+#[inline(always)]
+fn choose_by_light<const N: usize, C: CarrierTable>(
+    paths: &PathTable<N, C>,
+    u: F32s,
+    way: &OneOfTwo,
+    (part, row, side): (&Part, usize, Side),
+) -> Choice {
+    let before = Vector::load(&paths.rays.direction, row);
+    let k = match side {
+        Side::Light => before,
+        Side::Sensor => -before,
+    };
+    let mut light = [F32s::ZERO; 2];
+    for (n, beta) in paths.beta.iter().enumerate() {
+        let beta = lanes::load(beta, row);
+        let [s0, s1] = paths.carriers.lean(part, n, row, (way.axis, k));
+        light = [beta.mul_add(s0, light[0]), beta.mul_add(s1, light[1])];
+    }
+    let one = F32s::ONE;
+    let leans = way.diattenuation * ratio(light) * F32s::splat(1.0 - EVEN_SHARE);
+    let share = (way.share * (one + leans)).min(one);
+    let first = u.simd_lt(share);
+    let gain = Real::select(first, one + leans, (one - share) / (one - way.share));
+    Choice { first, gain }
 }
 
 /// Any way.

@@ -36,16 +36,16 @@ pub trait CarrierTable {
     /// Whether the rows of a part may carry, or accept, more light of one polarization.
     fn leans(part: &Part) -> bool;
 
-    /// S1 over S0, about the axis `x` that is perpendicular to the direction `k` of the light, of
+    /// S0 and S1, about the axis `x` that is perpendicular to the direction `k` of the light, of
     /// what the rows from `row` on of a part that [leans](Self::leans) carry, or accept into the
-    /// intensity on the film; zero where that is nothing.
+    /// intensity on the film.
     fn lean(
         &self,
         part: &Part,
         wavelength: usize,
         row: usize,
         frame: (Vector<F32s>, Vector<F32s>),
-    ) -> F32s;
+    ) -> [F32s; 2];
 }
 
 /// Scalar mode: no columns at all.
@@ -69,8 +69,8 @@ impl CarrierTable for () {
         _wavelength: usize,
         _row: usize,
         _frame: (Vector<F32s>, Vector<F32s>),
-    ) -> F32s {
-        F32s::ZERO
+    ) -> [F32s; 2] {
+        [F32s::ONE, F32s::ZERO]
     }
 }
 
@@ -263,11 +263,11 @@ impl<const N: usize> CarrierTable for LightCarriers<N> {
         wavelength: usize,
         row: usize,
         (axis, k): (Vector<F32s>, Vector<F32s>),
-    ) -> F32s {
+    ) -> [F32s; 2] {
         let x = Vector::load(&self.axis, row);
         let Stokes([s0, s1, ..]) =
             self.load(wavelength, row, x).turned(&Arrival::between(x, axis, k)).stokes;
-        ratio(s1, s0)
+        [s0, s1]
     }
 }
 
@@ -329,7 +329,7 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         wavelength: usize,
         row: usize,
         (axis, k): (Vector<F32s>, Vector<F32s>),
-    ) -> F32s {
+    ) -> [F32s; 2] {
         let (class, x) = (SensorClass::of(part), Vector::load(&self.axis, row));
         let accepted = if class.has_matrix() {
             let channel = class.channel_of(wavelength);
@@ -338,14 +338,14 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
             self.load_row(wavelength, row, x).row
         };
         let [r0, r1, ..] = Rotation::between(axis, x, k).collect_row(accepted);
-        ratio(r1, r0)
+        [r0, r1]
     }
 }
 
-/// A component over the intensity, which may be nothing.
+/// S1 over S0; zero where that is nothing.
 #[inline(always)]
-fn ratio(component: F32s, intensity: F32s) -> F32s {
-    intensity.simd_gt(F32s::ZERO) & (component / intensity)
+pub fn ratio([s0, s1]: [F32s; 2]) -> F32s {
+    s0.simd_gt(F32s::ZERO) & (s1 / s0)
 }
 
 fn gather_group(to: &mut [Column], from: &[Column], order: &[u32], start: usize) {
