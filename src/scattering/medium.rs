@@ -17,6 +17,9 @@ const END_OF_PEAK: f32 = 2.0;
 /// a factor of two.
 const PEAK_MIN: f32 = 1.0 / (1 << 24) as f32;
 const STEPS: u16 = 8;
+/// Share of extinction that is hardly absorption: flights by extinction are less work then, and as
+/// good.
+const HARDLY: f32 = 1.0 / 64.0;
 
 /// A homogeneous medium with what is derived from its coefficients.
 #[derive(Clone, Debug)]
@@ -25,8 +28,8 @@ pub struct Medium<const N: usize> {
     pub sigma_t: [f32; N],
     /// Scattering coefficient per scene unit.
     pub sigma_s: [f32; N],
-    /// Coefficient that free flights are drawn by, per scene unit: the geometric mean of the two.
-    /// 0 where the medium only absorbs.
+    /// Coefficient that free flights are drawn by, per scene unit: the geometric mean of the two, 0
+    /// where the medium only absorbs; that of extinction where it hardly does.
     pub sigma_d: [f32; N],
     /// The mean of that over the wavelengths: what takes the place of a surface's cosine where
     /// strategies are weighed against each other.
@@ -47,7 +50,7 @@ impl<const N: usize> Medium<N> {
     /// Derives the row of a baked medium.
     pub fn new(medium: &baked::Medium<N>) -> Self {
         let sigma_t = std::array::from_fn(|n| medium.sigma_a[n] + medium.sigma_s[n]);
-        let sigma_d = std::array::from_fn(|n| geometric_mean(medium.sigma_s[n], sigma_t[n]));
+        let sigma_d = std::array::from_fn(|n| of_flights(medium.sigma_s[n], sigma_t[n]));
         let phase = PhaseFunction::from(&medium.phase);
         let (mut reduced, mut is_peaked) = (0.0_f32, false);
         for (n, (sigma_t, sigma_s)) in sigma_t.iter().zip(&medium.sigma_s).enumerate() {
@@ -81,9 +84,12 @@ impl<const N: usize> Medium<N> {
     }
 }
 
-/// Of two numbers that are not negative; exactly theirs if they are equal.
-fn geometric_mean(a: f32, b: f32) -> f32 {
-    (f64::from(a) * f64::from(b)).sqrt() as f32
+/// Coefficient of free flights.
+fn of_flights(sigma_s: f32, sigma_t: f32) -> f32 {
+    if sigma_t - sigma_s < HARDLY * sigma_t {
+        return sigma_t;
+    }
+    (f64::from(sigma_s) * f64::from(sigma_t)).sqrt() as f32
 }
 
 fn mean<const N: usize>(values: &[f32; N]) -> f32 {
