@@ -34,6 +34,11 @@ const SCATTER: u32 = 0x9e37_79b1;
 /// Fewest and most bits of the number of a bucket.
 const BUCKET_BITS: Range<u32> = 4..28;
 
+/// Photons in a disk over those within half of its area from which on they lie unevenly, and fewest
+/// of which that can be told.
+const EVEN: usize = 3;
+const EVEN_MIN: usize = 16;
+
 /// Least square of a reach that was narrowed, relative to what it was.
 const LEAST_REACH: f32 = 1e-8;
 
@@ -274,7 +279,7 @@ impl<const N: usize> PhotonGrid<N> {
         let mut reach = F32s::splat(self.radius_squared);
         let mut hits = candidates.test(center, reach);
         let crowd = V::CROWD;
-        if crowd < LANES * hits || !candidates.is_whole {
+        if candidates.count(hits) > crowd || !candidates.is_whole {
             if let Some(nearest) = self.crowded(candidates, center, (hits, crowd)) {
                 visitor.narrow(state, query, nearest.sqrt());
                 reach = F32s::splat(nearest.next_down());
@@ -296,8 +301,8 @@ impl<const N: usize> PhotonGrid<N> {
         }
     }
 
-    /// The squared distance to the first photon after a crowd of them, if there are so many in
-    /// reach; `hits` have been tested.
+    /// The square of how far to look where there is a crowd of photons in reach: to the first after
+    /// it, or so that those left lie evenly, where it lies aside; `hits` have been tested.
     #[inline(never)]
     fn crowded(
         &self,
@@ -326,11 +331,10 @@ impl<const N: usize> PhotonGrid<N> {
         if !candidates.is_whole {
             candidates.rewind(&self.photons.position);
         }
-        let first = (distances.len() > crowd)
-            .then(|| *distances.select_nth_unstable_by(crowd, f32::total_cmp).1);
+        let reach = (distances.len() > crowd).then(|| even_reach(&mut distances, crowd));
         candidates.distances = distances;
         // Many may be in one place.
-        first.map(|squared| squared.max(LEAST_REACH * self.radius_squared))
+        reach.map(|squared| squared.max(LEAST_REACH * self.radius_squared))
     }
 
     /// The rows of the eight cells from `corner` on.
@@ -366,6 +370,22 @@ impl<const N: usize> PhotonGrid<N> {
             }
         }
     }
+}
+
+/// The smallest but `crowd` of squared distances; half as far off, again and again, as long as too
+/// few of those nearer are within that: what lies evenly has half of them there, and bright spots
+/// aside would be smeared around themselves.
+fn even_reach(squared: &mut [f32], crowd: usize) -> f32 {
+    let (nearer, first, _) = squared.select_nth_unstable_by(crowd, f32::total_cmp);
+    let (mut reach, mut count) = (*first, nearer.len());
+    while count >= EVEN_MIN {
+        let half = nearer.iter().filter(|&&squared| squared < 0.5 * reach).count();
+        if EVEN * half >= count {
+            break;
+        }
+        (reach, count) = (0.5 * reach, half);
+    }
+    reach
 }
 
 /// Whether two of the runs of two buckets share one, or a run goes on at bucket 0.
@@ -460,6 +480,13 @@ impl Candidates {
             }
         }
         self.next = (run, row);
+    }
+
+    /// Photons in reach, of the packets listed.
+    #[inline(always)]
+    fn count(&self, hits: usize) -> usize {
+        let packets = self.hits[..hits].iter();
+        packets.map(|hit| hit.within.to_bitmask().count_ones() as usize).sum()
     }
 
     /// Lists the packets with photons in reach, and returns how many. Without a branch: whether a
