@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use sunstone::glam::{DAffine3, DVec3, Vec3};
 use sunstone::hecs::Entity;
 use sunstone::world::{
-    Bsdf, Filling, Geometry, Lens, Medium, Phase, Punctual, PunctualKind, Skin, Transform,
+    Bsdf, Filling, Geometry, Lens, Material, Medium, Phase, Punctual, PunctualKind, Skin, Transform,
 };
 use sunstone::{Color, Integrator, Mode, Options, PlacedWorld, Renderer, Settings, World};
 
@@ -106,6 +106,61 @@ fn what_is_not_stated_is_what_surrounds() {
         bench.slab("fog", fog, [-2.0, 2.0], 3.0);
     };
     assert!(check(bubble, 0.0, 0.5 * 2.0).is_empty());
+}
+
+/// What a lamp of radiance 1 is seen at, at an end of a closed dark room, 2 m off.
+fn seen_in_a_room(furnish: impl Fn(&mut Bench)) -> f32 {
+    let mut bench = Bench::new();
+    let world = &mut bench.world;
+    let dark = world.add_material("dark", Material::from(Bsdf::Absorber).two_sided()).unwrap();
+    let lamp = world.add_material("lamp", Material::emitter(1.0)).unwrap();
+    let walls = Geometry::cuboid(Vec3::splat(-2.0), Vec3::splat(2.0));
+    world.add_mesh("walls", walls, dark, Transform::IDENTITY).unwrap();
+    let panel = Geometry::quad(Vec3::NEG_Z, Vec3::X, Vec3::Y);
+    world.add_mesh("panel", panel, lamp, Transform::IDENTITY).unwrap();
+    furnish(&mut bench);
+    let place = Transform::looking(DVec3::Z, DVec3::NEG_Z, DVec3::Y);
+    let lens = Lens::Orthographic { half_width: 0.01, half_height: 0.01 };
+    bench.world.set_camera("eye", lens, place).unwrap();
+    bench.world.set_resolution([2, 2]).unwrap();
+    let options = Options {
+        integrator: Some(Integrator::Path),
+        mode: Mode::Scalar,
+        color: Color::Mono { wavelength_nm: 550.0 },
+        samples: 4,
+        ..Options::default()
+    };
+    let placed = PlacedWorld::new(bench.world).unwrap();
+    assert_eq!(placed.warnings().count(), 0);
+    let mut renderer = Renderer::new(&placed, &Settings::new(options).unwrap()).unwrap();
+    renderer.run(|_| ControlFlow::Continue(()));
+    renderer.finish().planes[0][0]
+}
+
+/// Whose boundary is within the walls, in them, and where they hide it.
+#[test]
+fn fog_fills_rooms_whose_walls_hide_its_boundary() {
+    for half in [1.9, 2.0, 2.002, 2.2, 40.0] {
+        let fill = |bench: &mut Bench| {
+            let fog = bench.medium("fog", 0.5);
+            bench.slab("fog", fog, [-half, half], half);
+        };
+        let seen = seen_in_a_room(fill);
+        assert!((seen.ln() + 0.5 * 2.0).abs() < 1e-3, "a box of {half}: {}", -seen.ln());
+        let with_a_hole = |bench: &mut Bench| {
+            fill(bench);
+            let hole = Skin::from(bench.null).interior(Filling::Clear);
+            bench.world.add_sphere("hole", 0.25, hole, DVec3::ZERO).unwrap();
+        };
+        let seen = seen_in_a_room(with_a_hole);
+        assert!((seen.ln() + 0.5 * 1.5).abs() < 1e-3, "a hole, {half}: {}", -seen.ln());
+    }
+    // What is beyond the walls, and does not enclose them, is not in them.
+    let beside = |bench: &mut Bench| {
+        let fog = bench.medium("fog", 0.5);
+        bench.slab("fog", fog, [2.5, 6.0], 40.0);
+    };
+    assert_eq!(seen_in_a_room(beside), 1.0);
 }
 
 #[test]

@@ -43,6 +43,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         surface_of_primitive: (0..count).rev().collect(),
         surfaces: vec![surface; count as usize],
         bodies: Vec::new(),
+        overlaps: false,
         solids: Vec::new(),
         around_solids: NONE,
         scene_medium: NONE,

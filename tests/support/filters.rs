@@ -9,7 +9,7 @@ use super::gltf::Document;
 use super::scenes::{Named, add_panel, foggy_room, open_scene, pinhole, room, v};
 
 /// All of them.
-pub const FILTERS: [Named; 24] = [
+pub const FILTERS: [Named; 26] = [
     ("polarizers before panel and pinhole", || behind(true, &[POLARIZER], &[ANALYZER])),
     ("polarizers before point and pinhole", || behind(false, &[POLARIZER], &[ANALYZER])),
     ("wave plates before point and pinhole", || {
@@ -28,6 +28,8 @@ pub const FILTERS: [Named; 24] = [
     ("sky through sheets, orthographic", || sky(None)),
     ("sheets that emit", sheets_that_emit),
     ("panes that emit", panes_that_emit),
+    ("fog whose boundary shines", shining_fog),
+    ("fog from beyond the walls", fog_beyond_walls),
     ("fog behind an analyzer", fog_behind_analyzer),
     ("sheets within fog", sheets_within_fog),
     ("polarizer between two media", polarizer_between_media),
@@ -148,6 +150,29 @@ fn panes_that_emit() -> World {
     scene.quad(v(0.1, 0.6, 0.0), v(0.6, 0.0, 0.0), v(0.0, 0.1, 0.6), shining);
     before_camera(&mut scene, &[PANE]);
     pinhole(scene).load("panes that emit")
+}
+
+fn shining_fog() -> World {
+    let mut scene = room(&[]);
+    let fog = scene.medium(json!({"phase": "hg", "g": 0.3, "sigma_a": 0.3, "sigma_s": 0.8}));
+    let skin = scene.material(json!({"bsdf": "null"}));
+    let skin = scene.emits(skin, 2.0);
+    let skin = scene.two_sided(skin);
+    scene.around(Some(fog), None, |scene| scene.sphere(v(0.1, 0.1, 0.1), 0.4, skin));
+    before_camera(&mut scene, &[ANALYZER]);
+    pinhole(scene).load("fog whose boundary shines")
+}
+
+/// The walls hide all of its boundary.
+fn fog_beyond_walls() -> World {
+    let mut scene = room(&[]);
+    let fog = scene.medium(json!({"phase": "rayleigh", "sigma_a": 0.1, "sigma_s": 0.5}));
+    scene.fog(fog, |scene, null| {
+        scene.cuboid(v(0.0, 0.0, 0.0), v(5.0, 5.0, 5.0), null);
+    });
+    add_panel(&mut scene, 0.5, 6.0);
+    before_lamp(&mut scene, &[POLARIZER]);
+    pinhole(scene).load("fog from beyond the walls")
 }
 
 fn fog_behind_analyzer() -> World {
