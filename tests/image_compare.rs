@@ -181,6 +181,7 @@ fn statistics_print_and_serialize() {
         iterations: 8,
         seconds: 2.0,
         rays_closest: 1_500_000,
+        radii: vec![0.5, 0.25],
         stages: vec![("trace".to_owned(), 1.5), ("scatter".to_owned(), 0.5)],
         peak_memory_bytes: peak_memory_bytes(),
         ..RenderStatistics::default()
@@ -189,6 +190,7 @@ fn statistics_print_and_serialize() {
     assert_eq!(statistics.samples_per_second, 20_000.0);
     let text = statistics.to_string();
     println!("{text}");
+    assert!(text.contains("radius of 5.0000e-1 in the end, in a medium 2.5000e-1"), "{text}");
     assert!(text.contains("20.00 ksamples/s") && text.contains("75.0%"), "{text}");
     assert_eq!(serde_json::to_value(&statistics).unwrap()["stages"][0][1], 1.5);
     assert!(!cfg!(target_os = "linux") || statistics.peak_memory_bytes > Some(1 << 20));

@@ -179,6 +179,7 @@ fn statistics(arguments: &RenderArguments, renderer: &Renderer, taken: Times) ->
         samples_per_second: 0.0,
         rays_closest: profile.rays_closest,
         rays_visibility: profile.rays_visibility,
+        radii: renderer.radii(),
         stages: STAGES.map(String::from).into_iter().zip(times).collect(),
         peak_memory_bytes: peak_memory_bytes(),
     };
