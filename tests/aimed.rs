@@ -23,7 +23,7 @@ use sunstone::internals::scene::emitter::EmitterModel;
 
 use support::gltf::Document;
 use support::random::Random;
-use support::rendering::{MONO, in_package, replicates, scene, settings, world};
+use support::rendering::{MONO, in_package, rendered, replicates, scene, settings, world};
 use support::statistics::{Estimate, estimate};
 
 fn v(x: f32, y: f32, z: f32) -> Vec3 {
@@ -290,6 +290,61 @@ fn light_paths_bring_all_of_the_sky_to_the_ground() {
     assert!(found.variance.sqrt() < 0.02, "{found:?}");
     let score = found.score(&Estimate::exact(1.0), 1.0).unwrap();
     assert!(score.abs() < 4.0, "{found:?}: {score}");
+}
+
+/// A ball of a scattering medium in the sky, with a lamp within.
+fn lit_from_within(center: Vec3, radius: f32, glass: bool) -> World {
+    let mut scene = Document::default();
+    let fog = scene.medium(json!({"phase": "isotropic", "sigma_a": 0.5, "sigma_s": 0.3}));
+    let boundary =
+        if glass { json!({"bsdf": "dielectric", "ior": 1.33}) } else { json!({"bsdf": "null"}) };
+    let boundary = scene.material(boundary);
+    scene.around(Some(fog), None, |scene| scene.sphere(Vec3::ZERO, 1.0, boundary));
+    let lamp = scene.material(json!({"bsdf": "absorber"}));
+    let lamp = scene.emits(lamp, 3.0);
+    scene.sphere(center, radius, lamp);
+    scene.environment(1.0);
+    scene.perspective(v(0.0, 0.0, 4.0), Vec3::ZERO, 0.5, None);
+    scene.load("within")
+}
+
+/// A lamp of which the camera's rays find a single point, two and more: a ball about a point has no
+/// extent, and what is beside it is neither near nor far.
+#[test]
+fn a_single_point_that_is_seen_can_be_aimed_at() {
+    for radius in [0.02, 0.05, 0.08, 0.1, 0.2] {
+        for center in [v(0.064, 0.064, 0.0), v(0.0, 0.3, 0.0), v(0.064, 0.0, 0.9)] {
+            let scene = scene::<1>(&lit_from_within(center, radius, true), MONO, [16, 16]);
+            let probabilities = scene.optics.emitters.iter().map(|it| it.probability);
+            let sum: f32 = probabilities.clone().sum();
+            let text = format!("{radius} {center}: {probabilities:?}");
+            assert!(probabilities.clone().all(|it| it > 0.0) && (sum - 1.0).abs() < 1e-5, "{text}");
+        }
+    }
+}
+
+/// And no sample is lost to that. Six scores, of which one exceeds 4.5 with a chance of 4e-5;
+/// photons are merged over a radius, so that theirs are not compared.
+#[test]
+fn integrators_agree_on_a_lamp_that_few_rays_of_the_camera_find() {
+    let all: Vec<usize> = (0..(EDGE * EDGE) as usize).collect();
+    for (center, radius) in [(v(0.064, 0.064, 0.0), 0.05), (v(0.0, 0.3, 0.0), 0.1)] {
+        for (glass, mode) in [(true, Mode::Scalar), (true, Mode::Polarized), (false, Mode::Scalar)]
+        {
+            let scene = scene::<1>(&lit_from_within(center, radius, glass), MONO, [EDGE, EDGE]);
+            for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
+                let profile = rendered(&scene, &options(integrator, mode)).profile();
+                assert_eq!(profile.not_finite, 0, "{integrator:?} {mode:?} {center} {glass}");
+            }
+            let [expected, found] = [Integrator::Path, Integrator::Bdpt].map(|integrator| {
+                estimate(&replicates(&scene, &options(integrator, mode), REPLICATES), 0, &all)
+            });
+            assert!(expected.variance.sqrt() < 0.01 * expected.mean, "{expected:?}");
+            let score = found.score(&expected, expected.mean).unwrap_or(0.0);
+            let text = format!("{mode:?} {center} {glass}: {found:?}, {expected:?}");
+            assert!(score.abs() < 4.5, "{text}: {score}");
+        }
+    }
 }
 
 /// Relative error of a pixel of the caustic.

@@ -39,23 +39,27 @@ const AROUND_MAX: usize = 8;
 pub fn targets<const N: usize>(scene: &Scene<N>) -> Targets {
     let whole = scene.shapes.bounds;
     let is_small = |ball: &Bounds| GAIN_MIN * ball.radius.powi(2) < whole.radius.powi(2);
+    let least = RADIUS_MIN * whole.radius;
+    // From the start: the camera may see a single point, and what is beside a ball without an
+    // extent is neither near nor far.
+    let extended = |balls: Vec<Bounds>| -> Vec<Bounds> {
+        let balls = balls.into_iter();
+        balls.map(|ball| Bounds { radius: ball.radius.max(least), ..ball }).collect()
+    };
     let seen = points_seen(scene);
-    let view = balls_of_parts(seen.iter().map(|(point, _)| *point).collect());
+    let view = extended(balls_of_parts(seen.iter().map(|(point, _)| *point).collect()));
     let near: Vec<Bounds> = view.iter().copied().filter(is_small).collect();
-    let mut bodies = clusters(&specular_bodies(scene), view.first());
+    let mut bodies = clusters(&extended(specular_bodies(scene)), view.first());
     bodies.retain(|ball| is_small(ball) && !near.iter().any(|of_view| holds(ball, of_view)));
-    let mut by_way_of = balls_of_parts(points_by_way_of(scene, &seen));
+    let mut by_way_of = extended(balls_of_parts(points_by_way_of(scene, &seen)));
     by_way_of.retain(|ball| is_small(ball) && !bodies.iter().any(|body| holds(body, ball)));
     bodies.extend(by_way_of);
     let around = around(near.last(), is_small);
-    let least = RADIUS_MIN * whole.radius;
     let shared = |balls: Vec<Bounds>, weight: f32| {
         let worths: Vec<f32> = balls.iter().map(|ball| worth(ball, view.first())).collect();
         let share = weight / worths.iter().sum::<f32>();
-        balls.into_iter().zip(worths).map(move |(ball, worth)| {
-            let ball = Bounds { radius: ball.radius.max(least), ..ball };
-            Target { ball, weight: share * worth }
-        })
+        let targets = balls.into_iter().zip(worths);
+        targets.map(move |(ball, worth)| Target { ball, weight: share * worth })
     };
     let sees_little = !near.is_empty();
     let all = shared(near, WEIGHT_OF_VIEW)
