@@ -1,8 +1,8 @@
 //! Piles of plates at Brewster's angle, which polarize the light that comes through: its Stokes
 //! vector against Fresnel's equations, and its noise against that of scalar transport.
 //!
-//! Some 40 numbers are scored. A normal number exceeds the limit of 5 with a chance of 6e-7, so
-//! that noise fails the tests in 1 of 40,000 cases.
+//! Some 50 numbers are scored. A normal number exceeds the limit of 5 with a chance of 6e-7, so
+//! that noise fails the tests in 1 of 30,000 cases.
 
 #[allow(dead_code, reason = "every test binary uses its own part")]
 mod support;
@@ -27,6 +27,87 @@ const REPLICATES: u32 = 16;
 const LIMIT: f64 = 5.0;
 const IOR: f32 = 1.5;
 
+/// Half the thickness of a plate.
+const HALF: f32 = 0.01;
+
+/// A plate across the z axis, if that were not turned.
+fn add_plate(document: &mut Document, center: Vec3, turn: Quat, glass: usize) {
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| turn * axis);
+    for (face, u, v) in [(z, x, y), (-z, y, x)] {
+        document.quad(center + face * HALF, u * 12.0, v * 12.0, glass);
+    }
+    for (face, u, v) in [(x, y, z), (-x, z, y), (y, z, x), (-y, x, z)] {
+        let [u, v] = [u, v].map(|edge| if edge == z { edge * HALF } else { edge * 12.0 });
+        document.quad(center + face * 12.0, u, v, glass);
+    }
+}
+
+/// Plates with so much air between them.
+fn stack(plates: usize, gap: f32) -> World {
+    let mut document = Document::default();
+    let glass = document.material(json!({"bsdf": "dielectric", "ior": IOR}));
+    let turn = Quat::from_rotation_x(IOR.atan());
+    for plate in 0..plates {
+        let center = turn * Vec3::NEG_Z * (2.0 * HALF + gap) * plate as f32;
+        add_plate(&mut document, center, turn, glass);
+    }
+    before_wall(document, "stack")
+}
+
+/// Two balls of glass, of which the other is so far aside and of that radius; spheres, or meshes.
+fn balls(aside: f32, radius: f32, meshed: bool) -> World {
+    let mut document = Document::default();
+    let glass = document.material(json!({"bsdf": "dielectric", "ior": IOR}));
+    for (center, radius) in [(Vec3::ZERO, 0.8), (Vec3::new(aside, aside, 0.0), radius)] {
+        match meshed {
+            true => document.ball(center, radius, 16, glass),
+            false => document.sphere(center, radius, glass),
+        }
+    }
+    before_wall(document, "balls")
+}
+
+/// How many others each solid may reach into, of those that may at all.
+fn others(world: &World) -> Vec<usize> {
+    let scene = scene::<1>(world, MONO, [EDGE; 2]);
+    scene.shapes.solids.iter().map(|solid| solid.others.len()).collect()
+}
+
+/// Boxes about plates that lean, and about balls, overlap where they are apart: only bodies that
+/// touch, or are in each other, are to cost anything.
+#[test]
+fn bodies_that_are_apart_are_not_looked_for() {
+    assert!(others(&pile("ten plates", 10, 10)).is_empty());
+    assert!(others(&stack(10, 1e-3)).is_empty());
+    for meshed in [false, true] {
+        assert!(others(&balls(1.2, 0.8, meshed)).is_empty(), "{meshed}");
+        assert_eq!(others(&balls(1.1, 0.8, meshed)), [1, 1], "{meshed}");
+        assert_eq!(others(&balls(0.1, 0.3, meshed)), [1, 1], "{meshed}");
+    }
+    for gap in [1e-6, -1e-3] {
+        assert_eq!(others(&stack(4, gap)), [1, 2, 2, 1], "{gap}");
+    }
+}
+
+/// Plates that touch, or overlap, are one.
+#[test]
+fn plates_without_air_between_are_one() {
+    let everywhere: Vec<usize> = (0..PIXELS).collect();
+    let [s, p] = transmitted(1);
+    let mut scores = Vec::new();
+    for gap in [0.0, 1e-6, -1e-3] {
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            let of = options(integrator, Mode::Polarized, MONO, Sampling::Stokes);
+            let images = images::<1>(&stack(4, gap), MONO, of);
+            for (stokes, exact) in [0.5 * (s + p), 0.5 * (s - p)].into_iter().enumerate() {
+                let found = estimate(&images, stokes, &everywhere);
+                scores.extend(found.score(&Estimate::exact(exact), 1.0));
+            }
+        }
+    }
+    assert!(scores.len() >= 6 && worst(&scores) < LIMIT, "{scores:?}");
+}
+
 /// Plates before a wall of radiance 1, in the dark otherwise; seen by parallel rays against z that
 /// meet them at Brewster's angle. Those from `turned` on lean another way by a right angle.
 fn pile(name: &str, plates: usize, turned: usize) -> World {
@@ -35,20 +116,17 @@ fn pile(name: &str, plates: usize, turned: usize) -> World {
     for plate in 0..plates {
         let lean = Quat::from_rotation_x(IOR.atan());
         let turn = if plate < turned { lean } else { Quat::from_rotation_z(1.5707964) * lean };
-        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| turn * axis);
         let mut center = Vec3::Z * (-0.1 * plate as f32);
         if plate >= turned {
             // So far behind that they do not reach into the others.
             center -= Vec3::Z * 40.0;
         }
-        for (face, u, v) in [(z, x, y), (-z, y, x)] {
-            document.quad(center + face * 0.01, u * 12.0, v * 12.0, glass);
-        }
-        for (face, u, v) in [(x, y, z), (-x, z, y), (y, z, x), (-y, x, z)] {
-            let [u, v] = [u, v].map(|edge| if edge == z { edge * 0.01 } else { edge * 12.0 });
-            document.quad(center + face * 12.0, u, v, glass);
-        }
+        add_plate(&mut document, center, turn, glass);
     }
+    before_wall(document, name)
+}
+
+fn before_wall(mut document: Document, name: &str) -> World {
     let wall = document.material(json!({"bsdf": "absorber"}));
     let wall = document.emits(wall, 1.0);
     document.quad(Vec3::Z * -80.0, Vec3::X * 9.0, Vec3::Y * 9.0, wall);

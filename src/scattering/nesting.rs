@@ -21,18 +21,31 @@ use super::surface::Surfaces;
 use super::surface::model::LaneRows;
 use crate::geometry::{Accelerator, offset_distance};
 use crate::math::LANES;
-use crate::scene::baked::{KEEP, NONE, Optics, Shapes, Solid};
+use crate::scene::baked::{KEEP, NONE, Optics, Shapes, Slab, Solid};
 use crate::scene::world::SurfaceModel;
 
 /// How far off bodies others are looked for, in offsets of rays: with room for rounding.
 const ROOM: f32 = 1.25;
 
+/// Rays that are closer to along a slab are not known to leave it.
+const LEAST_COSINE: f32 = 1e-3;
+
 /// Looks from a body for surfaces around it that are not closed.
 const LOOKS: usize = 64;
 
-/// Finds the solids whose boxes reach into those of others.
+/// A closed body, which may be the only one far and wide.
+struct Found {
+    /// The first of its surfaces.
+    whole: u32,
+    patches: Patches,
+    solid: Solid,
+    /// How far off it one is for sure.
+    step: f32,
+}
+
+/// Finds the solids that may reach into others.
 pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
-    let mut found: Vec<(u32, Solid, f32)> = Vec::new();
+    let mut found: Vec<Found> = Vec::new();
     for (whole, all) in wholes(shapes, primitives) {
         let surface = &shapes.surfaces[whole as usize];
         if !surface.is_body {
@@ -40,18 +53,25 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
         }
         let patches = Patches::new(shapes, &all);
         if patches.is_closed() {
-            let (bounds, size) = (patches.bounds(), patches.size());
-            let off = ROOM * patches.offset();
             let (material, priority) = (surface.material, surface.priority);
-            let others = Vec::new();
-            let solid = Solid { material, priority, size, bounds, off, others, filling: KEEP };
-            found.push((whole, solid, patches.step()));
+            let solid = Solid {
+                material,
+                priority,
+                size: patches.size(),
+                bounds: patches.bounds(),
+                ball: patches.ball(),
+                slabs: Vec::new(),
+                off: ROOM * patches.offset(),
+                others: Vec::new(),
+                filling: KEEP,
+            };
+            found.push(Found { whole, solid, step: patches.step(), patches });
         }
     }
     meet(&mut found);
     let mut new_row = BTreeMap::new();
     let mut solid_of = BTreeMap::new();
-    for (row, (whole, solid, _)) in (0_u32..).zip(&found) {
+    for (row, Found { whole, solid, .. }) in (0_u32..).zip(&found) {
         if !solid.others.is_empty() {
             let kept = new_row.len() as u32;
             new_row.insert(row, kept);
@@ -63,7 +83,7 @@ pub fn nest(shapes: &mut Shapes, primitives: &[Vec<u32>]) {
             (surface.solid, surface.material) = (*solid, surface.nested_material);
         }
     }
-    let kept = found.into_iter().map(|(_, solid, _)| solid).filter(|it| !it.others.is_empty());
+    let kept = found.into_iter().map(|it| it.solid).filter(|it| !it.others.is_empty());
     let renumbered = |mut solid: Solid| {
         solid.others.iter_mut().for_each(|other| *other = new_row[other]);
         solid
@@ -106,22 +126,49 @@ pub fn engulfed(
     closed.iter().filter_map(around).collect()
 }
 
-/// Tells solids of the others whose boxes reach into theirs, or up to them.
-fn meet(found: &mut [(u32, Solid, f32)]) {
-    let wide = |(_, solid, step): &(u32, Solid, f32)| widened(solid.bounds, *step);
+/// Tells solids of the others that may reach into them, or up to them.
+fn meet(found: &mut [Found]) {
+    let pairs = pairs_of_boxes(found);
+    for place in pairs.iter().flatten() {
+        let Found { patches, solid, .. } = &mut found[*place];
+        if solid.slabs.is_empty() {
+            solid.slabs = patches.slabs();
+        }
+    }
+    for [a, b] in pairs {
+        if !are_apart(&found[a], &found[b]) {
+            found[a].solid.others.push(b as u32);
+            found[b].solid.others.push(a as u32);
+        }
+    }
+}
+
+/// The solids whose boxes reach into each other's, or up to them.
+fn pairs_of_boxes(found: &[Found]) -> Vec<[usize; 2]> {
+    let wide = |it: &Found| widened(it.solid.bounds, it.step);
     let boxes: Vec<[Vec3; 2]> = found.iter().map(wide).collect();
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by(|&a, &b| boxes[a][0].x.total_cmp(&boxes[b][0].x));
+    let mut pairs = Vec::new();
     for (place, &a) in order.iter().enumerate() {
         let high = boxes[a][1];
         let reached = order[place + 1..].iter().take_while(|&&b| boxes[b][0].x <= high.x);
-        for &b in reached {
-            if meet_boxes(boxes[a], boxes[b]) {
-                found[a].1.others.push(b as u32);
-                found[b].1.others.push(a as u32);
-            }
-        }
+        pairs.extend(reached.filter(|&&b| meet_boxes(boxes[a], boxes[b])).map(|&b| [a, b]));
     }
+    pairs
+}
+
+/// Whether there is a gap between two solids, as seen along their faces or from one to the other.
+fn are_apart(a: &Found, b: &Found) -> bool {
+    let room = a.step + b.step;
+    let gap = |along: Vec3| {
+        let [[a_low, a_high], [b_low, b_high]] = [a, b].map(|it| it.patches.between(along));
+        (b_low - a_high).max(a_low - b_high)
+    };
+    let between = b.solid.ball.center - a.solid.ball.center;
+    let faces = a.solid.slabs.iter().chain(&b.solid.slabs).map(|slab| slab.normal);
+    between.length() > a.solid.ball.radius + b.solid.ball.radius + room
+        || between.try_normalize().into_iter().chain(faces).any(|along| gap(along) > room)
 }
 
 /// A box, `step` wider on all sides.
@@ -185,8 +232,7 @@ impl Immersion<'_> {
     /// that surface have it.
     fn is_in(&self, solid: u32, point: Vec3, off: Vec3) -> bool {
         let point = point + off;
-        let [low, high] = self.shapes().solids[solid as usize].bounds;
-        if !(low.cmple(point).all() && point.cmple(high).all()) {
+        if is_outside(&self.shapes().solids[solid as usize], point) {
             return false;
         }
         let gets_out = |direction: Vec3| {
@@ -201,14 +247,45 @@ impl Immersion<'_> {
     /// Whether a ray leaves a solid more often than it enters it.
     fn gets_out(&self, solid: u32, origin: Vec3, direction: Vec3) -> bool {
         let shapes = self.shapes();
-        let [low, high] = shapes.solids[solid as usize].bounds;
-        let far = Vec3::select(direction.cmpgt(Vec3::ZERO), high, low);
-        let slack = STEPS * offset_distance(low.abs().max(high.abs()).max_element());
-        let end = ((far - origin) / direction + slack / direction.abs()).min_element();
+        let end = end_of(&shapes.solids[solid as usize], origin, direction);
         let within = self.crossed(origin, direction).take_while(|crossed| crossed.distance <= end);
         let own = within.filter(|it| shapes.surfaces[it.surface as usize].solid == solid);
         own.map(|crossed| crossed.outwards()).sum::<i32>() > 0
     }
+}
+
+/// Whether a point is outside of what is about a solid, for sure.
+fn is_outside(solid: &Solid, point: Vec3) -> bool {
+    let &Solid { bounds: [low, high], ball, ref slabs, .. } = solid;
+    let slack = slack(solid);
+    let is_between = |slab: &Slab| {
+        let [low, high] = slab.between;
+        let at = slab.normal.dot(point);
+        low - slack <= at && at <= high + slack
+    };
+    !(low.cmple(point).all() && point.cmple(high).all())
+        || point.distance_squared(ball.center) > (ball.radius + slack).powi(2)
+        || !slabs.iter().all(is_between)
+}
+
+/// The distance on a ray that starts in what is about a solid from which on it is outside of that,
+/// with room for rounding.
+fn end_of(solid: &Solid, origin: Vec3, direction: Vec3) -> f32 {
+    let ([low, high], slack) = (solid.bounds, slack(solid));
+    let far = Vec3::select(direction.cmpgt(Vec3::ZERO), high, low);
+    let of_box = ((far - origin) / direction + slack / direction.abs()).min_element();
+    let of_slab = |slab: &Slab| {
+        let [along, at] = [direction, origin].map(|it| slab.normal.dot(it));
+        let gap = if along > 0.0 { slab.between[1] - at } else { at - slab.between[0] };
+        // Nearly along it a ray may be in it for ever, or not at all.
+        if along.abs() > LEAST_COSINE { (gap + slack) / along.abs() } else { f32::INFINITY }
+    };
+    solid.slabs.iter().map(of_slab).fold(of_box, f32::min)
+}
+
+/// What rounding may make of places on a solid, and more.
+fn slack(Solid { bounds: [low, high], .. }: &Solid) -> f32 {
+    STEPS * offset_distance(low.abs().max(high.abs()).max_element())
 }
 
 /// The interfaces between all that solids are made of, and what is around them.

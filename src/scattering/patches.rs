@@ -2,14 +2,20 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::immersion::{STEPS, spread};
 use crate::geometry::offset_distance;
-use crate::scene::baked::{KEEP, Shapes, Surface};
+use crate::scene::baked::{Bounds, KEEP, Shapes, Slab, Surface};
 
 /// How much of the area of a surface its triangles may leave open.
 const OPEN_SHARE: f64 = 1e-3;
+
+/// Most slabs about them.
+const SLABS_MAX: usize = 12;
+
+/// Steps of a component of a normal: those that differ by less count as one.
+const NORMAL_STEPS: f64 = 4096.0;
 
 /// Finds the surfaces that bound bodies together: open ones of one material, and with the same on
 /// their sides, that share corners and are closed together.
@@ -161,7 +167,7 @@ impl Patches {
 
     /// Whether nothing gets out but through them.
     pub fn is_closed(&self) -> bool {
-        let open: glam::DVec3 = self.triangles.iter().map(area_vector).sum();
+        let open: DVec3 = self.triangles.iter().map(area_vector).sum();
         let total = self.areas.last().copied().unwrap_or(0.0);
         self.sphere.is_some() || open.length() < OPEN_SHARE * total
     }
@@ -181,6 +187,51 @@ impl Patches {
         self.corners().fold(none, |[low, high], at| [low.min(at), high.max(at)])
     }
 
+    /// The ball about their box's middle.
+    pub fn ball(&self) -> Bounds {
+        if let Some((center, radius)) = self.sphere {
+            return Bounds { center, radius };
+        }
+        let [low, high] = self.bounds();
+        let center = 0.5 * low + 0.5 * high;
+        let reach2 = |reach2: f32, at: Vec3| reach2.max(at.distance_squared(center));
+        Bounds { center, radius: self.corners().fold(0.0, reach2).sqrt() }
+    }
+
+    /// How far they reach along a direction of unit length: least and greatest.
+    pub fn between(&self, along: Vec3) -> [f32; 2] {
+        if let Some((center, radius)) = self.sphere {
+            let middle = center.dot(along);
+            return [middle - radius, middle + radius];
+        }
+        let none = [f32::INFINITY, f32::NEG_INFINITY];
+        self.corners()
+            .map(|at| at.dot(along))
+            .fold(none, |[low, high], at| [low.min(at), high.max(at)])
+    }
+
+    /// The slabs about them along the normals that have most of their area.
+    pub fn slabs(&self) -> Vec<Slab> {
+        let mut by_normal: HashMap<[i32; 3], DVec3> = HashMap::new();
+        for triangle in &self.triangles {
+            let area = area_vector(triangle);
+            // Both planes of a slab have the same.
+            let area = area * area[area.abs().max_position()].signum();
+            let key = (area.normalize_or_zero() * NORMAL_STEPS).round().as_ivec3();
+            *by_normal.entry(key.to_array()).or_default() += area;
+        }
+        let mut normals: Vec<([i32; 3], DVec3)> = by_normal.into_iter().collect();
+        normals.sort_by(|(key, area), (other, than)| {
+            than.length_squared().total_cmp(&area.length_squared()).then(key.cmp(other))
+        });
+        let normals = normals.into_iter().filter_map(|(_, area)| area.try_normalize());
+        let slab = |normal: DVec3| {
+            let normal = normal.as_vec3();
+            Slab { normal, between: self.between(normal) }
+        };
+        normals.take(SLABS_MAX).map(slab).collect()
+    }
+
     /// The corners of all triangles.
     pub fn corners(&self) -> impl Iterator<Item = Vec3> {
         self.triangles.as_flattened().iter().copied()
@@ -188,7 +239,7 @@ impl Patches {
 }
 
 /// Half the area of a triangle, along its normal.
-fn area_vector([a, b, c]: &[Vec3; 3]) -> glam::DVec3 {
+fn area_vector([a, b, c]: &[Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
     0.5 * (b - a).cross(c - a)
 }

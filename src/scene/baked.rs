@@ -201,12 +201,25 @@ pub struct Solid {
     pub size: f32,
     /// The corners of its box.
     pub bounds: [Vec3; 2],
+    /// A ball about it.
+    pub ball: Bounds,
+    /// Slabs that it lies between, along its faces.
+    pub slabs: Vec<Slab>,
     /// How far off it rays may start.
     pub off: f32,
-    /// The solids whose boxes reach into its own.
+    /// The solids that may reach into it, or up to it.
     pub others: Vec<u32>,
     /// What fills it: a row in `media`, or [`NONE`]; [`KEEP`] where that is to be found out.
     pub filling: u32,
+}
+
+/// What is between two parallel planes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slab {
+    /// Of the planes, unit length.
+    pub normal: Vec3,
+    /// The least and greatest distance from the origin along that.
+    pub between: [f32; 2],
 }
 
 /// A material at the wavelengths of the render.
