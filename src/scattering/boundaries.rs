@@ -210,7 +210,8 @@ fn bodies(shapes: &Shapes, boundaries: &[Boundary], open: &BTreeSet<(u32, usize)
     boundaries.iter().filter_map(body).collect()
 }
 
-/// Settles the sides that walls hide from all others by the bodies around.
+/// Settles the sides that walls hide from all others by the bodies around. What a closed surface
+/// does not say of its inside is the rest of the scene.
 fn surround(
     shapes: &mut Shapes,
     accelerator: &Accelerator,
@@ -218,13 +219,12 @@ fn surround(
     open: &BTreeSet<(u32, usize)>,
 ) {
     for boundary in boundaries {
-        for side in 0..2 {
-            let place = boundary.points.first();
-            let (Some(&(point, normal)), true) = (place, open.contains(&(boundary.surface, side)))
-            else {
+        let Some(&(point, normal)) = boundary.points.first() else { continue };
+        for (side, off) in [(0, -boundary.step), (1, boundary.step)] {
+            let is_inside = side == 0 && boundary.is_closed;
+            if is_inside || !open.contains(&(boundary.surface, side)) {
                 continue;
-            };
-            let off = if side == 0 { -boundary.step } else { boundary.step };
+            }
             let immersion = Immersion::new(shapes, accelerator, true);
             let medium = immersion.behind_walls(point + off * normal);
             let surface = &mut shapes.surfaces[boundary.surface as usize];
