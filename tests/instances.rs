@@ -44,10 +44,15 @@ fn one_mesh_in_many_places_is_kept_once() {
 /// known without looking around.
 #[test]
 fn mirrored_instances_are_filled_as_copies_are() {
-    for kind in [Flock::Instances, Flock::Copies] {
-        let scene = flock_of(kind);
-        assert!(scene.shapes.bodies.is_empty(), "{:?}", scene.shapes.bodies);
+    let [shared, copied] = [Flock::Instances, Flock::Copies].map(flock_of);
+    for scene in [&shared, &copied] {
+        assert!(!scene.shapes.overlaps);
+        assert_eq!(scene.shapes.bodies.len(), 16);
     }
+    let fillings = |scene: &Scene<3>| -> Vec<u32> {
+        scene.shapes.bodies.iter().map(|body| body.filling).collect()
+    };
+    assert_eq!(fillings(&shared), fillings(&copied));
 }
 
 /// Differences of images with the same seeds: their means are zero but for noise, and far less
