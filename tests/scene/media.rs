@@ -479,14 +479,6 @@ fn bad_boundaries_are_refused() {
             &["node 0 \"eye\", extras.sunstone_interior", "belongs to a mesh"],
         ),
         (|d| sphere_of(d, json!({"bsdf": "null"})), &["node 2 \"ball\"", "null", "`interior`"]),
-        (
-            |d| {
-                sphere_of(d, json!({"bsdf": "null"}));
-                side(d, "interior", json!(0));
-                d["materials"][1]["emissiveFactor"] = json!([1, 1, 1]);
-            },
-            &["material 1 \"glass\"", "null", "cannot emit"],
-        ),
         (|d| sphere_of(d, json!({"bsdf": "null", "ior": 1.5})), &["ior", "means nothing"]),
         (
             |d| sphere_of(d, json!({"bsdf": "dielectric", "exterior_ior": 0})),
