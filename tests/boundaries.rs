@@ -48,25 +48,30 @@ impl Bench {
         let sun = Punctual { kind: PunctualKind::Directional, intensity: PI.into() };
         let from_beyond = Transform::looking(DVec3::X * x, at, DVec3::Y);
         self.world.add_light("sun", sun, from_beyond).unwrap();
-        let lens = Lens::Orthographic { half_width: 0.01, half_height: 0.01 };
         let place = Transform::looking(aside, at, DVec3::Y);
-        self.world.set_camera("eye", lens, place).unwrap();
-        self.world.set_resolution([2, 2]).unwrap();
-        let options = Options {
-            integrator: Some(Integrator::Path),
-            mode: Mode::Scalar,
-            color: Color::Mono { wavelength_nm: 550.0 },
-            samples: 4,
-            ..Options::default()
-        };
-        let placed = PlacedWorld::new(self.world).unwrap();
-        let mut renderer = Renderer::new(&placed, &Settings::new(options).unwrap()).unwrap();
-        renderer.run(|_| ControlFlow::Continue(()));
-        let values = &renderer.finish().planes[0];
+        let (values, warnings) = seen_from(self.world, place);
         let spread = values.iter().fold(0.0, |spread: f32, v| spread.max((v - values[0]).abs()));
         assert!(spread < 1e-3, "nothing is random here: {values:?}");
-        (values[0], placed.warnings().map(str::to_owned).collect())
+        (values[0], warnings)
     }
+}
+
+/// What a narrow camera sees from its place, and what is said.
+fn seen_from(mut world: World, place: Transform) -> (Vec<f32>, Vec<String>) {
+    let lens = Lens::Orthographic { half_width: 0.01, half_height: 0.01 };
+    world.set_camera("eye", lens, place).unwrap();
+    world.set_resolution([2, 2]).unwrap();
+    let options = Options {
+        integrator: Some(Integrator::Path),
+        mode: Mode::Scalar,
+        color: Color::Mono { wavelength_nm: 550.0 },
+        samples: 4,
+        ..Options::default()
+    };
+    let placed = PlacedWorld::new(world).unwrap();
+    let mut renderer = Renderer::new(&placed, &Settings::new(options).unwrap()).unwrap();
+    renderer.run(|_| ControlFlow::Continue(()));
+    (renderer.finish().planes[0].clone(), placed.warnings().map(str::to_owned).collect())
 }
 
 /// From both ends, the depth along z at `x` is the same; what is said.
@@ -119,22 +124,10 @@ fn seen_in_a_room(furnish: impl Fn(&mut Bench)) -> f32 {
     let panel = Geometry::quad(Vec3::NEG_Z, Vec3::X, Vec3::Y);
     world.add_mesh("panel", panel, lamp, Transform::IDENTITY).unwrap();
     furnish(&mut bench);
-    let place = Transform::looking(DVec3::Z, DVec3::NEG_Z, DVec3::Y);
-    let lens = Lens::Orthographic { half_width: 0.01, half_height: 0.01 };
-    bench.world.set_camera("eye", lens, place).unwrap();
-    bench.world.set_resolution([2, 2]).unwrap();
-    let options = Options {
-        integrator: Some(Integrator::Path),
-        mode: Mode::Scalar,
-        color: Color::Mono { wavelength_nm: 550.0 },
-        samples: 4,
-        ..Options::default()
-    };
-    let placed = PlacedWorld::new(bench.world).unwrap();
-    assert_eq!(placed.warnings().count(), 0);
-    let mut renderer = Renderer::new(&placed, &Settings::new(options).unwrap()).unwrap();
-    renderer.run(|_| ControlFlow::Continue(()));
-    renderer.finish().planes[0][0]
+    let (values, warnings) =
+        seen_from(bench.world, Transform::looking(DVec3::Z, DVec3::NEG_Z, DVec3::Y));
+    assert_eq!(warnings, [""; 0]);
+    values[0]
 }
 
 /// Whose boundary is within the walls, in them, and where they hide it.

@@ -23,8 +23,9 @@ use crate::transport::tables::states::LightState;
 use crate::transport::{Arrived, LightModel};
 
 /// Photons that a vertex merges with at most; where more are in reach, the kernel ends at the first
-/// after so many. Over what that encloses their sum is a density as it is over a kernel whose size
-/// they do not choose, as a Poisson process has it. Caustics are as sharp as their light is dense.
+/// after so many, or nearer where they lie aside. Over what that encloses their sum is a density,
+/// as it is over a kernel whose size they do not choose, where they lie evenly (a Poisson process).
+/// Caustics are as sharp as their light is dense.
 const CROWD: usize = 100;
 /// Largest radius at the boundary of a medium, relative to its mean free path.
 const BOUNDARY_OF_FREE_PATH: f32 = 0.25;

@@ -54,14 +54,14 @@ pub trait PhotonVisitor<const N: usize> {
     /// What is kept, in registers with luck, while the packets of one query are visited.
     type State;
 
-    /// Most photons in reach; of more, so many that are nearest are visited. None by default.
+    /// Most photons that are visited, unless more are in one place: where more are in reach, that
+    /// is narrowed. No limit by default.
     const CROWD: usize = usize::MAX;
 
     /// Starts the query at this row of the points.
     fn begin(&mut self, query: usize) -> Self::State;
 
-    /// Nothing beyond `radius` will be visited: it is the distance to the first photon after
-    /// [`Self::CROWD`] of them.
+    /// Nothing beyond `radius` will be visited.
     fn narrow(&mut self, _state: &mut Self::State, _query: usize, _radius: f32) {}
 
     /// The eight rows from `first_row` on, of which those in the mask `within` are in reach. The
