@@ -158,7 +158,8 @@ impl Clearing {
         let mut clearing = Self::whole(Vec3A::from(center), radius, Some(normal));
         let (center, height) = (clearing.center, radius * LIFT);
         let planes = Planes { normal, offset: -normal.dot(center), height };
-        let lifted = [height, -height].map(|height| Plane { center, normal, height });
+        let axes = normal.any_orthonormal_pair();
+        let lifted = [height, -height].map(|height| Plane { center, normal, axes, height });
         let mut search = Search {
             around,
             accelerator,
@@ -391,6 +392,8 @@ fn cut_of_triangle(center: Vec3A, corners: &[Vec3A; 3]) -> Cut {
 struct Plane {
     center: Vec3A,
     normal: Vec3A,
+    /// Of the coordinates in the plane.
+    axes: (Vec3A, Vec3A),
     /// Of the plane above the surface, or below it.
     height: f32,
 }
@@ -398,12 +401,12 @@ struct Plane {
 impl Plane {
     /// Coordinates in the plane.
     fn flat(&self, point: Vec3A) -> Vec2 {
-        let (x, y) = self.normal.any_orthonormal_pair();
+        let (x, y) = self.axes;
         Vec2::new(x.dot(point - self.center), y.dot(point - self.center))
     }
 
     fn cut(&self, distance: f32, normal: Vec2, points: [Vec2; 2]) -> Cut {
-        let (x, y) = self.normal.any_orthonormal_pair();
+        let (x, y) = self.axes;
         let [p, q] = points.map(|point| self.center + x * point.x + y * point.y);
         let normal = x * normal.x + y * normal.y;
         Cut { distance, by: By::Plane(normal), points: [p, q, q] }

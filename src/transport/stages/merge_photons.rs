@@ -103,13 +103,9 @@ struct Gather<'a, const N: usize, C> {
 }
 
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
-    /// Where photons count about the vertex in row `query`.
-    fn clearing(&mut self, query: usize) -> Clearing {
-        self.clearing_within(query, self.kernel.radius)
-    }
-
-    /// The same within a radius that may be less than the kernel's.
-    fn clearing_within(&mut self, query: usize, radius: f32) -> Clearing {
+    /// Where photons within `radius`, which may be less than the kernel's, count about the vertex
+    /// in row `query`.
+    fn clearing(&mut self, query: usize, radius: f32) -> Clearing {
         let (center, accelerator) =
             (lanes::row_of(&self.surfaces.position, query), &self.scene.accelerator);
         let whole = self.kernel.radius / radius;
@@ -132,11 +128,12 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
     #[inline(always)]
     fn counting(
         &self,
-        clearing: &Clearing,
+        clearing: &Option<Clearing>,
         photons: &PhotonTable<N>,
         row: usize,
         within: F32s,
     ) -> F32s {
+        let Some(clearing) = clearing else { return F32s::splat(0.0) };
         let within = within & clearing.holds(Vector::load(&photons.position, row));
         if self.length_max >= PATH_LENGTH_MAX {
             return within;
@@ -194,7 +191,8 @@ struct Even<'a, const N: usize, S, C> {
 
 /// The vertex at which photons are gathered.
 struct SurfaceState<const N: usize> {
-    clearing: Clearing,
+    /// None if no photons may be in reach.
+    clearing: Option<Clearing>,
     sums: [F32s; N],
     /// Normals, turned to the side from which the sensor looks.
     geometric: Vector<F32s>,
@@ -206,13 +204,12 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
 
     const CROWD: usize = CROWD;
 
-    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
-        state.clearing = self.gather.clearing_within(query, radius);
+    fn enclose(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = Some(self.gather.clearing(query, radius));
     }
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> SurfaceState<N> {
-        let clearing = self.gather.clearing(query);
         let Gather { surfaces, .. } = &self.gather;
         let given = -self.gather.direction(query);
         let turned = |normal: Vector<F32s>| {
@@ -220,7 +217,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
             Vector::select(away, -normal, normal)
         };
         SurfaceState {
-            clearing,
+            clearing: None,
             sums: [F32s::splat(0.0); N],
             geometric: turned(Vector::splat(lanes::row_of(&surfaces.geometric_normal, query))),
             shading: turned(Vector::splat(lanes::row_of(&surfaces.shading_normal, query))),
@@ -254,6 +251,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: SurfaceState<N>) {
+        let Some(Clearing { gain, .. }) = state.clearing else { return };
         let gather = &self.gather;
         let vertex = self.all.at(gather.surfaces, Same(row));
         let KeptLanes { facing, .. } = vertex.keep();
@@ -266,7 +264,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
         );
         let reflects = facing.reflects(given, towards);
         let factor = vertex.per_photon().map(|factor| reflects & factor);
-        self.gather.add((row, state.clearing.gain), &state.sums, &factor);
+        self.gather.add((row, gain), &state.sums, &factor);
     }
 }
 
@@ -279,7 +277,8 @@ struct Uneven<'a, const N: usize, S, C> {
 
 /// A vertex that waits for photons.
 struct UnevenState<V, S> {
-    clearing: Clearing,
+    /// None if no photons may be in reach.
+    clearing: Option<Clearing>,
     vertex: V,
     sums: S,
     pending: Pending,
@@ -346,15 +345,15 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
 
     const CROWD: usize = CROWD;
 
-    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
-        state.clearing = self.gather.clearing_within(query, radius);
+    fn enclose(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = Some(self.gather.clearing(query, radius));
     }
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
         UnevenState {
-            clearing: self.gather.clearing(query),
+            clearing: None,
             vertex: self.all.at(self.gather.surfaces, Same(query)),
             sums: [F32s::splat(0.0); N],
             pending: Pending::default(),
@@ -382,11 +381,12 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
         let UnevenState { clearing, vertex, mut sums, pending, k_out, .. } = state;
+        let Some(Clearing { gain, .. }) = clearing else { return };
         let peak = self.gather.peak;
         pending.finish(|rows, within| {
             add_scattered(&mut sums, &vertex, self.photons, (k_out, peak), (rows, within));
         });
-        self.gather.add((row, clearing.gain), &sums, &vertex.per_photon());
+        self.gather.add((row, gain), &sums, &vertex.per_photon());
     }
 }
 
@@ -436,15 +436,15 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
 
     const CROWD: usize = CROWD;
 
-    fn narrow(&mut self, state: &mut Self::State, query: usize, radius: f32) {
-        state.clearing = self.gather.clearing_within(query, radius);
+    fn enclose(&mut self, state: &mut Self::State, query: usize, radius: f32) {
+        state.clearing = Some(self.gather.clearing(query, radius));
     }
 
     #[inline(always)]
     fn begin(&mut self, query: usize) -> Self::State {
         let k_out = -self.gather.direction(query);
         UnevenState {
-            clearing: self.gather.clearing(query),
+            clearing: None,
             vertex: self.all.at(self.gather.surfaces, Same(query)),
             sums: [Stokes([F32s::splat(0.0); 4]); N],
             pending: Pending::default(),
@@ -472,12 +472,13 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
         let UnevenState { clearing, vertex, mut sums, pending, k_out, axis } = state;
+        let Some(Clearing { gain, .. }) = clearing else { return };
         pending.finish(|rows, within| {
             let out = (k_out, axis, self.gather.peak);
             add_polarized::<N, COMMON>(&mut sums, &vertex, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;
-        let value = gather.per_sum((row, clearing.gain), &vertex.per_photon());
+        let value = gather.per_sum((row, gain), &vertex.per_photon());
         let light = LightState { stokes: sums.map(total), x: axis.lane(0) };
         let place = (row, gather.paths.identity.slot[row] as usize);
         let along = (k_out.lane(0), gather.scene.sensor.up());

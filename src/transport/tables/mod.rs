@@ -13,6 +13,7 @@ pub mod merged;
 pub mod nearest_photons;
 pub mod partition;
 pub mod paths;
+mod photon_candidates;
 pub mod photon_grid;
 pub mod photon_maps;
 pub mod photon_queries;

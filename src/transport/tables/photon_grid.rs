@@ -17,8 +17,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::math::columns::{Column, ColumnWork, Columns, Value, take};
-use crate::math::{F32s, LANES, Vector, hash, lanes};
+use crate::math::{F32s, Vector, hash, lanes};
 
+use super::photon_candidates::{Candidates, Runs};
 use super::photon_queries::QueryOrder;
 use super::photon_sort::PhotonSort;
 use super::photons::{PhotonClass, PhotonTable};
@@ -34,22 +35,14 @@ const SCATTER: u32 = 0x9e37_79b1;
 /// Fewest and most bits of the number of a bucket.
 const BUCKET_BITS: Range<u32> = 4..28;
 
-/// Photons in a disk over those within half of its area from which on they lie unevenly, and fewest
-/// of which that can be told.
-const EVEN: usize = 3;
-const EVEN_MIN: usize = 16;
-
-/// Least square of a reach that was narrowed, relative to what it was.
-const LEAST_REACH: f32 = 1e-8;
-
 /// Rows of a column that a thread takes at a time.
 const ROWS: usize = 1 << 14;
 
 /// What becomes of the photons near each point of a batch.
 ///
-/// For every query `begin`, then `visit` once for every packet of eight rows with any photon in
-/// reach, then `finish`; other queries may begin and end in between. A closure
-/// `(query, first_row, within, photons)` is a visitor, too.
+/// For every query `begin`, then, if any photons may be in reach, `enclose` and `visit` once for
+/// every packet of eight rows with any, then `finish`; other queries may begin and end in between.
+/// A closure `(query, first_row, within, photons)` is a visitor, too.
 pub trait PhotonVisitor<const N: usize> {
     /// What is kept, in registers with luck, while the packets of one query are visited.
     type State;
@@ -62,7 +55,7 @@ pub trait PhotonVisitor<const N: usize> {
     fn begin(&mut self, query: usize) -> Self::State;
 
     /// Nothing beyond `radius` will be visited.
-    fn narrow(&mut self, _state: &mut Self::State, _query: usize, _radius: f32) {}
+    fn enclose(&mut self, _state: &mut Self::State, _query: usize, _radius: f32) {}
 
     /// The eight rows from `first_row` on, of which those in the mask `within` are in reach. The
     /// other rows hold any values, infinite ones included.
@@ -161,7 +154,7 @@ pub struct PhotonGrid<const N: usize> {
     /// First row of every bucket, and the number of rows in the end.
     starts: Vec<u32>,
     cells: Cells,
-    radius_squared: f32,
+    radius: f32,
     sort: PhotonSort,
 }
 
@@ -173,7 +166,7 @@ impl<const N: usize> PhotonGrid<N> {
             photons: PhotonTable::of_class(class, 0),
             starts: vec![0; (1 << cells.bits) + 1],
             cells,
-            radius_squared: 1.0,
+            radius: 1.0,
             sort: PhotonSort::default(),
         }
     }
@@ -204,7 +197,7 @@ impl<const N: usize> PhotonGrid<N> {
         let radius = radius.clamp(RADIUS_RANGE[0], RADIUS_RANGE[1]);
         let extent = extent_of(&photons.position[0][..photons.len]);
         self.cells = Cells::new(radius, photons.len, extent);
-        self.radius_squared = radius * radius;
+        self.radius = radius;
         let order = self.sort.sort(&mut self.starts, photons, self.cells);
         photons.each(&TakeOnAllThreads(order));
         photons.len = order.len();
@@ -275,66 +268,48 @@ impl<const N: usize> PhotonGrid<N> {
             self.find_runs(&mut candidates.runs, corner);
             candidates.rewind(&self.photons.position);
         }
-        let center = Vector::splat(point);
-        let mut reach = F32s::splat(self.radius_squared);
-        let mut hits = candidates.test(center, reach);
-        let crowd = V::CROWD;
-        if candidates.count(hits) > crowd || !candidates.is_whole {
-            if let Some(nearest) = self.crowded(candidates, center, (hits, crowd)) {
-                visitor.narrow(state, query, nearest.sqrt());
-                reach = F32s::splat(nearest.next_down());
-            }
-            hits = candidates.test(center, reach);
+        let (center, mut reach) = (Vector::splat(point), self.radius * self.radius);
+        candidates.test(center, reach);
+        if candidates.has_none() {
+            return;
         }
+        let mut radius = self.radius;
+        if candidates.may_be_more_than(V::CROWD)
+            && let Some(first_out) = self.crowded(candidates, (center, reach), V::CROWD)
+        {
+            (radius, reach) = (first_out.sqrt(), first_out.next_down());
+        }
+        visitor.enclose(state, query, radius);
         loop {
-            for hit in &candidates.hits[..hits] {
-                visitor.visit(state, hit.row as usize, hit.within, &self.photons);
+            for hit in candidates.hits() {
+                let within = hit.squared.simd_le(F32s::splat(reach));
+                visitor.visit(state, hit.row as usize, within, &self.photons);
             }
             if candidates.is_end() {
                 break;
             }
             candidates.fill(&self.photons.position);
-            hits = candidates.test(center, reach);
+            candidates.test(center, reach);
         }
         if !candidates.is_whole {
             candidates.rewind(&self.photons.position);
         }
     }
 
-    /// The square of how far to look where there is a crowd of photons in reach: to the first after
-    /// it, or so that those left lie evenly, where it lies aside; `hits` have been tested.
+    /// [`Candidates::crowded`], after which the first packets are tested again.
     #[inline(never)]
     fn crowded(
         &self,
         candidates: &mut Candidates,
-        center: Vector<F32s>,
-        (mut hits, crowd): (usize, usize),
+        (center, reach): (Vector<F32s>, f32),
+        crowd: usize,
     ) -> Option<f32> {
-        let mut distances = std::mem::take(&mut candidates.distances);
-        distances.clear();
-        loop {
-            for hit in &candidates.hits[..hits] {
-                let position = Vector::load(&self.photons.position, hit.row as usize);
-                let squared = (position - center).length_squared().to_array();
-                let mut left = hit.within.to_bitmask();
-                while left != 0 {
-                    distances.push(squared[(left.trailing_zeros() & 7) as usize]);
-                    left &= left - 1;
-                }
-            }
-            if candidates.is_end() {
-                break;
-            }
-            candidates.fill(&self.photons.position);
-            hits = candidates.test(center, F32s::splat(self.radius_squared));
-        }
+        let first_out = candidates.crowded(&self.photons.position, (center, reach), crowd);
         if !candidates.is_whole {
             candidates.rewind(&self.photons.position);
+            candidates.test(center, first_out.unwrap_or(reach));
         }
-        let reach = (distances.len() > crowd).then(|| even_reach(&mut distances, crowd));
-        candidates.distances = distances;
-        // Many may be in one place.
-        reach.map(|squared| squared.max(LEAST_REACH * self.radius_squared))
+        first_out
     }
 
     /// The rows of the eight cells from `corner` on.
@@ -372,22 +347,6 @@ impl<const N: usize> PhotonGrid<N> {
     }
 }
 
-/// The smallest but `crowd` of squared distances; half as far off, again and again, as long as too
-/// few of those nearer are within that: what lies evenly has half of them there, and bright spots
-/// aside would be smeared around themselves.
-fn even_reach(squared: &mut [f32], crowd: usize) -> f32 {
-    let (nearer, first, _) = squared.select_nth_unstable_by(crowd, f32::total_cmp);
-    let (mut reach, mut count) = (*first, nearer.len());
-    while count >= EVEN_MIN {
-        let half = nearer.iter().filter(|&&squared| squared < 0.5 * reach).count();
-        if EVEN * half >= count {
-            break;
-        }
-        (reach, count) = (0.5 * reach, half);
-    }
-    reach
-}
-
 /// Whether two of the runs of two buckets share one, or a run goes on at bucket 0.
 #[inline(always)]
 fn overlap(buckets: &[u32; 4], last: u32) -> bool {
@@ -400,128 +359,6 @@ fn overlap(buckets: &[u32; 4], last: u32) -> bool {
         }
     }
     found
-}
-
-/// Packets that [`Candidates`] hold at a time, a power of two: the surroundings of a query, if it
-/// finds some tens of photons.
-const PACKETS: usize = 128;
-
-/// The photons in the cells about a query, copied to one place for the queries after it that meet
-/// the same cells.
-struct Candidates {
-    /// The lowest of the cells.
-    corner: Option<[i32; 3]>,
-    runs: Runs,
-    /// The run from which to go on, and the row.
-    next: (usize, u32),
-    /// Whether all packets are held at once.
-    is_whole: bool,
-    len: usize,
-    /// Lanes beyond the end of a run are infinitely far away.
-    position: [Vector<F32s>; PACKETS],
-    rows: [u32; PACKETS],
-    hits: [Hit; PACKETS],
-    /// Squared distances of photons in reach.
-    distances: Vec<f32>,
-}
-
-/// A packet with photons in reach.
-#[derive(Clone, Copy)]
-struct Hit {
-    within: F32s,
-    row: u32,
-}
-
-impl Candidates {
-    fn new() -> Self {
-        let zero = F32s::ZERO;
-        Self {
-            corner: None,
-            runs: Runs::default(),
-            next: (0, 0),
-            is_whole: true,
-            len: 0,
-            position: [Vector { x: zero, y: zero, z: zero }; PACKETS],
-            rows: [0; PACKETS],
-            hits: [Hit { within: zero, row: 0 }; PACKETS],
-            distances: Vec::new(),
-        }
-    }
-
-    /// Holds the first packets of the runs.
-    fn rewind(&mut self, position: &[Column; 3]) {
-        self.next = (0, self.runs.list[0][0]);
-        self.fill(position);
-        self.is_whole = self.is_end();
-    }
-
-    /// Whether no packets come after those held.
-    #[inline(always)]
-    fn is_end(&self) -> bool {
-        self.next.0 >= self.runs.len
-    }
-
-    /// Holds the next packets.
-    fn fill(&mut self, position: &[Column; 3]) {
-        self.len = 0;
-        let (mut run, mut row) = self.next;
-        while run < self.runs.len && self.len < PACKETS {
-            let end = self.runs.list[run][1];
-            let live = lanes::first((end - row) as usize);
-            let far = Vector { x: F32s::splat(f32::INFINITY), y: F32s::ZERO, z: F32s::ZERO };
-            let near = Vector::load(position, row as usize);
-            self.position[self.len] = Vector::select(live, near, far);
-            self.rows[self.len] = row;
-            self.len += 1;
-            row += LANES as u32;
-            if row >= end {
-                run += 1;
-                row = self.runs.list[run % RUNS][0];
-            }
-        }
-        self.next = (run, row);
-    }
-
-    /// Photons in reach, of the packets listed.
-    #[inline(always)]
-    fn count(&self, hits: usize) -> usize {
-        let packets = self.hits[..hits].iter();
-        packets.map(|hit| hit.within.to_bitmask().count_ones() as usize).sum()
-    }
-
-    /// Lists the packets with photons in reach, and returns how many. Without a branch: whether a
-    /// packet has any cannot be predicted.
-    #[inline(always)]
-    fn test(&mut self, center: Vector<F32s>, reach: F32s) -> usize {
-        let mut hits = 0;
-        let packets = self.position[..self.len].iter().zip(&self.rows);
-        for (position, &row) in packets {
-            let within = (*position - center).length_squared().simd_le(reach);
-            self.hits[hits % PACKETS] = Hit { within, row };
-            hits += usize::from(within.any());
-        }
-        hits
-    }
-}
-
-/// Most runs of a query.
-const RUNS: usize = 8;
-
-/// Rows to look at: first and end of each run, none empty.
-#[derive(Default)]
-struct Runs {
-    list: [[u32; 2]; RUNS],
-    len: usize,
-}
-
-impl Runs {
-    #[inline(always)]
-    fn push(&mut self, start: u32, end: u32) {
-        if start < end {
-            self.list[self.len] = [start, end];
-            self.len += 1;
-        }
-    }
 }
 
 /// The lowest and the highest of the finite values.
