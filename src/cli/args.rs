@@ -213,8 +213,8 @@ pub struct RenderArguments {
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub max_path_length: Option<u32>,
-    /// Segments after which roulette may end a path; it adds noise and no error [default: 5, and 1
-    /// for paths from the emitters]
+    /// Segments after which roulette may end a path; it adds noise and no error [default: 5, or 3
+    /// by bdpt, and 1 for paths from the emitters]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub roulette_after: Option<u32>,
     /// What directions are drawn by where light is polarized; it changes noise and no mean

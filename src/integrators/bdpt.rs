@@ -5,6 +5,7 @@
 use crate::scattering::Scene;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
 use crate::transport::tables::photon_maps::PhotonMaps;
+use crate::transport::tables::vertices::LightPaths;
 use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::Schedule;
@@ -30,10 +31,14 @@ fn connect_vertices<const N: usize, M: LightModel<N>>(
     for_each_connectable(w, |w, (event, rows)| {
         let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
         let arrived = Arrived { paths, surfaces, event, rows, path_length };
-        let (connections, vertices) = (&mut w.connections, (&w.vertices[1], &w.slot_order));
-        let length_max = path_length_max - path_length - 1;
+        let light = LightPaths {
+            vertices: &w.vertices[1],
+            order: &w.slot_order,
+            length_max: path_length_max - path_length - 1,
+        };
+        let (connections, measured) = (&mut w.connections, &w.measured);
         w.profile.time(Stage::Connect, || {
-            connect_to_vertices::<N, M>(connections, &arrived, vertices, scene, length_max);
+            connect_to_vertices::<N, M>(connections, &arrived, &light, (scene, measured));
         });
         measure_connections(w, scene, (event.met, STRATEGY));
     });
@@ -48,6 +53,8 @@ impl Schedule for Bdpt {
     const MEASURES: bool = true;
     const SPLATS: bool = true;
     const PHOTONS: bool = false;
+    /// Vertices cost more than by [`super::path::Path`], and light paths bring light to the first.
+    const ROULETTE_AFTER: u32 = 3;
 
     fn chunk<const N: usize, M: LightModel<N>>(
         workspace: &mut Workspace<N, M>,

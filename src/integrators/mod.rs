@@ -32,6 +32,9 @@ pub trait Schedule {
     const SPLATS: bool;
     /// Whether photons are shot before its chunks.
     const PHOTONS: bool;
+    /// Path length from which on roulette plays for sensor paths, if nothing else is asked for:
+    /// what has measured best.
+    const ROULETTE_AFTER: u32 = 5;
 
     /// Renders one chunk. There are photons if [`Schedule::PHOTONS`] asks for them.
     fn chunk<const N: usize, M: LightModel<N>>(
@@ -77,6 +80,12 @@ macro_rules! integrators {
             /// Whether it merges photons, which are shot before its chunks.
             pub fn shoots_photons(self) -> bool {
                 match self { $(Self::$name => <$schedule>::PHOTONS,)* }
+            }
+
+            /// Path length from which on roulette plays for sensor paths, if nothing else is asked
+            /// for.
+            pub fn roulette_after(self) -> u32 {
+                match self { $(Self::$name => <$schedule>::ROULETTE_AFTER,)* }
             }
 
             /// Renders one chunk.

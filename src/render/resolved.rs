@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use super::settings::{AUTO, Settings};
 use crate::integrators::Integrator;
-use crate::scattering::{Look, Scene};
+use crate::scattering::{Look, Scene, Side};
 
 /// With less than this probability ([`Look::chance`]), paths from the sensor find lamps by way of
 /// mirrors and glass only by chance; and with so much more where glass hides all lamps.
@@ -61,6 +61,21 @@ impl Resolved {
     /// Samples per pixel that come together: those of a pass of photons, or one.
     pub fn samples_per_iteration(&self) -> u32 {
         self.passes.map_or(1, |passes| passes.samples)
+    }
+
+    /// Path lengths from which on roulette plays, by [`Side`].
+    pub fn roulette_of_sides(&self) -> [u32; 2] {
+        let of = |side| {
+            self.roulette_after.unwrap_or(match side {
+                Side::Light => 1,
+                Side::Sensor => self.integrator.roulette_after(),
+            })
+        };
+        let mut after = [0; 2];
+        for side in [Side::Light, Side::Sensor] {
+            after[side as usize] = of(side);
+        }
+        after
     }
 
     /// Which integrator was chosen, and why, if none was asked for.

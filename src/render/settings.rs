@@ -5,7 +5,6 @@ use std::ops::Deref;
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::scattering::Side;
 use crate::spectrum::Color;
 use crate::transport::Sampling;
 
@@ -142,7 +141,8 @@ pub struct Options {
     /// default [`PATH_LENGTH_MAX`], which keeps nothing but a render that would not end.
     pub path_length_max: u32,
     /// Path length from which on roulette may end a path; by default what has measured best: 5
-    /// for sensor paths and 1 for light paths, of which each has less to do with its pixels.
+    /// for sensor paths, or 3 by [`Integrator::Bdpt`], and 1 for light paths, of which each has
+    /// less to do with its pixels.
     pub roulette_after: Option<u32>,
     /// What directions are drawn by where light is polarized.
     pub sampling: Sampling,
@@ -223,21 +223,6 @@ impl Settings {
 }
 
 impl Options {
-    /// Path lengths from which on roulette plays, by [`Side`].
-    pub fn roulette_of_sides(&self) -> [u32; 2] {
-        let of = |side| {
-            self.roulette_after.unwrap_or(match side {
-                Side::Light => 1,
-                Side::Sensor => 5,
-            })
-        };
-        let mut after = [0; 2];
-        for side in [Side::Light, Side::Sensor] {
-            after[side as usize] = of(side);
-        }
-        after
-    }
-
     /// Whether the image comes with variances.
     pub fn has_variance(&self) -> bool {
         self.variance || self.replicates > 1

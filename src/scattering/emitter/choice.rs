@@ -9,7 +9,7 @@
 //! be asked for again, from the vertex for which it holds, as the weights of emitters that are met
 //! need it.
 
-use crate::math::{LANES, lanes};
+use crate::math::{F32s, LANES, lanes};
 use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitter::Emitter;
 
@@ -81,8 +81,7 @@ impl Choice {
 
     /// The emitter that two random numbers in [0, 1) choose by its power.
     pub fn by_power(&self, u: [f32; 2]) -> usize {
-        // Both, as an emitter's share may be less than the steps of one.
-        let u = f64::from(u[0]) + f64::from(u[1]) * f64::from(f32::EPSILON);
+        let u = place_of(u);
         self.power[1..self.power.len() - 1].partition_point(|&sum| sum <= u)
     }
 
@@ -98,6 +97,17 @@ impl Choice {
     #[inline(always)]
     pub fn depends_on_vantage(&self) -> bool {
         self.by_vantage.is_some()
+    }
+
+    /// [`Self::by_power`] of two emitters at most, as there are where choices do not depend on the
+    /// vertex: the mask of the lanes that choose the second.
+    #[inline(always)]
+    pub fn second_by_power(&self, u: [[f32; LANES]; 2]) -> F32s {
+        if self.power.len() < 3 {
+            return F32s::splat(0.0);
+        }
+        let second = self.power[1];
+        lanes::mask_of(lanes::each(|lane| second <= place_of([u[0][lane], u[1][lane]])))
     }
 
     /// The emitters that pairs of random numbers in [0, 1) choose for eight vertices to connect to,
@@ -168,6 +178,12 @@ impl Choice {
         let [first, end] = near.objects[object.min(near.objects.len() - 1)];
         self.within(first, end, f64::from(u))
     }
+}
+
+/// A number made of both: an emitter's share may be less than the steps of one.
+#[inline(always)]
+fn place_of(u: [f32; 2]) -> f64 {
+    f64::from(u[0]) + f64::from(u[1]) * f64::from(f32::EPSILON)
 }
 
 /// The part that an emitter has in the power of the rows from `first` to `end`.

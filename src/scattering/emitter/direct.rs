@@ -103,6 +103,29 @@ impl<const N: usize> DirectTable<N> {
         }
         lanes
     }
+
+    /// [`Self::sample`] of the first emitter or, in the lanes of the mask, of the second, which is
+    /// of the same model; that may be the only one.
+    #[inline(always)]
+    pub fn sample_either(
+        &self,
+        second: F32s,
+        chance: F32s,
+        reference: Vector<F32s>,
+        u: [F32s; 2],
+    ) -> DirectLanes<N> {
+        let last = self.records.len() - 1;
+        let (own, radiance) = (&self.records, &self.radiance);
+        let own = std::array::from_fn(|field| either(second, [own[0][field], own[last][field]]));
+        let radiance = std::array::from_fn(|n| either(second, [radiance[0][n], radiance[last][n]]));
+        self.kinds[0].choose(&own, reference, radiance, chance, u)
+    }
+}
+
+/// The first value or, in the lanes of the mask, the second.
+#[inline(always)]
+pub fn either(second: F32s, [a, b]: [f32; 2]) -> F32s {
+    Real::select(second, F32s::splat(b), F32s::splat(a))
 }
 
 /// [`DirectLanes::finite`] of a model.

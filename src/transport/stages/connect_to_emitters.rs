@@ -2,7 +2,7 @@
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
-use crate::scattering::emitter::direct::DirectLanes;
+use crate::scattering::emitter::direct::{DirectLanes, either};
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
@@ -115,19 +115,37 @@ fn choose<const N: usize, C>(
     let seed = lanes::load_u32(&paths.identity.seed, row);
     let iteration = lanes::load_u32(&paths.identity.iteration, row);
     let choice = draw(seed, iteration, path_length, Purpose::Emitter).map(|u| u.to_array());
-    let (chosen, chance) = if scene.choice.depends_on_vantage() {
-        let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
-        let of = scene.choice.choose(&from, choice, live);
-        (lanes::each(|lane| of[lane].0), lanes::each(|lane| of[lane].1))
-    } else {
-        let of = lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])));
-        (of, lanes::each(|lane| scene.optics.emitters[of[lane]].probability))
-    };
     let u = draw(seed, iteration, path_length, Purpose::EmitterPosition);
-    let offset = F32s::from(lanes::each(|lane| scene.emitter_offset(chosen[lane])));
     let reference = Vector::load(&surfaces.position, row);
-    let lanes = scene.direct.sample(chosen, chance.into(), reference, u);
-    Chosen { lanes, offset, emitters: chosen, chance: chance.into() }
+    if !scene.choice.depends_on_vantage() {
+        return choose_by_power(scene, choice, reference, u);
+    }
+    let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
+    let of = scene.choice.choose(&from, choice, live);
+    let emitters = lanes::each(|lane| of[lane].0);
+    let chance = F32s::from(lanes::each(|lane| of[lane].1));
+    let offset = F32s::from(lanes::each(|lane| scene.emitter_offset(emitters[lane])));
+    let lanes = scene.direct.sample(emitters, chance, reference, u);
+    Chosen { lanes, offset, emitters, chance }
+}
+
+/// One of two emitters at most.
+#[inline(always)]
+fn choose_by_power<const N: usize>(
+    scene: &Scene<N>,
+    choice: [[f32; LANES]; 2],
+    reference: Vector<F32s>,
+    u: [F32s; 2],
+) -> Chosen<N> {
+    let second = scene.choice.second_by_power(choice);
+    let all = &scene.optics.emitters;
+    let both = [0, all.len() - 1];
+    let chance = either(second, both.map(|emitter| all[emitter].probability));
+    let offset = either(second, both.map(|emitter| scene.emitter_offset(emitter)));
+    let lanes = scene.direct.sample_either(second, chance, reference, u);
+    let bits = second.to_bitmask();
+    let emitters = lanes::each(|lane| (bits >> lane & 1) as usize);
+    Chosen { lanes, offset, emitters, chance }
 }
 
 /// Points of emitters, or directions to them.

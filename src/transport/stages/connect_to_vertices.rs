@@ -9,18 +9,20 @@ use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
+use crate::transport::tables::measured::Measured;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::LightState;
-use crate::transport::tables::vertices::{SlotOrder, VertexTable};
+use crate::transport::tables::vertices::LightPaths;
 use crate::transport::vertex::{departing_states, turn_of_light};
 use crate::transport::{Arrived, LightModel};
 
 /// Vertices of a light path that all sensor vertices connect to, and segments of a sensor path
 /// whose vertices all connect. A multiple of [`LANES`].
 const ALWAYS: usize = 16;
+/// Connections are made for sure that bring this part at least of what their path has brought.
+const SURE: f32 = 0.1;
 
-/// Connects each row that has arrived to the vertices of its slot's light path that are at most
-/// `vertex_length_max` segments from the emitter.
+/// Connects each row that has arrived to the vertices of its slot's light path.
 ///
 /// What long paths in dense media would cost, length times length, is bounded: of the light
 /// vertices beyond the first `ALWAYS` a sensor vertex connects to eight neighbors, drawn with
@@ -29,34 +31,45 @@ const ALWAYS: usize = 16;
 /// weights of the strategies do not know of this, for they sum to one as they are; a path of such
 /// a length has so many strategies that the share of each is small.
 ///
+/// Of other paths, connections that would bring little beside what the path has brought already
+/// (less than `SURE` of it) are made as often as they bring of that, and count for those that are
+/// not: one number decides for all of a sensor vertex, so that as many are made as chances add up
+/// to. That decides by what has been measured, hence with polarization in polarized mode.
+///
 /// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
 /// only intensity crosses the connection.
 ///
 /// From: depolarize_sensor, store_light_vertices. To: trace_connections.
-/// Writes: connections. Reads: arrived (paths, surfaces), vertices, order, scene.
+/// Writes: connections. Reads: arrived (paths, surfaces), light, scene, measured.
 pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, M::Sensor>,
-    (vertices, order): (&VertexTable<N>, &SlotOrder),
-    scene: &Scene<N>,
-    vertex_length_max: u32,
+    light: &LightPaths<N>,
+    (scene, measured): (&Scene<N>, &Measured<N>),
 ) {
     connections.clear();
     let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
     let depolarizes = event.form == Form::Depolarizer;
+    let mut places = [0.0; LANES];
     for_scatterer!(scene, event.met, all => for row in rows.clone() {
-        let of_path = order.rows_of(paths.identity.slot[row] as usize);
+        let lane = (row - rows.start) % LANES;
+        if lane == 0 {
+            places = paths.identity.draw(row, path_length, Purpose::Connections)[0].to_array();
+        }
+        let slot = paths.identity.slot[row] as usize;
+        let of_path = light.order.rows_of(slot);
         if of_path.is_empty() {
             continue;
         }
         let mut sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
-        let mut connect = |sensor: &SensorVertex<_, N>, first: usize| {
+        let mut connect = |sensor: &mut SensorVertex<_, N>, first: usize| {
             let some = (first, LANES.min(of_path.end - first));
-            sensor.connect::<M>(connections, vertices, scene, some, vertex_length_max);
+            sensor.connect::<M>(connections, light, scene, some);
         };
         let is_long = of_path.len() > ALWAYS || path_length as usize > ALWAYS;
         if !is_long {
-            of_path.clone().step_by(LANES).for_each(|first| connect(&sensor, first));
+            sensor.play_beside(measured.intensity(slot), places[lane]);
+            of_path.clone().step_by(LANES).for_each(|first| connect(&mut sensor, first));
             continue;
         }
         let [u, v] = paths.identity.draw_row(row, path_length, Purpose::Connections);
@@ -65,12 +78,12 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
             continue;
         }
         sensor.count_for(1.0 / chance);
-        of_path.clone().take(ALWAYS).step_by(LANES).for_each(|first| connect(&sensor, first));
+        of_path.clone().take(ALWAYS).step_by(LANES).for_each(|first| connect(&mut sensor, first));
         let groups = of_path.len().saturating_sub(ALWAYS).div_ceil(LANES);
         if groups > 0 {
             sensor.count_for(groups as f32);
             let group = ((v * groups as f32) as usize).min(groups - 1);
-            connect(&sensor, of_path.start + ALWAYS + group * LANES);
+            connect(&mut sensor, of_path.start + ALWAYS + group * LANES);
         }
     });
 }
@@ -88,6 +101,10 @@ struct SensorVertex<V, const N: usize> {
     depolarizes: bool,
     beta: [F32s; N],
     weights: PartialWeights<F32s>,
+    /// Over what a connection must bring to be made for sure, if they are played for.
+    per_sure: Option<f32>,
+    /// The sum of their chances so far, less those made: from a random number on.
+    place: f32,
 }
 
 impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
@@ -114,7 +131,35 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             depolarizes,
             beta,
             weights: paths.mis.splat(row),
+            per_sure: None,
+            place: 0.0,
         }
+    }
+
+    /// Plays for connections that bring little beside what the path `has_brought`, from a random
+    /// number in [0, 1) on.
+    fn play_beside(&mut self, has_brought: &[f32; N], u: f32) {
+        let most = has_brought.iter().fold(0.0_f32, |most, &it| most.max(it));
+        self.per_sure = (most > 0.0).then(|| 1.0 / (SURE * most));
+        self.place = u;
+    }
+
+    /// The lanes of those carrying that are made; their values then count for the others.
+    #[inline(always)]
+    fn play(&mut self, value: &mut [F32s; N], carrying: F32s) -> F32s {
+        let Some(per_sure) = self.per_sure else { return carrying };
+        let most = value[1..].iter().fold(value[0], |most, &it| most.fast_max(it));
+        let chance = (most * F32s::splat(per_sure)).fast_min(F32s::splat(1.0));
+        let mut made = [false; LANES];
+        for (made, chance) in made.iter_mut().zip((carrying & chance).to_array()) {
+            let place = self.place + chance;
+            *made = place >= 1.0;
+            self.place = if *made { place - 1.0 } else { place };
+        }
+        for value in value {
+            *value /= chance;
+        }
+        carrying & lanes::mask_of(made)
     }
 
     /// Makes what connections bring count for so many like it.
@@ -125,12 +170,11 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
     /// Connects to the `live` vertices from `first` on.
     #[inline(always)]
     fn connect<M: LightModel<N>>(
-        &self,
+        &mut self,
         connections: &mut ConnectionTable<N>,
-        vertices: &VertexTable<N>,
+        &LightPaths { vertices, length_max, .. }: &LightPaths<N>,
         scene: &Scene<N>,
         (first, live): (usize, usize),
-        vertex_length_max: u32,
     ) {
         let position = Vector::load(&vertices.position, first);
         let offset = position - self.position;
@@ -147,6 +191,9 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             let power = lanes::load(&vertices.power[n], first) * light.value[n];
             *value = *value * turn.value[n] * power * factor;
         }
+        let path_length = lanes::load_u32(&vertices.path_length, first);
+        let fits: F32s = bytemuck::cast(path_length.simd_le(U32s::splat(length_max)));
+        let made = self.play(&mut value, lanes::first(live) & fits);
         let normal = Vector::load(&vertices.geometric_normal, first);
         let from = offset_origin(self.position, self.normal, direction, self.offset);
         // The distances that its test computes have errors of where the ray comes from, too.
@@ -163,9 +210,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             inside: U32s::splat(self.inside),
             from: Side::Sensor,
         };
-        let path_length = lanes::load_u32(&vertices.path_length, first);
-        let fits: F32s = bytemuck::cast(path_length.simd_le(U32s::splat(vertex_length_max)));
-        let carrying = lanes.carrying(live) & fits;
+        let carrying = lanes.carrying(live) & made;
         let states = departing_states::<N, M>(vertices, scene, -direction, (first, live));
         if states.iter().all(Option::is_none) {
             connections.push_lanes(&lanes, carrying);

@@ -29,6 +29,12 @@ impl<const N: usize> Measured<N> {
         &mut self.values[slot * self.components..][..self.components]
     }
 
+    /// The intensity of a slot, by wavelength.
+    #[inline(always)]
+    pub fn intensity(&self, slot: usize) -> &[f32; N] {
+        &self.values[slot * self.components]
+    }
+
     /// Adds intensity to a slot.
     #[inline(always)]
     pub fn add_intensity(&mut self, slot: usize, value: [f32; N]) {

@@ -114,3 +114,12 @@ impl SlotOrder {
         start as usize..self.ends[slot] as usize
     }
 }
+/// The light paths of a chunk.
+pub struct LightPaths<'a, const N: usize> {
+    /// Their vertices, by slot.
+    pub vertices: &'a VertexTable<N>,
+    /// Which are whose.
+    pub order: &'a SlotOrder,
+    /// Most segments from the emitter to a vertex that is connected to.
+    pub length_max: u32,
+}
