@@ -362,8 +362,8 @@ impl PhotonVisitor<2> for Densities<'_> {
         (0, self.radius)
     }
 
-    fn narrow(&mut self, state: &mut Self::State, _query: usize, radius: f32) {
-        assert!(radius < self.radius);
+    fn enclose(&mut self, state: &mut Self::State, _query: usize, radius: f32) {
+        assert!(radius <= self.radius);
         state.1 = radius;
     }
 

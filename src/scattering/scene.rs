@@ -158,10 +158,9 @@ impl<const N: usize> Scene<N> {
         scene
     }
 
-    /// Looks for what light paths are worth to be aimed at, if any are of emitters without extent.
+    /// Looks for what light paths are worth to be aimed at.
     fn aim_light_paths(&mut self) {
-        let has_extent = |emitter: &Emitter<N>| emitter::primitive(&emitter.model) != NONE;
-        if self.optics.emitters.iter().all(has_extent) {
+        if self.optics.emitters.is_empty() {
             return;
         }
         let targets = targets(self);

@@ -1,10 +1,12 @@
-//! Where light paths of emitters without extent are aimed: at balls around what matters in a scene
-//! that is large against it, mixed with all of the scene.
+//! Where light paths are aimed: at balls around what matters in a scene that is large against it,
+//! mixed with all of the scene.
 //!
-//! A light path of an emitter that is infinitely far away, or a point, is a line, and whether that
-//! meets a ball does not hang on the vertices along it. So its density, that of the mixture, is the
-//! same whoever asks: the path itself when it starts, a sensor path that meets the sky, and a
-//! vertex that connects to the emitter.
+//! A light path starts along a line, and whether that meets a ball does not hang on the vertices
+//! along it. So its density, that of the mixture, is the same whoever asks: the path itself when it
+//! starts, a sensor path that meets the emitter, and a vertex that connects to it.
+//!
+//! From an area, paths are aimed at balls that are wholly before the point where they start; those
+//! of other points leave as if they were not aimed.
 
 use glam::{DVec3, Vec3};
 
@@ -13,7 +15,8 @@ use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Emitter;
 
 use super::direct::DirectLanes;
-use super::{EmissionSample, gain_of_aim};
+use super::point::{ConeAbout, cone_before, versine_of};
+use super::{EmissionSample, gain_of_aim, sides_of_area};
 
 /// Share of the light paths of an emitter that are aimed at some ball, if the camera sees a small
 /// part of the scene, and if not: then the rest of it is seen too.
@@ -54,7 +57,8 @@ pub struct Aim {
     /// that.
     chances: Vec<f32>,
     /// And the densities of lines that are, with the probability of that: over those of lines that
-    /// are aimed at the whole scene.
+    /// are aimed at the whole scene. From an area that hangs on the line, and this is the
+    /// probability alone.
     gains: Vec<f32>,
 }
 
@@ -62,8 +66,10 @@ pub struct Aim {
 struct Row {
     /// Probability of aiming at the whole scene.
     whole: f32,
-    /// Whether light leaves a point, and so meets a ball on one side of that only.
+    /// Whether light leaves points, and so meets a ball on one side of them only.
     is_finite: bool,
+    /// Sides that emit of an area, else zero.
+    sides: f32,
 }
 
 /// An emitter, and a line along which its light travels.
@@ -71,8 +77,10 @@ struct Row {
 pub struct Line {
     /// Row of the emitter.
     pub emitter: usize,
-    /// The emitter if it is a point, else any point of the line.
+    /// Where it leaves the emitter, or any point of the line if that is infinitely far away.
     pub point: Vec3,
+    /// The emitter's normal there, if it has a surface.
+    pub normal: Vec3,
     /// Along the light, unit length.
     pub direction: Vec3,
 }
@@ -94,6 +102,7 @@ impl Aim {
         for emitter in &*emitters {
             let is_finite = emitter.model.is_finite();
             let is_aimed = *sees_little || !is_finite;
+            let sides = sides_of_area(&emitter.model);
             let (mut aimed, mut brought) = (0.0, 0.0);
             for target in targets {
                 let gain = gain_of_aim(&emitter.model, shapes, &target.ball);
@@ -102,10 +111,10 @@ impl Aim {
                 aimed += chance;
                 brought -= gain.map_or(0.0, f32::ln) * target.weight / sum;
                 aim.chances.push(aimed);
-                aim.gains.push(chance * gain.unwrap_or(0.0));
+                aim.gains.push(if sides > 0.0 { chance } else { chance * gain.unwrap_or(0.0) });
             }
             comes.push(f32::exp(brought));
-            aim.rows.push(Row { whole: 1.0 - aimed, is_finite });
+            aim.rows.push(Row { whole: 1.0 - aimed, is_finite, sides });
         }
         if aim.rows.iter().all(|row| row.whole == 1.0) {
             return None;
@@ -130,8 +139,8 @@ impl Aim {
     /// aimed at all of the scene. It has been aimed at the ball `drawn`, which rounding errors do
     /// not let it miss.
     pub fn weigh<const N: usize>(&self, sample: &mut EmissionSample<N>, drawn: Option<usize>) {
-        let &mut EmissionSample { emitter, position: point, direction, .. } = sample;
-        let gain = self.gain_with(Line { emitter, point, direction }, drawn);
+        let &mut EmissionSample { emitter, position: point, normal, direction, .. } = sample;
+        let gain = self.gain_with(Line { emitter, point, normal, direction }, drawn);
         sample.beta.iter_mut().for_each(|beta| *beta /= gain);
         sample.emission_pdf *= gain;
     }
@@ -146,8 +155,15 @@ impl Aim {
         let mut sum = row.whole;
         let gains = &self.gains[self.of(line.emitter)];
         for (index, (ball, &gain)) in self.balls.iter().zip(gains).enumerate() {
-            if gain > 0.0 && (drawn == Some(index) || line.meets(ball, row.is_finite)) {
-                sum += gain;
+            if gain == 0.0 {
+                continue;
+            }
+            let seen = Seen::of(ball, &line, row.sides);
+            if matches!(seen, Seen::NotBefore)
+                || drawn == Some(index)
+                || line.meets(ball, row.is_finite)
+            {
+                sum += gain * seen.denser(&line, row.sides);
             }
         }
         sum
@@ -164,7 +180,9 @@ impl Aim {
     ) {
         let mut sum = F32s::from(emitters.map(|emitter| self.rows[emitter].whole));
         let point = Vector::select(chosen.finite, chosen.point, reference);
-        let zero = F32s::splat(0.0);
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let sides = F32s::from(emitters.map(|emitter| self.rows[emitter].sides));
+        let has_area = sides.simd_gt(zero);
         for (index, ball) in self.balls.iter().enumerate() {
             let gain = |lane: usize| self.gains[emitters[lane] * self.balls.len() + index];
             let to_ball = Vector::splat(ball.center) - point;
@@ -173,7 +191,13 @@ impl Aim {
             let is_before = to_ball.dot(chosen.direction).simd_lt(zero);
             let is_on_side = Real::select(chosen.finite, is_before, lanes::first(LANES));
             let meets = off.simd_lt(radius * radius) & is_on_side;
-            sum += meets & F32s::from(lanes::each(gain));
+            let gain = F32s::from(lanes::each(gain));
+            let height = to_ball.dot(chosen.normal);
+            let height = Real::select(sides.simd_gt(one), height.abs(), height);
+            let versine = versine_of(radius * radius / to_ball.length_squared());
+            let denser = sides / ((versine + versine) * chosen.cos_at_light);
+            let of_area = Real::select(height.simd_gt(radius), meets & denser, one);
+            sum += gain * Real::select(has_area, of_area, meets & one);
         }
         chosen.emission_pdf *= sum;
     }
@@ -191,6 +215,34 @@ fn favor<const N: usize>(emitters: &mut [Emitter<N>], comes: &[f32]) {
     let all: f32 = emitters.iter().zip(comes).map(|(of, share)| of.probability * share).sum();
     for (emitter, share) in emitters.iter_mut().zip(comes) {
         emitter.probability *= 0.5 + 0.5 * (share / all);
+    }
+}
+
+/// How an area sees a ball from the point of a line.
+enum Seen {
+    /// There is no area.
+    Apart,
+    /// Not wholly before the point.
+    NotBefore,
+    /// In the cone about it.
+    In(ConeAbout),
+}
+
+impl Seen {
+    fn of(ball: &Bounds, line: &Line, sides: f32) -> Self {
+        if sides == 0.0 {
+            return Self::Apart;
+        }
+        cone_before((line.point, line.normal), ball, sides).map_or(Self::NotBefore, Self::In)
+    }
+
+    /// The density of a line that is aimed at the ball over that of those which are not, which fall
+    /// off with the cosine: 1 where that is not known here.
+    fn denser(&self, line: &Line, sides: f32) -> f32 {
+        match self {
+            Self::Apart | Self::NotBefore => 1.0,
+            Self::In(cone) => cone.gain_over_cosine(line.direction.dot(line.normal).abs(), sides),
+        }
     }
 }
 

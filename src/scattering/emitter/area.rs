@@ -6,9 +6,15 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use crate::math::{F32s, Real, Vector};
+use crate::scene::baked::Bounds;
 
+use super::aim::GAIN_MIN_OF_POINTS;
 use super::direct::{DirectLanes, finite, reachable};
+use super::point::cone_before;
 use super::{EmissionSample, Emits, MetEmission, Source};
+
+/// Least cosine at which light leaves: at the horizon the densities vanish.
+pub const COSINE_MIN: f32 = 1e-6;
 
 /// An emitter's area, as its densities see it.
 #[derive(Clone, Copy)]
@@ -20,27 +26,33 @@ pub struct Area {
 }
 
 impl Area {
-    /// Starts a path at `position`, where the normal to the front is `front`: cosine-weighted,
-    /// from either side if there are two.
+    /// [`Emits::gain_of_aim`], by what is so at one point.
+    pub fn gain_of_aim(self, at: (Vec3, Vec3), ball: &Bounds) -> Option<f32> {
+        let cone = cone_before(at, ball, self.sides())?;
+        let gain = cone.gain_over_cosine(cone.axis.dot(at.1).abs(), self.sides());
+        Some(gain).filter(|&gain| gain > GAIN_MIN_OF_POINTS)
+    }
+
+    /// Sides that emit.
+    pub fn sides(self) -> f32 {
+        if self.two_sided { 2.0 } else { 1.0 }
+    }
+
+    /// Starts a path at `position`, where the normal to the front is `front`: at what it is aimed
+    /// at, if that is before the point, else cosine-weighted, from either side if there are two.
     pub fn emit<Model: Emits, const N: usize>(
         self,
         source: &Source<N>,
         (position, front): (Vec3, Vec3),
-        mut u: [f32; 2],
+        u: [f32; 2],
     ) -> EmissionSample<N> {
-        let mut normal = front;
-        if self.two_sided {
-            let back = u[0] < 0.5;
-            u[0] = u[0] * 2.0 - if back { 0.0 } else { 1.0 };
-            normal = if back { -front } else { front };
-        }
-        let radius = u[0].sqrt();
-        let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
-        // Kept off the horizon, where the densities vanish.
-        let cos_at_light = (1.0 - u[0]).sqrt().max(1e-6);
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
-        let direction =
-            tangent * (radius * cosine) + bitangent * (radius * sine) + normal * cos_at_light;
+        let aimed_at = source.aimed_at.as_ref();
+        let cone = aimed_at.and_then(|ball| cone_before((position, front), ball, self.sides()));
+        let direction = match cone {
+            Some(cone) => cone.direction(u),
+            None => self.by_cosine(front, u),
+        };
+        let cos_at_light = direction.dot(front).abs().max(COSINE_MIN);
         let emission_pdf = self.emission_pdf(source, cos_at_light);
         EmissionSample {
             position,
@@ -58,19 +70,39 @@ impl Area {
         }
     }
 
-    /// What is seen at a cosine to the normal of the front.
-    pub fn met<const N: usize>(self, source: &Source<N>, cosine: f32) -> Option<MetEmission<N>> {
+    /// A direction whose density falls off with the cosine.
+    fn by_cosine(self, front: Vec3, mut u: [f32; 2]) -> Vec3 {
+        let mut normal = front;
+        if self.two_sided {
+            let back = u[0] < 0.5;
+            u[0] = u[0] * 2.0 - if back { 0.0 } else { 1.0 };
+            normal = if back { -front } else { front };
+        }
+        let radius = u[0].sqrt();
+        let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+        let up = (1.0 - u[0]).sqrt().max(COSINE_MIN);
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        tangent * (radius * cosine) + bitangent * (radius * sine) + normal * up
+    }
+
+    /// What a ray along `direction` sees that meets it where the normal to the front is `front`.
+    pub fn met<const N: usize>(
+        self,
+        source: &Source<N>,
+        (front, direction): (Vec3, Vec3),
+    ) -> Option<MetEmission<N>> {
+        let cosine = -direction.dot(front);
         let cos_at_light = if self.two_sided { cosine.abs() } else { cosine };
         (cos_at_light > 0.0).then(|| MetEmission {
             radiance: source.radiance,
             emission_pdf: self.emission_pdf(source, cos_at_light),
             cos_at_light,
+            normal: front,
         })
     }
 
     fn emission_pdf<const N: usize>(self, source: &Source<N>, cos_at_light: f32) -> f32 {
-        let sides = if self.two_sided { 2.0 } else { 1.0 };
-        source.probability * cos_at_light * FRAC_1_PI / (self.area * sides)
+        source.probability * cos_at_light * FRAC_1_PI / (self.area * self.sides())
     }
 }
 

@@ -59,6 +59,7 @@ impl Emits for Environment {
             radiance: source.radiance,
             emission_pdf: source.probability * SPHERE_PDF * disk_pdf(source.shapes),
             cos_at_light: 1.0,
+            normal: Vec3::ZERO,
         })
     }
 

@@ -64,9 +64,14 @@ pub trait Emits: Extent {
 
     /// How many times as dense light paths are that are aimed at a ball as those that are aimed at
     /// the whole scene; none if they are not: the ball is not small as seen from the emitter, or
-    /// gets no light, or the emitter has an extent.
+    /// gets no light. Of an area, about so many: each of its points has its own.
     fn gain_of_aim(&self, _shapes: &Shapes, _ball: &Bounds) -> Option<f32> {
         None
+    }
+
+    /// Sides that emit of an emitter with an area; zero for others.
+    fn sides_of_area(&self) -> f32 {
+        0.0
     }
 
     /// Starts a light path: its densities are those of paths that are aimed at the whole scene.
@@ -171,6 +176,8 @@ pub struct MetEmission<const N: usize> {
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 for the environment.
     pub cos_at_light: f32,
+    /// The normal to its front; zero for the environment.
+    pub normal: Vec3,
 }
 
 /// Starts a light path; `u_aim` says what it is aimed at, if paths are.
@@ -207,7 +214,8 @@ pub fn met_emission<const N: usize>(
     let row = row as usize;
     let met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
     let Some(aim) = &scene.aim else { return Some(met) };
-    let line = Line { emitter: row, point: position, direction: -direction };
+    let (point, normal) = (position, met.normal);
+    let line = Line { emitter: row, point, normal, direction: -direction };
     Some(MetEmission { emission_pdf: aim.gain(line) * met.emission_pdf, ..met })
 }
 
@@ -332,6 +340,13 @@ macro_rules! dispatched {
         fn gain_of_aim(model: &EmitterModel, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
             match model {
                 $(EmitterModel::$Model(model) => model.gain_of_aim(shapes, ball),)*
+            }
+        }
+
+        /// [`Emits::sides_of_area`].
+        fn sides_of_area(model: &EmitterModel) -> f32 {
+            match model {
+                $(EmitterModel::$Model(model) => model.sides_of_area(),)*
             }
         }
 

@@ -4,11 +4,12 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
-use crate::math::{F32s, Vector};
+use crate::math::{F32s, Real, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Point;
 
 use super::aim::GAIN_MIN_OF_POINTS;
+use super::area::COSINE_MIN;
 use super::direct::{DirectLanes, Own, OwnLanes, finite, own, reachable};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -84,8 +85,22 @@ pub struct ConeAbout {
 pub fn cone_about(point: Vec3, ball: &Bounds) -> Option<ConeAbout> {
     let to_ball = ball.center.as_dvec3() - point.as_dvec3();
     let sine2 = f64::from(ball.radius).powi(2) / to_ball.length_squared();
-    let versine = (sine2 / (1.0 + (1.0 - sine2).sqrt())) as f32;
+    let versine = versine_of(sine2) as f32;
     (sine2 < 1.0).then(|| ConeAbout { axis: to_ball.normalize().as_vec3(), versine })
+}
+
+/// One less the cosine of an angle, by its squared sine.
+#[inline(always)]
+pub fn versine_of<F: Real>(sine2: F) -> F {
+    sine2 / (F::one() + (F::one() - sine2).sqrt())
+}
+
+/// The same from a point of an area with this normal, that emits on so many `sides`; none if the
+/// ball is not wholly before it.
+pub fn cone_before((point, normal): (Vec3, Vec3), ball: &Bounds, sides: f32) -> Option<ConeAbout> {
+    let height = normal.dot(ball.center - point);
+    let height = if sides > 1.0 { height.abs() } else { height };
+    (height > ball.radius).then(|| cone_about(point, ball)).flatten()
 }
 
 impl ConeAbout {
@@ -94,13 +109,19 @@ impl ConeAbout {
         Some((1.0 - cos_edge) / self.versine).filter(|&gain| gain > GAIN_MIN_OF_POINTS)
     }
 
+    /// How many times as dense uniform directions in it are as those that fall off with the cosine
+    /// to a normal, on one side of that or two.
+    pub fn gain_over_cosine(self, cosine: f32, sides: f32) -> f32 {
+        sides / (2.0 * self.versine * cosine.max(COSINE_MIN))
+    }
+
     /// Cosine at the edge.
     pub fn cos_edge(self) -> f32 {
         1.0 - self.versine
     }
 
     /// A uniform direction in it.
-    fn direction(self, u: [f32; 2]) -> Vec3 {
+    pub fn direction(self, u: [f32; 2]) -> Vec3 {
         let versine = u[0] * self.versine;
         let radius = (versine * (2.0 - versine)).sqrt();
         let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::math::{F32s, Real, Vector, warp};
 use crate::scattering::immersion::spread;
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Sphere;
 
 use super::area::Area;
@@ -88,6 +88,19 @@ impl Emits for Sphere {
         Outline { lower, upper, even: seen, area: seen, ..Outline::at(sphere.center) }
     }
 
+    fn gain_of_aim(&self, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+        let sphere = self.shape(shapes);
+        // Of the points from which the ball is seen, one halfway between the nearest and the edge.
+        let to_ball = (ball.center - sphere.center).normalize_or_zero();
+        let normal =
+            (to_ball + to_ball.any_orthogonal_vector().normalize_or_zero()).normalize_or_zero();
+        area_of(self).gain_of_aim((sphere.center + normal * sphere.radius, normal), ball)
+    }
+
+    fn sides_of_area(&self) -> f32 {
+        area_of(self).sides()
+    }
+
     fn emit<const N: usize>(
         &self,
         source: &Source<N>,
@@ -107,7 +120,7 @@ impl Emits for Sphere {
         direction: Vec3,
     ) -> Option<MetEmission<N>> {
         let outwards = source.shapes.geometric_normal(self.primitive, position);
-        area_of(self).met(source, -direction.dot(outwards))
+        area_of(self).met(source, (outwards, direction))
     }
 
     fn reach(&self, shapes: &Shapes) -> f32 {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::reach_of_triangle;
 use crate::math::{F32s, Real, Vector, warp};
-use crate::scene::baked::Shapes;
+use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Triangle;
 
 use super::area::{self, Area};
@@ -92,6 +92,16 @@ impl Emits for Triangle {
         }
     }
 
+    fn gain_of_aim(&self, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
+        let [a, b, c] = shapes.triangles[self.primitive as usize].corners;
+        let middle = (a + b + c) / 3.0;
+        area_of(self).gain_of_aim((middle, (b - a).cross(c - a).normalize()), ball)
+    }
+
+    fn sides_of_area(&self) -> f32 {
+        area_of(self).sides()
+    }
+
     fn emit<const N: usize>(
         &self,
         source: &Source<N>,
@@ -113,7 +123,7 @@ impl Emits for Triangle {
         direction: Vec3,
     ) -> Option<MetEmission<N>> {
         let front = source.shapes.geometric_normal(self.primitive, position);
-        area_of(self).met(source, -direction.dot(front))
+        area_of(self).met(source, (front, direction))
     }
 
     fn reach(&self, shapes: &Shapes) -> f32 {
