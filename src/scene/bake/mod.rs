@@ -8,6 +8,7 @@
 mod apart;
 mod beside;
 mod bodies;
+mod divide;
 mod emitters;
 mod media;
 mod optics;
@@ -67,9 +68,10 @@ pub fn bake_optics<const N: usize>(
 fn shapes(world: &World) -> Result<Shapes, SceneError> {
     world.check()?;
     let rows = Rows::of(world);
-    let origin = origin::origin(world)?;
+    let center = origin::center(world)?;
+    let origin = center.origin;
     let mut warnings = Warnings::default();
-    let primitives = primitives::primitives(world, &rows, origin, &mut warnings)?;
+    let primitives = primitives::primitives(world, &rows, center, &mut warnings)?;
     let bounds = bounds(world, origin, &primitives)?;
     let mut shapes = Shapes {
         triangles: primitives.triangles,

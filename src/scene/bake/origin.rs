@@ -19,21 +19,39 @@ use crate::scene::world::{
 /// scene has it.
 const SLACK: f64 = 8.0;
 
+/// The same relative to half of the height that the camera sees there, for those that look at
+/// little from far off.
+const SLACK_OF_VIEW: f64 = 64.0;
+
 /// Where on the film the camera looks for the nearest thing that it sees, from -1 to 1.
 const LOOKS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.6, -0.6], [0.6, -0.6], [-0.6, 0.6], [0.6, 0.6]];
 
 /// Most triangles that a look tries, about; of more it tries some.
 const TRIED_MAX: usize = 1 << 20;
 
+/// What world space is centered on.
+#[derive(Clone, Copy, Debug)]
+pub struct Center {
+    /// The new origin.
+    pub origin: DVec3,
+    /// Coordinates that count as near: what the camera sees first is hardly farther from there.
+    pub near: f32,
+}
+
+impl Center {
+    /// Where the scene has it, with nothing to say what is far.
+    const UNKNOWN: Self = Self { origin: DVec3::ZERO, near: f32::INFINITY };
+}
+
 /// A point that world space is centered on, for the precision of what the camera sees: the origin
 /// of the scene where that is near.
 ///
 /// # Errors
 /// When it would be out of range.
-pub fn origin(world: &World) -> Result<DVec3, SceneError> {
+pub fn center(world: &World) -> Result<Center, SceneError> {
     let cameras = world
         .in_order::<(&Name, &Transform, &Lens), _>(|(name, at, lens)| (name.clone(), *at, *lens));
-    let Some((name, place, lens)) = cameras.into_iter().next() else { return Ok(DVec3::ZERO) };
+    let Some((name, place, lens)) = cameras.into_iter().next() else { return Ok(Center::UNKNOWN) };
     let eye = place.0.translation;
     let (focus, distance) = match nearest_seen(world, &place, &lens) {
         Some(focus) => (focus, eye.distance(focus)),
@@ -41,9 +59,19 @@ pub fn origin(world: &World) -> Result<DVec3, SceneError> {
     };
     check_range(focus, focus, &name.0)?;
     // In steps of a power of two, so that round coordinates stay round.
-    let step = (SLACK * distance).log2().ceil().exp2();
+    let step = (SLACK * distance).min(SLACK_OF_VIEW * half_view(&lens, distance));
+    let step = step.log2().ceil().exp2();
     let origin = (focus / step).round() * step;
-    Ok(if origin.is_finite() { origin } else { DVec3::ZERO })
+    let is_known = origin.is_finite() && step > 0.0;
+    Ok(if is_known { Center { origin, near: step as f32 } } else { Center::UNKNOWN })
+}
+
+/// Half the height of what the camera sees at a distance.
+fn half_view(lens: &Lens, distance: f64) -> f64 {
+    match *lens {
+        Lens::Perspective { yfov, .. } => distance * (0.5 * yfov).tan(),
+        Lens::Orthographic { half_height, .. } => f64::from(half_height),
+    }
 }
 
 /// A ray in double precision; the direction has any length.

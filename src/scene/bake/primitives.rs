@@ -6,6 +6,8 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
 use super::apart::{Yields, set_apart};
+use super::divide::divide;
+use super::origin::Center;
 use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
 use crate::scene::baked::{KEEP, LEAST_COSINE, NONE, Sphere, Surface, Triangle};
@@ -53,13 +55,14 @@ pub struct Triangles {
     pub shading_normals: Vec<[Vec3; 3]>,
 }
 
-/// Places all meshes and spheres about `origin`.
+/// Places all meshes and spheres about the origin.
 pub fn primitives(
     world: &World,
     rows: &Rows,
-    origin: DVec3,
+    center: Center,
     warnings: &mut Warnings,
 ) -> Result<Primitives, SceneError> {
+    let Center { origin, near } = center;
     type Placed<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
     let mut tables = Primitives::default();
     let parts = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
@@ -68,7 +71,7 @@ pub fn primitives(
         let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
         Part { name, geometry, to_world: at.about(origin), surface, emits }
     });
-    let instances = tables.add_parts(parts, warnings)?;
+    let instances = tables.add_parts(parts, near, warnings)?;
     let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
         (name.clone(), ball.radius, at.about(origin), surface(world, rows, of.0, &at.0, boundary))
     });
@@ -140,11 +143,12 @@ impl Primitives {
         row
     }
 
-    /// Adds the surfaces of all parts, and the triangles of those that are not shared; returns
-    /// the others with the rows of their surfaces.
+    /// Adds the surfaces of all parts, and the triangles of those that are not shared, in pieces if
+    /// they reach far beyond `near`; returns the others with the rows of their surfaces.
     fn add_parts(
         &mut self,
         parts: Vec<Part>,
+        near: f32,
         warnings: &mut Warnings,
     ) -> Result<Vec<(Part, u32)>, SceneError> {
         let mut triangles = Triangles::default();
@@ -163,6 +167,7 @@ impl Primitives {
             warn_of_dropped(&part, dropped, warnings);
             self.surface_of_primitive.resize(triangles.rows.len(), surface);
         }
+        divide(&mut triangles, &mut self.surface_of_primitive, near);
         triangles.finish_normals();
         (self.triangles, self.shading_normals) = (triangles.rows, triangles.shading_normals);
         Ok(instances)
@@ -245,7 +250,7 @@ fn normal_matrix(matrix: &DMat3) -> DMat3 {
 }
 
 /// The unit normal of a triangle, as later stages will compute it in `f32`; none if that fails.
-fn geometric_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
+pub fn geometric_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
     let normal = (b - a).cross(c - a);
     let length_squared = normal.length_squared();
     (length_squared.is_normal() && length_squared.is_finite())
