@@ -1,6 +1,6 @@
 //! Bidirectional path tracing with all strategies (paper, equations 8 to 12): emitters met, one
 //! connection to an emitter, connections to every vertex of the paired light path, and light
-//! vertices connected to the sensor.
+//! vertices connected to the sensor; also points of emitters whose own images are small.
 
 use crate::scattering::Scene;
 use crate::transport::stages::connect_to_vertices::connect_to_vertices;
@@ -10,8 +10,8 @@ use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
 use super::Schedule;
 use super::connect::{
-    connect_emitters, for_each_connectable, light_paths, measure_connections, splat_vertices,
-    store_vertices,
+    connect_emitters, for_each_connectable, light_paths, measure_connections, splat_emission,
+    splat_vertices, store_vertices,
 };
 use super::profile::Stage;
 use super::sides::{LightWalk, SensorWalk};
@@ -63,6 +63,9 @@ impl Schedule for Bdpt {
         _photons: Option<&PhotonMaps<N>>,
     ) {
         LightWalk::start(workspace, scene, chunk);
+        if scene.glimpses.has_any() {
+            splat_emission(workspace, scene, chunk, STRATEGY);
+        }
         store_vertices(workspace, scene, chunk);
         splat_vertices(workspace, scene, chunk, STRATEGY);
 

@@ -139,17 +139,19 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
     });
 }
 
-/// Connects the starts of all light paths to the sensor: emitters seen directly.
+/// Connects the starts of light paths to the sensor: emitters seen directly, all, or those that
+/// sensor paths hardly meet.
 pub fn splat_emission<const N: usize, M: LightModel<N>>(
     w: &mut Workspace<N, M>,
     scene: &Scene<N>,
     chunk: &Chunk,
+    strategy: Strategy,
 ) {
     let (connections, paths) = (&mut w.connections, &w.light[0]);
     w.profile.time(Stage::Connect, || {
-        connect_emission(connections, paths, chunk, scene, light_paths(scene));
+        connect_emission(connections, paths, chunk, scene, light_paths(scene), strategy);
     });
-    splat(w, scene, Strategy::Unidirectional);
+    splat(w, scene, strategy);
 }
 
 /// Connects all light vertices to the sensor.

@@ -27,7 +27,7 @@ impl Schedule for Light {
         _photons: Option<&PhotonMaps<N>>,
     ) {
         LightWalk::start(workspace, scene, chunk);
-        splat_emission(workspace, scene, chunk);
+        splat_emission(workspace, scene, chunk, Strategy::Unidirectional);
         store_vertices(workspace, scene, chunk);
         splat_vertices(workspace, scene, chunk, Strategy::Unidirectional);
     }

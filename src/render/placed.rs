@@ -8,6 +8,7 @@ use crate::integrators::Integrator;
 use crate::math::text::counted;
 use crate::scattering::Scene;
 use crate::scattering::boundaries::{Doubt, settle};
+use crate::scattering::emitter::glimpse::pixels_seen;
 use crate::scattering::shut_in::Wanderer;
 use crate::scene::baked::{Camera, Shapes};
 use crate::scene::warnings::Warnings;
@@ -78,6 +79,11 @@ impl PlacedWorld {
         world.warnings().iter().chain(&shapes.warnings).map(String::as_str)
     }
 
+    /// The radius of a ball about all that has a place, in scene units.
+    pub fn radius(&self) -> f32 {
+        self.0.shapes.bounds.radius
+    }
+
     /// Width and height of the film: what the options ask for, else what the camera does, else
     /// 512 pixels wide; an edge that is not given follows from the other and the camera's aspect.
     ///
@@ -96,14 +102,19 @@ impl PlacedWorld {
     pub fn describe(&self) -> Result<String, SceneError> {
         let Placed { world, shapes, .. } = &*self.0;
         let warnings = shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
-        let scene = self.rgb(Color::Rgb, [1, 1])?;
+        let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
+        let film = self.film_size(&options).unwrap_or([1, 1]);
+        let scene = self.rgb(Color::Rgb, film)?;
         let media = match world.media_names().is_empty() {
             true => String::new(),
             false => immersed(world, &scene),
         };
         let choice = Rule::of(scene.look()).choice_in_words();
         let blind = Integrator::ALL.iter().filter_map(|it| blindness(*it, scene.look()));
-        let notes = blind.chain(shut_in(world, &scene)).map(|note| format!("note: {note}\n"));
+        let by_path = Settings::new(options).map(|by_path| Resolved::new(&by_path, &scene)).ok();
+        let glimpsed = by_path.and_then(|by_path| glimpsed(world, &scene, &by_path));
+        let notes = blind.chain(shut_in(world, &scene)).chain(glimpsed);
+        let notes = notes.map(|note| format!("note: {note}\n"));
         let notes: String = notes.collect();
         Ok(format!("{media}  {choice}\n{notes}{}", warnings.collect::<String>()))
     }
@@ -159,7 +170,45 @@ impl PlacedWorld {
 fn notes<const N: usize>(world: &World, scene: &Scene<N>, settings: &Settings) -> Vec<String> {
     let resolved = Resolved::new(settings, scene);
     let blind = blindness(resolved.integrator, scene.look());
-    resolved.choice_in_words().into_iter().chain(blind).chain(shut_in(world, scene)).collect()
+    let glimpsed = glimpsed(world, scene, &resolved);
+    let lamps = shut_in(world, scene).into_iter().chain(glimpsed);
+    resolved.choice_in_words().into_iter().chain(blind).chain(lamps).collect()
+}
+
+/// Lamps smaller than a pixel that samples are not likely to hit more often than this are seen by
+/// chance.
+const HITS_MIN: f32 = 10.0;
+
+/// Lamps in view whose own images are so small that the samples of a render hardly hit them, if
+/// nothing else finds these.
+fn glimpsed<const N: usize>(
+    world: &World,
+    scene: &Scene<N>,
+    settings: &Resolved,
+) -> Option<String> {
+    if settings.integrator.splats() || !scene.glimpses.has_any() {
+        return None;
+    }
+    let mut images: BTreeMap<(usize, String), f32> = BTreeMap::new();
+    for (row, lamp) in names_of_emitters(world, scene).into_iter().enumerate() {
+        if let Some(lamp) = lamp {
+            *images.entry(lamp).or_default() += pixels_seen(scene, row);
+        }
+    }
+    let is_chance = |&(_, pixels): &(_, f32)| {
+        pixels > 0.0 && pixels < 1.0 && pixels * (settings.samples as f32) < HITS_MIN
+    };
+    let mut small = images.into_iter().filter(is_chance);
+    let ((_, first), pixels) = small.next()?;
+    let others = match small.count() {
+        0 => String::new(),
+        others => format!(", and {} likewise", counted(others, ["other", "others"])),
+    };
+    let name = settings.integrator.name();
+    Some(format!(
+        "{first}: is in view, but its own image is only {pixels:.1e} of a pixel, which the samples \
+         of `{name}` hardly hit{others}; --integrator bdpt shows it"
+    ))
 }
 
 /// Most lamps that are looked for from the camera, and most parts of each.

@@ -18,6 +18,7 @@ use super::boundaries::settle;
 use super::emitter::aim::Aim;
 use super::emitter::choice::Choice;
 use super::emitter::direct::DirectTable;
+use super::emitter::glimpse::Glimpses;
 use super::emitter::lamps::Lamps;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
@@ -74,6 +75,8 @@ pub struct Scene<const N: usize> {
     pub choice: Choice,
     /// What light paths are aimed at, if not all at the whole scene.
     pub aim: Option<Aim>,
+    /// Emitters whose own images are small.
+    pub glimpses: Glimpses,
     /// Lamps that light media straight on, if any do.
     pub lamps: Option<Lamps>,
     /// What is refracted where solids overlap or touch, if any do.
@@ -137,6 +140,7 @@ impl<const N: usize> Scene<N> {
             emitter_offsets,
             choice: Choice::new(&shapes, &optics.emitters),
             aim: None,
+            glimpses: Glimpses::default(),
             lamps,
             interfaces,
             has_polarizing_vertices,
@@ -155,6 +159,7 @@ impl<const N: usize> Scene<N> {
             surfaces,
         };
         scene.aim_light_paths();
+        scene.glimpses = Glimpses::new(&scene.shapes, &scene.optics, &scene.sensor);
         scene
     }
 

@@ -92,6 +92,12 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     };
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
+        Strategy::Bidirectional if path_length == 1 => {
+            let direct_pdf = scene.glimpses.start_pdf(scene.emitter_seen(primitive) as usize);
+            let emitter = EmitterDensities { direct_pdf, emission_pdf: 0.0, cos_at_light };
+            let distance2 = if scene.sensor.is_finite() { distance2 } else { 1.0 };
+            mis::weight_of_emission_met(paths.mis.row(row), emitter, distance2)
+        }
         _ if path_length == 1 => 1.0,
         Strategy::Unidirectional | Strategy::Merging => {
             let pdf_w = paths.mis.pdf_w[row];

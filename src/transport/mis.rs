@@ -30,6 +30,7 @@
 //! | 42, 43 | meeting an emitter | [`weight_of_emission_met`] |
 //! | 44, 45 | connecting to an emitter | [`chance_over_choice`], [`weight_of_emitter_connected`] |
 //! | 46, 47 | connecting to the sensor | [`weight_of_sensor_connected`] |
+//! | 37 | connecting an emitter to the sensor | [`weight_of_start_connected`] |
 //!
 //! Conventions: the density of a medium takes the place of cosines at its vertices. What is
 //! infinitely far away has densities per steradian, no distance and no cosine. Roulette is left
@@ -320,6 +321,16 @@ pub fn weight_of_vertices_connected<F: Real>(sensor: End<F>, light: End<F>, inve
 pub fn weight_of_sensor_connected<F: Real>(light: End<F>, importance: F) -> F {
     let rivals = importance * light.turn.measure * light.weights.rivals(light.turn.pdf_reverse);
     F::one() / (rivals + F::one())
+}
+
+/// Weight of a point of an emitter that is connected to the sensor, where paths of one segment are
+/// found so, too: equation 37. `start_pdf` is the density of starting a light path there, per area;
+/// the sensor's path that meets the point has that as its `direct_pdf` and no `emission_pdf`, for
+/// nothing lies between ([`weight_of_emission_met`]). `importance` as for
+/// [`weight_of_sensor_connected`].
+#[inline(always)]
+pub fn weight_of_start_connected<F: Real>(start_pdf: F, cos_at_light: F, importance: F) -> F {
+    F::one() / (importance * cos_at_light / start_pdf + F::one())
 }
 
 /// What the weight of a connection is multiplied by if it crosses surfaces which paths pass with

@@ -18,6 +18,7 @@ mod triangle;
 pub mod aim;
 pub mod choice;
 pub mod direct;
+pub mod glimpse;
 pub mod lamps;
 pub mod tree;
 

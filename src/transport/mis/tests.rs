@@ -534,3 +534,29 @@ fn the_power_heuristic_weighs_chance_against_choice() {
         assert!(all == 0.0 || (sum - 1.0).abs() < TOLERANCE, "{sum} in {path:#?}");
     });
 }
+
+/// Paths of one segment: two ways, where starts of light paths are connected to the sensor.
+#[test]
+fn starts_connected_weigh_against_emission_met() {
+    for_each_path(|path| {
+        if path.emitter != EmitterKind::Area {
+            return;
+        }
+        let (start_pdf, distance2) = (path.eta, path.emitter_distance2());
+        let sensor_distance2 = if path.sensor == SensorKind::Parallel { 1.0 } else { distance2 };
+        let (crossed, cosine) = (path.chances[0], path.cos_at_light);
+        let meet = crossed * path.sensor_pdf * cosine / sensor_distance2;
+        let connect = path.light_paths * start_pdf;
+        let sensor = PartialWeights::from_sensor(path.sensor_pdf, path.light_paths).pass(crossed);
+        let densities =
+            EmitterDensities { direct_pdf: start_pdf, emission_pdf: 0.0, cos_at_light: cosine };
+        let met = weight_of_emission_met(sensor, densities, sensor_distance2);
+        let importance = path.sensor_pdf / sensor_distance2 / path.light_paths;
+        let weight = weight_of_start_connected(start_pdf, cosine, importance);
+        let connected = weight * gain_of_crossing(weight, crossed);
+        for (density, found) in [(meet, met), (connect, connected)] {
+            let expected = density / (meet + connect);
+            assert!((found / expected - 1.0).abs() < TOLERANCE, "{found} in {path:#?}");
+        }
+    });
+}

@@ -4,14 +4,17 @@
 use crate::math::{LANES, lanes};
 use crate::scattering::emitter::EmissionSample;
 use crate::scattering::{Scene, Side};
-use crate::transport::Chunk;
 use crate::transport::emission::sample_emissions;
+use crate::transport::mis;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
+use crate::transport::{Chunk, Strategy};
 
 /// Connects the start of every light path to the pixel that sees it; emitters without area are
-/// not seen. `light_paths` is the number of light paths an iteration.
+/// not seen. `light_paths` is the number of light paths an iteration. With
+/// [`Strategy::Bidirectional`], sensor paths meet the emitters as well, and only those whose images
+/// are small are connected.
 ///
 /// From: emit_light_paths. To: trace_connections.
 /// Writes: connections. Reads: paths (identity), chunk, scene.
@@ -21,6 +24,7 @@ pub fn connect_emission<const N: usize, C>(
     chunk: &Chunk,
     scene: &Scene<N>,
     light_paths: f32,
+    strategy: Strategy,
 ) {
     connections.clear();
     for row in (0..chunk.slots()).step_by(LANES) {
@@ -30,8 +34,11 @@ pub fn connect_emission<const N: usize, C>(
         let lens = draw(seed, iteration, 0, Purpose::LensConnection).map(|u| u.to_array());
         let samples = sample_emissions(&paths.identity, scene, row);
         for (lane, sample) in samples.iter().enumerate().take(live) {
-            if !sample.delta {
-                connect(connections, sample, scene, lens.map(|u| u[lane]), light_paths);
+            let competes = strategy == Strategy::Bidirectional;
+            let is_left_to_others = competes && scene.glimpses.start_pdf(sample.emitter) == 0.0;
+            if !(sample.delta || is_left_to_others) {
+                let lens = lens.map(|u| u[lane]);
+                connect(connections, sample, scene, lens, (light_paths, competes));
             }
         }
     }
@@ -43,7 +50,7 @@ fn connect<const N: usize>(
     sample: &EmissionSample<N>,
     scene: &Scene<N>,
     lens: [f32; 2],
-    light_paths: f32,
+    (light_paths, competes): (f32, bool),
 ) {
     let found = if sample.finite {
         scene.sensor.connect(sample.position, lens)
@@ -55,7 +62,12 @@ fn connect<const N: usize>(
     if cosine <= 0.0 {
         return;
     }
-    let factor = cosine * found.pdf_area / (sample.start_pdf * light_paths);
+    let importance = found.pdf_area / light_paths;
+    let weight = match competes {
+        true => mis::weight_of_start_connected(sample.start_pdf, cosine, importance),
+        false => 1.0,
+    };
+    let factor = weight * cosine * importance / sample.start_pdf;
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
     let segment = if sample.finite {
@@ -67,5 +79,5 @@ fn connect<const N: usize>(
         let inside = scene.medium_at_sensor(found.lens);
         Segment { origin: lens, direction, t_max: f32::INFINITY, inside, from: Side::Sensor }
     };
-    connections.push(segment, Cargo { value, weight: 1.0 }, found.pixel);
+    connections.push(segment, Cargo { value, weight }, found.pixel);
 }
