@@ -1,8 +1,8 @@
 //! Signals that ask a render to end: the image so far is written before the program goes.
 //!
-//! The render hears of a signal when the wave of samples in hand is done. As that can take longer
-//! than whoever sent the signal waits, a thread keeps the image of the wave before, if waves are
-//! long, and writes that.
+//! The render hears of a signal when the wave of samples in hand is done, or while it shoots
+//! photons. As the wave can take longer than whoever sent the signal waits, a thread keeps the
+//! image of the wave before, if waves are long, and writes that.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,12 +12,12 @@ use std::time::{Duration, Instant};
 use super::CliError;
 use super::files::say;
 use crate::image::StokesImage;
-use crate::render::Progress;
+use crate::render::{Progress, Stop};
 
 /// How long the wave in hand may take before the image of the one before is written instead.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PATIENCE: Duration = Duration::from_millis(800);
 /// Time between two looks at the signals.
-const POLL: Duration = Duration::from_millis(100);
+const POLL: Duration = Duration::from_millis(50);
 
 /// A signal that asks the program to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,12 +58,14 @@ struct State {
 
 impl Interrupt {
     /// Begins to listen. From now on, the first signal of its kind is no longer the end, but the
-    /// second is. `write` is what writes an image, with the number of its samples per pixel, when
-    /// the render cannot be waited for; the program ends with the exit code that it returns.
+    /// second is, and `stop` is told to the render. `write` is what writes an image, with the
+    /// number of its samples per pixel, when the render cannot be waited for; the program ends with
+    /// the exit code that it returns.
     ///
     /// # Errors
     /// When the system refuses.
     pub fn listen(
+        stop: Stop,
         write: impl FnOnce(StokesImage, u32, Signal) -> u8 + Send + 'static,
     ) -> Result<Self, CliError> {
         let number = Arc::new(AtomicUsize::new(0));
@@ -72,7 +74,7 @@ impl Interrupt {
         let state = State { over: false, image: None, latest: Instant::now() };
         let state = Arc::new(Mutex::new(state));
         let (of_thread, seen) = (Arc::clone(&state), Arc::clone(&number));
-        let watch = move || watch(&of_thread, &seen, write);
+        let watch = move || watch((&of_thread, &seen), &stop, write);
         thread::Builder::new()
             .spawn(watch)
             .map_err(|error| CliError::System(format!("cannot start a thread: {error}")))?;
@@ -102,8 +104,8 @@ impl Interrupt {
 
 /// Waits for a signal, and then for the render or for its own patience to end.
 fn watch(
-    state: &Mutex<State>,
-    number: &AtomicUsize,
+    (state, number): (&Mutex<State>, &AtomicUsize),
+    stop: &Stop,
     write: impl FnOnce(StokesImage, u32, Signal) -> u8,
 ) {
     let signal = loop {
@@ -115,6 +117,9 @@ fn watch(
         }
         thread::sleep(POLL);
     };
+    // The render has begun by then.
+    thread::sleep(POLL);
+    stop.stop();
     let name = signal.name();
     say(format_args!("{name}: writing the image as it is; the next signal ends at once"));
     thread::sleep(PATIENCE);

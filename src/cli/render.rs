@@ -49,7 +49,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let mut updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
     let at_once = Unfinished { scene: arguments.scene.clone(), output: arguments.output.clone() };
-    let interrupt = Interrupt::listen(move |image, samples, signal| {
+    let interrupt = Interrupt::listen(renderer.stop_handle(), move |image, samples, signal| {
         let error = at_once.write(image, samples, signal, start.elapsed());
         error.say();
         error.exit_code()
@@ -63,6 +63,10 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
             None => ControlFlow::Continue(()),
         }
     });
+    if renderer.samples() == 0 {
+        // The signal was there first.
+        renderer.step();
+    }
     interrupt.end();
     let seconds = start.elapsed().as_secs_f64();
     let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);

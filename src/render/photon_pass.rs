@@ -1,7 +1,5 @@
 //! The photons of an iteration: shot, stored and sorted.
 
-use std::time::Instant;
-
 use rayon::prelude::*;
 
 use crate::integrators::photons;
@@ -14,6 +12,7 @@ use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
+use super::renderer::Limit;
 use super::tiles::Pool;
 use super::{Passes, Resolved};
 
@@ -105,38 +104,44 @@ impl<const N: usize> PhotonPass<N> {
         self.maps.0.iter().map(|map| map.radius).collect()
     }
 
-    /// Shoots the photons of an iteration and sorts them. With an end, only for so long: false if
-    /// not all were shot then, unless those that were will do.
+    /// Shoots the photons of an iteration and sorts them, but not beyond a limit: false if not all
+    /// were shot then, unless some will do.
     pub fn shoot<M: LightModel<N>>(
         &mut self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
         settings: &Resolved,
-        (shot, end): (Shot, Option<(Instant, bool)>),
+        (shot, limit, some_will_do): (Shot, &Limit, bool),
         profile: &mut Profile,
     ) -> bool {
         let asked_for = self.light_paths;
-        let is_late = || end.is_some_and(|(end, _)| Instant::now() > end);
+        let is_given_up = || !some_will_do && limit.is_stopped();
         self.maps.0.iter_mut().for_each(|map| map.grid.unsorted().clear());
         let mut light_paths = 0;
-        while light_paths < asked_for && !(light_paths > 0 && is_late()) {
+        while light_paths < asked_for && !(light_paths > 0 && limit.is_over()) {
             let start = light_paths;
             light_paths = asked_for.min(start + BATCHES * BATCH);
             self.batches.par_iter_mut().enumerate().for_each(|(index, batch)| {
                 batch.iter_mut().for_each(PhotonTable::clear);
                 let first = (start + index as u32 * BATCH).min(light_paths);
                 for first in (first..light_paths.min(first + BATCH)).step_by(ROWS) {
+                    if is_given_up() {
+                        return;
+                    }
                     let last = light_paths.min(first + ROWS as u32);
                     let chunk = chunk(settings, shot, first, last - first);
                     let maps = &self.maps;
                     pool.with(|workspace| photons::photons(batch, workspace, scene, &chunk, maps));
                 }
             });
+            if is_given_up() {
+                return false;
+            }
             profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
                 self.collect_batches(f64::from(asked_for) / f64::from(light_paths));
             });
         }
-        if light_paths < asked_for && end.is_some_and(|(_, some_will_do)| !some_will_do) {
+        if light_paths < asked_for && !some_will_do {
             return false;
         }
         self.maps.0.iter_mut().for_each(|map| map.light_paths = light_paths as f32);

@@ -52,7 +52,9 @@ pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
     /// Asks the render to stop when the current wave of samples is done: [`Renderer::run`] and
-    /// [`Renderer::advance`] end then, for good; [`Renderer::step`] does what it is told.
+    /// [`Renderer::advance`] end then, for good; [`Renderer::step`] does what it is told. Photons
+    /// are no longer waited for: the first iteration takes those that are there, and any other is
+    /// given up.
     pub fn stop(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -60,6 +62,27 @@ impl Stop {
     /// Whether that has been asked for.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// What a wave is not to go on for.
+#[derive(Clone, Default)]
+pub struct Limit {
+    /// When the time is over.
+    pub end: Option<Instant>,
+    /// What asks to stop, if anybody may.
+    pub stop: Option<Stop>,
+}
+
+impl Limit {
+    /// Whether it has been reached.
+    pub fn is_over(&self) -> bool {
+        self.is_stopped() || self.end.is_some_and(|end| Instant::now() > end)
+    }
+
+    /// Whether that is because somebody asks to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.as_ref().is_some_and(Stop::is_set)
     }
 }
 
@@ -134,7 +157,7 @@ impl Renderer {
     /// behind [`Renderer::is_done`], as long as anybody asks for them.
     pub fn step(&mut self) {
         let left = self.settings.samples.saturating_sub(self.samples());
-        self.step_at_most(if left == 0 { u32::MAX } else { left }, None);
+        self.step_at_most(if left == 0 { u32::MAX } else { left }, &Limit::default());
     }
 
     /// Renders `samples` more samples per pixel, in the same waves, whatever was asked for; with
@@ -143,9 +166,10 @@ impl Renderer {
         let samples = samples.div_ceil(self.settings.samples_per_iteration());
         let samples = samples.saturating_mul(self.settings.samples_per_iteration());
         let end = self.samples().saturating_add(samples);
+        let limit = Limit { end: None, stop: Some(self.stop.clone()) };
         while self.samples() < end && !self.stop.is_set() {
             let before = self.samples();
-            self.step_at_most(end - before, None);
+            self.step_at_most(end - before, &limit);
             if self.samples() == before {
                 break;
             }
@@ -153,19 +177,21 @@ impl Renderer {
     }
 
     /// Renders until all samples that were asked for are done, the time is over, `progress` breaks
-    /// or [`Stop`] is set. `progress` hears after every wave.
+    /// or [`Stop`] is set; once it has begun, there is an image. `progress` hears after every wave.
     pub fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) {
         let start = Instant::now();
         let time_limit = self.settings.time_limit;
         let end = time_limit.and_then(|limit| start.checked_add(limit));
-        let is_late = || end.is_some_and(|end| Instant::now() > end);
-        while !(self.is_done() || self.stop.is_set() || (self.samples() > 0 && is_late())) {
+        let limit = Limit { end, stop: Some(self.stop.clone()) };
+        let is_over = |samples: u32| samples > 0 && limit.is_over();
+        let is_stopped = limit.is_stopped();
+        while !(is_stopped || self.is_done() || is_over(self.samples())) {
             let most = match time_limit {
                 Some(limit) => self.samples_in(limit.saturating_sub(start.elapsed()), start),
                 None => u32::MAX,
             };
             let left = self.settings.samples - self.samples();
-            self.step_at_most(most.min(left), end);
+            self.step_at_most(most.min(left), &limit);
             let (samples, total) = (self.samples(), self.settings.samples);
             let Self { settings, steps, .. } = self;
             if progress(&Progress { samples, total, settings, steps: &**steps }).is_break() {
@@ -237,9 +263,9 @@ impl Renderer {
         image
     }
 
-    fn step_at_most(&mut self, samples: u32, end: Option<Instant>) {
+    fn step_at_most(&mut self, samples: u32, limit: &Limit) {
         let steps = &mut self.steps;
-        on(self.threads.as_deref(), || steps.step(samples, end));
+        on(self.threads.as_deref(), || steps.step(samples, limit));
     }
 }
 

@@ -1,7 +1,6 @@
 //! A render in the making, for one number of wavelengths and one mode.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use crate::film::Film;
 use crate::image::StokesImage;
@@ -12,6 +11,7 @@ use crate::transport::LightModel;
 
 use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
+use super::renderer::Limit;
 use super::tiles::{Pool, wave};
 
 /// Samples per pixel between two looks at the clock.
@@ -20,8 +20,8 @@ const WAVE: u32 = 16;
 /// What a render does whose wavelengths and mode are known to itself alone.
 pub trait Steps: Send + Sync {
     /// Renders the next wave, `most` samples per pixel at most, and less where a replicate or block
-    /// ends; none if photons are not ready before `end`.
-    fn step(&mut self, most: u32, end: Option<Instant>);
+    /// ends; none if photons are not ready within the limit.
+    fn step(&mut self, most: u32, limit: &Limit);
     /// Samples per pixel so far.
     fn samples(&self) -> u32;
     /// The image so far, without variances.
@@ -97,7 +97,7 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
 }
 
 impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
-    fn step(&mut self, most: u32, end: Option<Instant>) {
+    fn step(&mut self, most: u32, limit: &Limit) {
         self.begin_block();
         let wave_of = self.wave_of();
         let count = wave_of.min(most).min(self.left_of_block);
@@ -109,8 +109,8 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         if let Some(photons) = photons {
             let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
             // An image of some photons is better than none.
-            let end = end.map(|end| (end, *done == 0));
-            if !photons.shoot(pool, scene, settings, (shot, end), profile) {
+            let some_will_do = *done == 0;
+            if !photons.shoot(pool, scene, settings, (shot, limit, some_will_do), profile) {
                 return;
             }
         }
