@@ -10,6 +10,36 @@ use crate::transport::Sampling;
 /// The share of the paths' throughput that may be cut off without a word.
 const CUT_MAX: f64 = 0.01;
 
+/// Fewer photons than this an iteration are too few for any kernel.
+const PHOTONS_MIN: f64 = 100.0;
+/// The radius of the kernel, as a share of that of the scene, from which on it mixes up the light
+/// of different places.
+const SHARE_MAX: f32 = 0.2;
+
+/// What is to be known of an image for which so many photons an iteration were stored. Where no
+/// light comes to anything by way of others, that is as it should be.
+pub(super) fn lack_of_photons(photons: f64) -> Option<String> {
+    (photons < PHOTONS_MIN).then(|| {
+        format!(
+            "note: {photons:.0} photons an iteration were stored: light that comes to diffuse \
+             surfaces or media by way of others, if there is any, is missing or in the wrong \
+             places; more --photons find it"
+        )
+    })
+}
+
+/// What there is to doubt about an image whose kernel has a radius of so large a share of the
+/// scene's.
+pub(super) fn blur_of_photons(share: f32) -> Option<String> {
+    (share > SHARE_MAX).then(|| {
+        format!(
+            "warning: photons are so few that their kernel has a radius of {:.0} % of the scene's: \
+             the image is blurred by that, and dark near edges; give more --photons",
+            100.0 * share
+        )
+    })
+}
+
 /// What there is to doubt about an image, by what its render says.
 pub(super) fn doubts(
     image: &StokesImage,
@@ -65,6 +95,14 @@ mod tests {
     use super::*;
     use crate::render::Options;
     use crate::spectrum::Color;
+
+    #[test]
+    fn few_photons_are_told() {
+        assert!(lack_of_photons(31.0).is_some_and(|it| it.contains("note: 31 photons")));
+        assert_eq!(lack_of_photons(1000.0), None);
+        assert!(blur_of_photons(0.35).is_some_and(|it| it.contains("35 % of the scene")));
+        assert_eq!(blur_of_photons(0.1), None);
+    }
 
     #[test]
     fn what_is_black_or_cut_is_told() {

@@ -28,17 +28,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         refuse_overwriting(output, &[&arguments.scene])?;
     }
     crate::image::check_savable(&arguments.output)?;
-    let reading = Reading {
-        camera: arguments.camera.as_deref(),
-        allow_outside: arguments.files.allow_outside,
-    };
-    let world = scene::load_with(&arguments.scene, reading)?;
-    outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
-    let said = world.warnings().len();
-    let warn = |warning: &str| say(format_args!("warning: {warning}"));
-    world.warnings().iter().for_each(|warning| warn(warning));
-    let world = PlacedWorld::new(world)?;
-    world.warnings().skip(said).for_each(warn);
+    let world = placed_world(arguments, &outputs)?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
     if !arguments.quiet {
@@ -76,6 +66,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let statistics = statistics(arguments, &renderer, times);
     let (samples, is_done) = (renderer.samples(), renderer.is_done());
     let profile = renderer.profile().clone();
+    let few = few_photons(&renderer, &world, arguments.quiet);
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
@@ -88,12 +79,42 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
              compare; give it more time");
     }
     let by = (&*settings, settings.integrator);
-    notes::doubts(&image, by, &profile).iter().for_each(say);
+    notes::doubts(&image, by, &profile).iter().chain(&few).for_each(say);
     report(arguments, &statistics, &image)?;
     match interrupted {
         Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
         None => Ok(()),
     }
+}
+
+/// The world of the scene, of which there are warnings to be said, in its place; none of these
+/// outputs is among its files.
+fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<PlacedWorld, CliError> {
+    let reading = Reading {
+        camera: arguments.camera.as_deref(),
+        allow_outside: arguments.files.allow_outside,
+    };
+    let world = scene::load_with(&arguments.scene, reading)?;
+    outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
+    let said = world.warnings().len();
+    let warn = |warning: &str| say(format_args!("warning: {warning}"));
+    world.warnings().iter().for_each(|warning| warn(warning));
+    let world = PlacedWorld::new(world)?;
+    world.warnings().skip(said).for_each(warn);
+    Ok(world)
+}
+
+/// What is to be said if photons are few.
+fn few_photons(renderer: &Renderer, world: &PlacedWorld, quiet: bool) -> Option<String> {
+    let settings = renderer.settings();
+    let iterations = renderer.samples() / settings.samples_per_iteration();
+    let radius = *renderer.radii().first()?;
+    let photons = renderer.profile().photons as f64 / f64::from(iterations.max(1));
+    let lack = notes::lack_of_photons(photons);
+    if lack.is_some() || settings.photons.radius.is_some() {
+        return lack.filter(|_| !quiet);
+    }
+    notes::blur_of_photons(radius / world.radius())
 }
 
 /// What is needed to write the image of a render that is not waited for.
