@@ -195,7 +195,13 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub files: FileArguments,
     /// Where to write; the extension names the format, and .exr keeps everything
-    #[arg(short, long, value_name = "FILE", long_help = OUTPUT_HELP.as_str())]
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        allow_hyphen_values = true,
+        long_help = OUTPUT_HELP.as_str()
+    )]
     pub output: PathBuf,
 
     /// How light is found
@@ -311,7 +317,7 @@ pub struct VisualizeArguments {
     /// The image, in a format that keeps what was rendered (.exr, .hdr, ...)
     pub image: PathBuf,
     /// Where to write the PNG
-    #[arg(short, long, value_name = "PNG")]
+    #[arg(short, long, value_name = "PNG", allow_hyphen_values = true)]
     pub output: PathBuf,
     /// Which map; `panels` shows intensity, dop and linear-circular as the paper does
     #[arg(long, default_value = PANELS, value_parser = map_names())]

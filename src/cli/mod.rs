@@ -16,7 +16,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use crate::bench::measure::MeasureError;
 use crate::math::text::counted;
@@ -104,9 +104,20 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// The same command line, where numbers below zero are values and no options.
+fn numbers_may_be_negative(command: clap::Command) -> clap::Command {
+    let takes_values = |arg: &clap::Arg| arg.get_action().takes_values();
+    command
+        .mut_args(|arg| if takes_values(&arg) { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(numbers_may_be_negative)
+}
+
 #[inline(never)]
 fn run_command() -> ExitCode {
-    let result = match Arguments::parse().command {
+    // What is wrong with a number below zero is said where its range is known.
+    let command = numbers_may_be_negative(Arguments::command());
+    let arguments = Arguments::from_arg_matches(&command.get_matches());
+    let result = match arguments.unwrap_or_else(|error| error.exit()).command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Visualize(arguments) => images::visualize(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),

@@ -1,7 +1,7 @@
 //! What a render is asked for: options as typed, and settings in which nothing can be wrong.
 
 use std::fmt::Display;
-use std::ops::Deref;
+use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
@@ -20,6 +20,9 @@ pub const PHOTONS_MAX: u32 = 1 << 28;
 pub const EDGE_MAX: u32 = 65_535;
 /// Most pixels of a film: they are counted in 32 bits.
 pub const PIXELS_MAX: u64 = 1 << 31;
+
+/// Wavelengths in nanometers that optics of rays and spectra can speak of.
+pub const WAVELENGTHS_NM: RangeInclusive<f32> = 1.0..=1e6;
 
 /// Light paths an iteration for every pixel, where their number is left open. With the samples of
 /// [`SAMPLES_OF_PHOTONS`] both sides take about the same time.
@@ -304,8 +307,9 @@ pub fn within<T: PartialOrd + Display>(
 /// Checks that there is light of a color.
 pub fn check_color(color: Color) -> Result<(), SettingsError> {
     match color {
-        Color::Mono { wavelength_nm } if !(wavelength_nm.is_finite() && wavelength_nm > 0.0) => {
-            let rule = format!("must be a positive number of nanometers, not {wavelength_nm}");
+        Color::Mono { wavelength_nm } if !WAVELENGTHS_NM.contains(&wavelength_nm) => {
+            let (least, most) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+            let rule = format!("must be from {least} to {most} nanometers, not {wavelength_nm}");
             Err(SettingsError { setting: "wavelength", rule })
         }
         Color::Mono { .. } | Color::Rgb => Ok(()),

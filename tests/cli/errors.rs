@@ -283,7 +283,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 19] = [
+    let cases: [(&[&str], &str); 24] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),
@@ -297,6 +297,11 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--time-limit=-1"], "--time-limit"),
         (&["--wavelength", "550"], "--color mono"),
         (&["--color", "mono", "--wavelength", "0"], "--wavelength"),
+        (&["--color", "mono", "--wavelength", "1e9"], "--wavelength must be from 1 to 1000000"),
+        (&["--color", "mono", "--wavelength", "-5"], "--wavelength must be from"),
+        (&["--seed", "-1"], "'-1' for '--seed <N>': -1 is not in 0..=4294967295"),
+        (&["--seed", "4294967296"], "'--seed <N>': 4294967296 is not in 0..=4294967295"),
+        (&["--spp", "-1"], "'-1' for '--spp <N>'"),
         (&["--replicates", "65"], "--replicates"),
         (&["--variance", "--replicates", "1"], "--replicates"),
         (&["--variance", "--spp", "1"], "--variance"),

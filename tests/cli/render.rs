@@ -130,6 +130,16 @@ fn quiet_says_nothing() {
 }
 
 #[test]
+fn names_may_begin_with_a_hyphen() {
+    let here = folder("render-hyphen");
+    for (output, name) in [("-o", "-a.exr"), ("--output", "-b.png"), ("-o", "--spp.hdr")] {
+        sunstone(&here, &[&["render", &scene("cornell"), output, name][..], &TINY].concat()).done();
+    }
+    let names = ["--spp.S0.hdr", "--spp.S1.hdr", "--spp.S2.hdr", "--spp.S3.hdr"];
+    assert_eq!(names_in(&here), [&names[..], &["-a.exr", "-b.png"]].concat());
+}
+
+#[test]
 fn light_says_what_it_cannot_see() {
     let here = folder("render-light");
     let note = |scene: &str, integrator: &str| {
