@@ -244,7 +244,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,
     /// Also store the variance of every value (not in every format): from blocks of the samples,
-    /// which costs the image nothing and may overestimate it by up to a half, or from --replicates
+    /// which costs the image nothing and overestimates it where pixels are smooth, or from
+    /// --replicates
     #[arg(long, help_heading = SAMPLES)]
     pub variance: bool,
     /// Independent replicates that the iterations are split into; they cost stratification

@@ -1,17 +1,22 @@
 //! Floor 3: where measured light is added up, over iterations, with one owner and a fixed order, in
 //! double precision. No files, no render loop.
 
+mod halves;
+
 use rayon::prelude::*;
 
 use crate::spectrum::Color;
 
 use crate::image::StokesImage;
 
+use self::halves::Halves;
+
 /// Stokes values per pixel, summed over iterations.
 ///
 /// Iterations come in replicates: independent randomizations of the random sequences. Within one,
 /// samples are stratified and their spread says nothing about the error of their mean; between
-/// replicates it does, so variances are taken there.
+/// replicates it does, so variances are taken there. Where blocks of one randomization stand for
+/// replicates, what they overestimate is taken back (`halves`).
 pub struct Film {
     width: usize,
     height: usize,
@@ -34,6 +39,8 @@ struct Finished {
     mean: Vec<f64>,
     /// Sum of squared deviations from the mean.
     deviations: Vec<f64>,
+    /// What tells how much better than blocks a sequence is; if there are blocks.
+    halves: Option<Halves>,
 }
 
 impl Film {
@@ -53,7 +60,11 @@ impl Film {
             color,
             components,
             sums: values(),
-            finished: with_variance.then(|| Finished { mean: values(), deviations: values() }),
+            finished: with_variance.then(|| Finished {
+                mean: values(),
+                deviations: values(),
+                halves: None,
+            }),
             replicates: 0,
             iterations: 0,
         }
@@ -86,7 +97,7 @@ impl Film {
         self.iterations += u64::from(iterations);
         let share = f64::from(iterations) / self.iterations as f64;
         let weight = f64::from(iterations) * (1.0 - share);
-        let Some(Finished { mean, deviations }) = &mut self.finished else { return };
+        let Some(Finished { mean, deviations, .. }) = &mut self.finished else { return };
         let finished = mean.iter_mut().zip(deviations);
         for (sum, (mean, deviation)) in self.sums.iter_mut().zip(finished) {
             let difference = *sum / f64::from(iterations) - *mean;
@@ -96,11 +107,19 @@ impl Film {
         }
     }
 
+    /// The same where it is a block of the one sequence of all.
+    pub fn finish_block(&mut self, iterations: u32) {
+        self.finish_replicate(iterations);
+        let Some(Finished { mean, halves, .. }) = &mut self.finished else { return };
+        let halves = halves.get_or_insert_with(|| Halves::new(mean.len()));
+        halves.keep(mean, self.iterations);
+    }
+
     /// The image of the finished replicates; variances where there are two or more of them.
     pub fn develop(&self) -> StokesImage {
         let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
         let iterations = self.iterations.max(1) as f64;
-        let Some(Finished { mean, deviations }) = &self.finished else {
+        let Some(Finished { mean, deviations, halves }) = &self.finished else {
             image.planes = self.planes(|index| self.sums[index] / iterations);
             return image;
         };
@@ -109,6 +128,13 @@ impl Film {
         let degrees = f64::from(self.replicates.max(2) - 1) * iterations;
         let of_mean = |index: usize| deviations[index] * (1.0 / degrees);
         image.variance = (self.replicates > 1).then(|| self.planes(of_mean));
+        if let (Some(planes), Some(halves)) = (&mut image.variance, halves) {
+            let stride = self.values_per_pixel();
+            planes.par_iter_mut().enumerate().for_each(|(plane, variances)| {
+                let index_of = |pixel: usize| pixel * stride + plane;
+                halves.narrow(variances, self.width, (mean, self.iterations), index_of);
+            });
+        }
         image
     }
 

@@ -85,7 +85,12 @@ fn check(what: String, needed: u64, remedy: &'static str) -> Result<(), MemoryEr
 /// Counts what every render needs: the sums of the film in double precision, and the image that
 /// is developed from them, with their variances. The tables of paths come on top; they are small.
 fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
-    let bytes_of_value = if options.has_variance() { 3 * 8 + 2 * 4 } else { 8 + 4 };
+    let bytes_of_value = match (options.has_variance(), options.replicates) {
+        (false, _) => 8 + 4,
+        (true, 2..) => 3 * 8 + 2 * 4,
+        // Two halves of the one replicate.
+        (true, _) => 3 * 8 + 4 * 4,
+    };
     let values = (options.mode.components() * options.color.channels()) as u64;
     u64::from(width) * u64::from(height) * values * bytes_of_value
 }
@@ -120,7 +125,7 @@ mod tests {
         assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 32);
         assert_eq!(
             bytes_of_film(&Options { variance: true, ..options }, [100, 10]),
-            1000 * 12 * 32
+            1000 * 12 * 40
         );
         assert!(check_memory(&options, [1, 1]).is_ok());
     }

@@ -80,13 +80,21 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         self.settings.passes.map_or(WAVE, |passes| passes.samples)
     }
 
+    /// Hands a replicate, or a block of the one there is, to the film.
+    fn finish_block(&mut self) {
+        match self.settings.replicates {
+            2.. => self.film.finish_replicate(self.of_block),
+            _ => self.film.finish_block(self.of_block),
+        }
+    }
+
     /// Goes on to the next replicate or block where one has ended.
     fn begin_block(&mut self) {
         let is_last = self.replicate + 1 == self.settings.replicates;
         if self.left_of_block > 0 || (self.settings.replicates > 1 && is_last) {
             return;
         }
-        self.film.finish_replicate(self.of_block);
+        self.finish_block();
         self.of_block = 0;
         if !is_last {
             self.replicate += 1;
@@ -142,7 +150,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
 
     fn finish(mut self: Box<Self>) -> StokesImage {
         if self.of_block > 0 {
-            self.film.finish_replicate(self.of_block);
+            self.finish_block();
         }
         // Photons and working tables take memory that the image may need.
         let film = {

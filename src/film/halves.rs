@@ -1,0 +1,84 @@
+//! How much better a whole sequence is than its blocks tell.
+//!
+//! Blocks of a low-discrepancy sequence are stratified among each other: the error of the whole
+//! falls faster than with the root of their number, and their spread overestimates it, by thousands
+//! where pixels are smooth. How fast it falls shows in how far the whole is from its first half:
+//! the mean square of that difference is the variance of the half less that of the whole. Taken
+//! over tiles of pixels, as one alone says little, it bounds what the blocks say.
+
+/// Edge of a tile in pixels.
+const TILE: usize = 8;
+
+/// The share of what blocks say that is left by the halves, above which noise explains the
+/// difference, and the blocks, which are more, know better.
+const SHARE_MAX: f64 = 0.5;
+
+/// The means after some numbers of iterations, each twice the last or more.
+pub struct Halves {
+    /// The latest last.
+    latest: [Half; 2],
+}
+
+/// The means after so many iterations; none yet for zero.
+struct Half {
+    iterations: u64,
+    mean: Vec<f32>,
+}
+
+impl Halves {
+    /// None yet, of so many values.
+    pub fn new(values: usize) -> Self {
+        let half = || Half { iterations: 0, mean: vec![0.0; values] };
+        Self { latest: [half(), half()] }
+    }
+
+    /// Takes notice of the means so far.
+    pub fn keep(&mut self, mean: &[f64], iterations: u64) {
+        if iterations < 2 * self.latest[1].iterations {
+            return;
+        }
+        self.latest.swap(0, 1);
+        let latest = &mut self.latest[1];
+        latest.iterations = iterations;
+        for (to, &from) in latest.mean.iter_mut().zip(mean) {
+            *to = from as f32;
+        }
+    }
+
+    /// Narrows the variances that blocks state of a plane of pixels, whose values are at
+    /// `index_of` each among the means of `iterations`.
+    pub fn narrow(
+        &self,
+        variances: &mut [f32],
+        width: usize,
+        (mean, iterations): (&[f64], u64),
+        index_of: impl Fn(usize) -> usize,
+    ) {
+        let is_half = |half: &&Half| half.iterations > 0 && 2 * half.iterations <= iterations;
+        let Some(half) = self.latest.iter().rev().find(is_half) else { return };
+        // For an error that falls with the root of the iterations from there on.
+        let scale = 1.0 / (iterations as f64 / half.iterations as f64 - 1.0);
+        let height = variances.len() / width.max(1);
+        for (top, left) in tiles(width, height) {
+            let lines = top..height.min(top + TILE);
+            let pixels =
+                lines.flat_map(|y| (left..width.min(left + TILE)).map(move |x| y * width + x));
+            let (mut stated, mut found) = (0.0, 0.0);
+            for pixel in pixels.clone() {
+                let index = index_of(pixel);
+                stated += f64::from(variances[pixel]);
+                found += (mean[index] - f64::from(half.mean[index])).powi(2) * scale;
+            }
+            let share = found / stated;
+            if share < SHARE_MAX {
+                pixels.for_each(|pixel| variances[pixel] *= share as f32);
+            }
+        }
+    }
+}
+
+/// The corners of all tiles.
+fn tiles(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
+    let lefts = move |top| (0..width).step_by(TILE).map(move |left| (top, left));
+    (0..height).step_by(TILE).flat_map(lefts)
+}
