@@ -19,7 +19,7 @@ use crate::scene::baked::Triangle;
 
 /// The largest coordinate of a triangle, relative to its distance from the origin, above which it
 /// is divided.
-const REACH_MAX: f32 = 2.0;
+const REACH_MAX: f32 = 32.0;
 
 /// Pieces at most, about; with more, what is left stays as it is.
 const PIECES_MAX: usize = 1 << 20;
