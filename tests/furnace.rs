@@ -114,6 +114,61 @@ fn convex_glowing_ball_reflects_nothing() {
     }
 }
 
+/// Inside of a ball that shines to both sides there is a furnace, length by length.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn ball_glows_inside_as_the_series_says() {
+    let world = |eye: Vec3| {
+        let mut document = Document::default();
+        let glow = document.diffuse(0.5);
+        let glow = document.emits(glow, 1.0);
+        let glow = document.two_sided(glow);
+        document.sphere(Vec3::new(0.3, 0.1, 0.2), 1.0, glow);
+        document.perspective(eye, Vec3::new(0.3, 0.1, -0.4), 0.9, None);
+        document.load("ball that shines inwards")
+    };
+    let eye = Vec3::new(0.3, 0.3, 0.7);
+    for length in [1, 2, 4] {
+        let truth = geometric_sum(0.5, length as i32);
+        for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Ppm] {
+            check(&world(eye), integrator, 256, length, truth);
+        }
+    }
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        check(&world(Vec3::new(0.3, 0.1, 1.6)), integrator, 256, 4, 1.0);
+    }
+}
+
+/// Through a glowing boundary one sees what is within it, and its other side from within: what is
+/// there is lit from everywhere, and what is off it by both sides.
+#[test]
+fn balls_of_light_shine_from_both_sides() {
+    let lit = |[eye, target]: [Vec3; 2], half: f32, build: fn(&mut Document, usize)| {
+        let mut document = Document::default();
+        let clear = document.medium(json!({"phase": "isotropic", "sigma_a": 0, "sigma_s": 0}));
+        document.fog(clear, |document, null| {
+            let glow = document.emits(null, 1.0);
+            let glow = document.two_sided(glow);
+            document.sphere(Vec3::ZERO, 1.0, glow);
+        });
+        let gray = document.diffuse(0.5);
+        build(&mut document, gray);
+        document.orthographic(eye, target, half);
+        document.load("ball of light")
+    };
+    let within = lit([Vec3::Z * 3.0, Vec3::ZERO], 0.2, |document, gray| {
+        document.sphere(Vec3::new(0.1, 0.2, 0.0), 0.6, gray);
+    });
+    // Its radius is half the distance to its middle.
+    let beside = lit([Vec3::Z * -1.5, Vec3::Z * -3.0], 0.005, |document, gray| {
+        document.quad(Vec3::Z * -2.0, Vec3::X * 0.1, Vec3::Y * 0.1, gray);
+    });
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        check(&within, integrator, 128, 2, 1.0 + 0.5);
+        check(&beside, integrator, 128, 2, 0.5 * 2.0 * 0.25);
+    }
+}
+
 /// What stands in surroundings of radiance 1, seen from outside.
 fn in_surroundings(build: impl FnOnce(&mut Document)) -> World {
     let mut scene = Document::default();

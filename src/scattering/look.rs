@@ -315,7 +315,7 @@ impl Aim {
         };
         match emitter.model {
             EmitterModel::Triangle(it) => to_surface(!it.two_sided, it.area),
-            EmitterModel::Sphere(it) => to_surface(true, it.area),
+            EmitterModel::Sphere(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Point(_) => to_point(),
             EmitterModel::Spot(it) => {
                 to_point().filter(|aim| -aim.direction.normalize().dot(it.direction) > it.cos_outer)

@@ -48,11 +48,15 @@ pub struct Triangle {
     pub area: f32,
 }
 
-/// A whole sphere; radiance leaves its outside.
+/// A whole sphere; radiance leaves its outside, or both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// The primitive.
     pub primitive: u32,
+    /// Both sides emit.
+    pub two_sided: bool,
+    /// Both do, and what is within is seen from outside, straight on.
+    pub shows_inside: bool,
     /// Area in m^2.
     pub area: f32,
 }
@@ -145,8 +149,9 @@ impl Extent for Triangle {
 
 impl Sphere {
     /// The emitter that a sphere of the scene is.
-    pub fn new(shapes: &Shapes, primitive: u32) -> Self {
-        Self { primitive, area: sphere_area(shapes, primitive) as f32 }
+    pub fn new(shapes: &Shapes, primitive: u32, [two_sided, shows_inside]: [bool; 2]) -> Self {
+        let area = sphere_area(shapes, primitive) as f32;
+        Self { primitive, two_sided, shows_inside: two_sided && shows_inside, area }
     }
 
     /// The sphere itself.
@@ -167,7 +172,8 @@ impl Extent for Sphere {
     const FINITE: bool = true;
 
     fn size(&self, shapes: &Shapes) -> f64 {
-        PI * sphere_area(shapes, self.primitive)
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        PI * sphere_area(shapes, self.primitive) * sides
     }
 }
 

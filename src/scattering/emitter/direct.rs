@@ -153,8 +153,13 @@ fn gather(records: &[Own], chosen: [usize; LANES]) -> OwnLanes {
     [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]
 }
 
+/// Those of `a` where the mask is set, else those of `b`.
 #[inline(always)]
-fn select<const N: usize>(mask: F32s, a: &DirectLanes<N>, b: &DirectLanes<N>) -> DirectLanes<N> {
+pub fn select<const N: usize>(
+    mask: F32s,
+    a: &DirectLanes<N>,
+    b: &DirectLanes<N>,
+) -> DirectLanes<N> {
     let choose = |a, b| Real::select(mask, a, b);
     DirectLanes {
         direction: Vector::select(mask, a.direction, b.direction),

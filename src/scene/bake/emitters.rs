@@ -4,10 +4,12 @@ use glam::{DAffine3, DVec3, Vec3};
 
 use super::beside::Passable;
 use super::{Materials, outside_table};
-use crate::scene::baked::{NONE, Shapes};
+use crate::scene::baked::{Material, NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Environment, Name, Punctual, PunctualKind, Transform, World};
+use crate::scene::world::{
+    Environment, Name, Punctual, PunctualKind, SurfaceModel, Transform, World,
+};
 use crate::spectrum::Color;
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
@@ -111,7 +113,11 @@ impl<const N: usize> Emitters<N> {
                 let two_sided = materials.rows[material].two_sided;
                 self.add(shapes, emitter::Triangle::new(shapes, primitive, two_sided), radiance)
             } else {
-                self.add(shapes, emitter::Sphere::new(shapes, primitive), radiance)
+                let Material { ref model, two_sided } = materials.rows[material];
+                let is_opaque = shapes.surfaces[surface as usize].is_opaque;
+                let refracts = matches!(model, SurfaceModel::Dielectric { .. });
+                let sides = [two_sided, !is_opaque && !refracts];
+                self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), radiance)
             };
             self.emitter_of_primitive.push(emitter);
         }
