@@ -183,6 +183,88 @@ fn where_media_overlap_the_smaller_one_is() {
     check(build, 0.1, 0.5 * 3.5);
 }
 
+/// A cube about the origin, hollow from `inner` on if that is not zero.
+fn cube(half: f32, inner: f32) -> Geometry {
+    let outside = Geometry::cuboid(Vec3::splat(-half), Vec3::splat(half));
+    if inner == 0.0 {
+        return outside;
+    }
+    let inside = Geometry::cuboid(Vec3::splat(-inner), Vec3::splat(inner));
+    let turned = inside.triangles.iter().map(|&[a, b, c]| [8 + a, 8 + c, 8 + b]);
+    let triangles = outside.triangles.iter().copied().chain(turned).collect();
+    Geometry::new([outside.positions, inside.positions].concat(), triangles)
+}
+
+/// Cubes about the origin: half an edge, where they are hollow, coefficient and priority of each.
+#[track_caller]
+fn check_cubes(cubes: &[(f32, f32, f32, i32)], depth: f32) {
+    let build = |is_turned: bool| {
+        move |bench: &mut Bench| {
+            let mut cubes = cubes.to_vec();
+            if is_turned {
+                cubes.reverse();
+            }
+            for (half, inner, sigma, priority) in cubes {
+                let medium = bench.medium("medium", sigma);
+                let skin = Skin::from(bench.null).interior(medium).priority(priority);
+                let place = Transform::IDENTITY;
+                bench.world.add_mesh("cube", cube(half, inner), skin, place).unwrap();
+            }
+        }
+    };
+    check(build(false), 0.11, depth);
+    check(build(true), 0.11, depth);
+}
+
+#[test]
+fn the_highest_priority_counts_for_what_is_inside_too() {
+    let (ink, fog) = (0.7, 0.1);
+    check_cubes(&[(0.85, 0.0, ink, 1), (0.8, 0.0, fog, 0)], 1.7 * ink);
+    check_cubes(&[(0.85, 0.0, ink, 1), (0.8, 0.0, fog, 1)], 0.1 * ink + 1.6 * fog);
+    check_cubes(&[(0.85, 0.0, ink, 0), (0.8, 0.0, fog, 1)], 0.1 * ink + 1.6 * fog);
+    // What is in what does not count counts by itself.
+    let three = [(0.85, 0.0, ink, 1), (0.8, 0.0, fog, 0), (0.3, 0.0, 2.0, 2)];
+    check_cubes(&three, 1.1 * ink + 0.6 * 2.0);
+    let three = [(0.85, 0.0, ink, 1), (0.8, 0.0, fog, 0), (0.3, 0.0, 2.0, 1)];
+    check_cubes(&three, 1.1 * ink + 0.6 * 2.0);
+    let three = [(0.85, 0.0, ink, 2), (0.8, 0.0, fog, 0), (0.3, 0.0, 2.0, 1)];
+    check_cubes(&three, 1.7 * ink);
+}
+
+/// A hollow body has two outsides.
+#[test]
+fn cavities_hold_what_is_in_them() {
+    for half in [0.7_f32, 0.8, 0.801, 0.85] {
+        let wall = 2.0 * (0.2 - (half - 0.8).max(0.0));
+        let depth = 2.0 * wall + 0.7 * 2.0 * (half - 0.3) + 0.1 * 0.6;
+        check_cubes(&[(1.0, 0.8, 2.0, 0), (half, 0.0, 0.7, 0), (0.3, 0.0, 0.1, 0)], depth);
+        let depth = 2.0 * wall + 0.7 * 2.0 * half;
+        check_cubes(&[(1.0, 0.8, 2.0, 0), (half, 0.0, 0.7, 0)], depth);
+        let depth = 2.0 * wall + 0.7 * 2.0 * (half - 0.6) + 0.1 * 0.6;
+        check_cubes(&[(1.0, 0.8, 2.0, 0), (half, 0.6, 0.7, 0), (0.3, 0.0, 0.1, 0)], depth);
+    }
+}
+
+/// Bodies know nothing of what is not closed, and have no say where that tells what is there.
+#[test]
+fn what_is_sealed_off_by_walls_is_what_its_boundary_says() {
+    let build = |bench: &mut Bench| {
+        let [fog, smoke] = [("fog", 0.5), ("smoke", 2.0)].map(|(name, a)| bench.medium(name, a));
+        bench.slab("fog", fog, [-3.0, 3.0], 3.0);
+        let mut dome = cube(1.0, 0.0);
+        dome.triangles.drain(..2);
+        let skin = Skin::from(bench.null).interior(smoke).exterior(fog);
+        bench.world.add_mesh("dome", dome, skin, Transform::IDENTITY).unwrap();
+        let dark = Material::from(Bsdf::Absorber).two_sided();
+        let dark = bench.world.add_material("dark", dark).unwrap();
+        let wall = Geometry::quad(Vec3::X * -0.9, Vec3::Y * 1.5, Vec3::Z * 1.5);
+        bench.world.add_mesh("wall", wall, dark, Transform::IDENTITY).unwrap();
+        let hole = Skin::from(bench.null).interior(Filling::Clear);
+        bench.world.add_sphere("hole", 0.5, hole, DVec3::ZERO).unwrap();
+    };
+    check(build, 0.0, 0.5 * 4.0 + 2.0 * 1.0);
+}
+
 #[test]
 fn media_that_touch_are_nothing_special() {
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {

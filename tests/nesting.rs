@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use sunstone::glam::{DVec3, Vec3};
 use sunstone::hecs::Entity;
-use sunstone::world::{Bsdf, Geometry, Lens, Material, Skin, Transform};
+use sunstone::world::{Bsdf, Geometry, Lens, Material, Medium, Phase, Skin, Transform};
 use sunstone::{Color, Integrator, Mode, Options, PlacedWorld, Renderer, Settings, World};
 
 /// Of 20,000 normal numbers, one exceeds it with a chance of 1e-3; 60 are compared.
@@ -14,6 +14,8 @@ const LIMIT: f64 = 5.5;
 const SIZE: u32 = 12;
 const GLASS: f32 = 1.5;
 const WATER: f32 = 1.33;
+/// Absorption of ink, in 1/m.
+const INK: f32 = 0.7;
 
 /// A world with a camera that looks down the z axis, slightly off it.
 struct Bench(World);
@@ -38,6 +40,29 @@ impl Bench {
         let [low, high] = [Vec3::new(-half, -half, z[0]), Vec3::new(half, half, z[1])];
         let skin = Skin::from(self.body(ior)).priority(priority);
         self.0.add_mesh("slab", Geometry::cuboid(low, high), skin, Transform::IDENTITY).unwrap();
+    }
+
+    /// A cube about the origin, full of ink or clear.
+    fn cube(&mut self, ior: f32, half: f32, priority: i32, is_inky: bool) {
+        let mut skin = Skin::from(self.body(ior)).priority(priority);
+        if is_inky {
+            let phase = Phase::HenyeyGreenstein { g: 0.0.into() };
+            let ink = self.0.add_medium("ink", Medium::new(INK, 0.0, phase)).unwrap();
+            skin = skin.interior(ink);
+        }
+        let cube = Geometry::cuboid(Vec3::splat(-half), Vec3::splat(half));
+        self.0.add_mesh("cube", cube, skin, Transform::IDENTITY).unwrap();
+    }
+
+    /// A closed cube of glass with walls from `inner` to 1, of one mesh.
+    fn hollow_cube(&mut self, inner: f32, priority: i32) {
+        let outside = Geometry::cuboid(Vec3::splat(-1.0), Vec3::ONE);
+        let inside = Geometry::cuboid(Vec3::splat(-inner), Vec3::splat(inner));
+        let turned = inside.triangles.iter().map(|&[a, b, c]| [8 + a, 8 + c, 8 + b]);
+        let triangles = outside.triangles.iter().copied().chain(turned).collect();
+        let shell = Geometry::new([outside.positions, inside.positions].concat(), triangles);
+        let skin = Skin::from(self.body(GLASS)).priority(priority);
+        self.0.add_mesh("shell", shell, skin, Transform::IDENTITY).unwrap();
     }
 
     fn ball(&mut self, ior: f32, center: DVec3, radius: f64) {
@@ -82,6 +107,31 @@ fn through(indices: &[f32]) -> f64 {
         reflectance / (1.0 - reflectance)
     });
     1.0 / (1.0 + lost.sum::<f64>())
+}
+
+/// What comes through layers of these indices of refraction and thicknesses of ink, between clear
+/// air, along their normals.
+fn through_ink(layers: &[(f32, f32)]) -> f64 {
+    let (mut passed, mut reflected_back, mut before) = (1.0, 0.0, 1.0_f64);
+    for (index, ink) in layers.iter().copied().chain([(1.0, 0.0)]) {
+        let index = f64::from(index);
+        let reflectance = ((before - index) / (before + index)).powi(2);
+        let between = 1.0 - reflected_back * reflectance;
+        let depth = (-f64::from(INK * ink)).exp();
+        passed *= (1.0 - reflectance) / between * depth;
+        let back = reflectance + (1.0 - reflectance).powi(2) * reflected_back / between;
+        (reflected_back, before) = (back * depth * depth, index);
+    }
+    passed
+}
+
+#[track_caller]
+fn check_through_ink(build: impl Fn(&mut Bench), layers: &[(f32, f32)]) {
+    let lit = |bench: &mut Bench| {
+        build(bench);
+        bench.wall();
+    };
+    check(lit, through_ink(layers), &[Integrator::Path]);
 }
 
 #[track_caller]
@@ -157,6 +207,74 @@ fn of_overlapping_bodies_the_higher_priority_counts_then_the_smaller() {
         bench.slab(GLASS, [0.0, 1.0], 1.0, 0);
     };
     check_through(twice, &[1.0, GLASS, 1.0]);
+}
+
+/// Whose priority is the highest is all there is where it is, ink and index, also where others are
+/// wholly inside of it; else what is inside is.
+#[test]
+fn priority_is_of_what_fills_bodies_too() {
+    let water = |priority: i32| {
+        move |bench: &mut Bench| {
+            bench.cube(WATER, 0.85, priority, true);
+            bench.cube(1.0, 0.8, 0, false);
+        }
+    };
+    check_through_ink(water(1), &[(WATER, 1.7)]);
+    let wall = (WATER, 0.05);
+    check_through_ink(water(0), &[wall, (1.0, 0.0), wall]);
+    check_through_ink(water(-1), &[wall, (1.0, 0.0), wall]);
+    let clear_water = |bench: &mut Bench| {
+        bench.cube(WATER, 0.8, 1, false);
+        bench.cube(2.0, 0.4, 0, true);
+    };
+    check_through_ink(clear_water, &[(WATER, 0.0)]);
+    // Ice in that water, in the air in a glass, which ends where the water does or before that.
+    for half in [0.8, 0.85] {
+        let drink = |bench: &mut Bench| {
+            bench.cube(GLASS, 1.0, 0, false);
+            bench.cube(1.0, 0.8, 0, false);
+            bench.cube(WATER, half, 1, true);
+            bench.cube(2.0, 0.3, 2, false);
+        };
+        let (glass, water) = ((GLASS, 0.0), (WATER, half - 0.3));
+        check_through_ink(drink, &[glass, water, (2.0, 0.0), water, glass]);
+    }
+}
+
+/// A hollow body has two outsides, and what is in its cavity is not what is around it.
+#[test]
+fn what_is_in_a_cavity_is_not_what_is_around_it() {
+    let (glass, ice) = ((GLASS, 0.0), (2.0, 0.0));
+    // Water that reaches into the wall, up to it, by less than rays see, and not so far.
+    for half in [0.85, 0.801, 0.800_002, 0.8] {
+        for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+            let drink = |bench: &mut Bench| {
+                for which in order {
+                    match which {
+                        0 => bench.hollow_cube(0.8, 0),
+                        1 => bench.cube(WATER, half, 0, true),
+                        _ => bench.cube(2.0, 0.3, 0, false),
+                    }
+                }
+            };
+            let water = (WATER, half - 0.3);
+            check_through_ink(drink, &[glass, water, ice, water, glass]);
+        }
+    }
+    let strong_glass = |bench: &mut Bench| {
+        bench.hollow_cube(0.8, 1);
+        bench.cube(WATER, 0.85, 0, true);
+        bench.cube(2.0, 0.3, 2, false);
+    };
+    let water = (WATER, 0.5);
+    check_through_ink(strong_glass, &[glass, water, ice, water, glass]);
+    let bubble = |bench: &mut Bench| {
+        bench.hollow_cube(0.8, 0);
+        bench.cube(WATER, 0.7, 0, true);
+        bench.cube(2.0, 0.3, 0, false);
+    };
+    let (air, water) = ((1.0, 0.0), (WATER, 0.4));
+    check_through_ink(bubble, &[glass, air, water, ice, water, air, glass]);
 }
 
 #[test]

@@ -9,6 +9,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::immersion::{Immersion, Seen, spread};
 use super::nesting::{engulfed, fill, nest};
@@ -19,6 +20,11 @@ use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 /// Looks from all boundaries together, about, and from one of them.
 const LOOKS: usize = 1 << 15;
 const LOOKS_OF_SURFACE: [usize; 2] = [8, 64];
+
+/// Points of all sides together, about, and of one of them, at which the bodies around are compared
+/// with what it says.
+const CHECKS: usize = 1 << 13;
+const CHECKS_OF_SIDE: [usize; 2] = [2, 16];
 
 /// The share of looks that may disagree with the others: they slip through seams, or along edges.
 const SLIPS: f64 = 1.0 / 32.0;
@@ -93,8 +99,10 @@ pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
     let tallies =
         boundaries.iter().map(|it| it.seen.each_ref().map(|seen| tally(shapes, &none, seen)));
     let tallies: Vec<[Tally; 2]> = tallies.collect();
-    let mut sought = BTreeSet::new();
     let immersion = Immersion::new(shapes, accelerator, true);
+    let told = Told::by(&immersion, &boundaries, &open);
+    let mut sought = told.misled(shapes, &boundaries);
+    let are_bodies_all = told.is_by_bodies_alone(&boundaries);
     for (boundary, tallies) in boundaries.iter().zip(&tallies) {
         for (side, tally) in tallies.iter().enumerate() {
             judge(&immersion, &boundaries, (boundary, side, tally), &mut sought, &mut doubts);
@@ -105,6 +113,7 @@ pub fn settle(shapes: &mut Shapes, accelerator: &Accelerator) -> Vec<Doubt> {
     let doubts = (0..doubts.len()).filter(|&index| is_new(index)).map(|index| doubts[index]);
     let doubts = doubts.collect();
     if !sought.is_empty() {
+        shapes.are_bodies_all = are_bodies_all;
         seek(shapes, &boundaries, &sought);
     }
     doubts
@@ -233,6 +242,113 @@ fn surround(
     }
 }
 
+/// What the sides of boundaries have been told, as far as closed bodies say what is there: a medium
+/// is that of the body which counts, wherever one is.
+struct Told {
+    /// Per boundary and side, whether bodies have other media there than its own, in places.
+    strays: Vec<[bool; 2]>,
+    /// Whether what it says comes of closed bodies alone.
+    by_bodies: Vec<[bool; 2]>,
+}
+
+impl Told {
+    fn by(immersion: &Immersion, boundaries: &[Boundary], open: &BTreeSet<(u32, usize)>) -> Self {
+        if immersion.shapes().bodies.is_empty() {
+            let none = vec![[false; 2]; boundaries.len()];
+            return Self { strays: none.clone(), by_bodies: none };
+        }
+        let [least, most] = CHECKS_OF_SIDE;
+        let count = (CHECKS / boundaries.len().max(1)).clamp(least, most);
+        let strays = |it: &Boundary| {
+            let is_checked = |side: usize| {
+                !it.is_unknown(side, open) && (side == 1 || may_be_outranked(immersion, it))
+            };
+            [0, 1].map(|side| is_checked(side) && strays(immersion, (it, side), count))
+        };
+        let strays: Vec<[bool; 2]> = boundaries.par_iter().map(strays).collect();
+        let is_stated = |it: &Boundary, side| is_stated(immersion.shapes(), it, side);
+        // What closed bodies hold is theirs to say; what else is stated is to agree with that.
+        let by_bodies = |(it, strays): (&Boundary, &[bool; 2])| {
+            [0, 1].map(|side| match it.is_closed && side == 0 {
+                true => !it.is_unknown(side, open),
+                false => !is_stated(it, side) || !strays[side],
+            })
+        };
+        let mut by_bodies: Vec<_> = boundaries.iter().zip(&strays).map(by_bodies).collect();
+        let sides = (0..boundaries.len()).flat_map(|index| [(index, 0), (index, 1)]);
+        let mut learned: Vec<(usize, usize)> =
+            sides.filter(|&(index, side)| !is_stated(&boundaries[index], side)).collect();
+        let row_of: BTreeMap<u32, usize> =
+            boundaries.iter().zip(0..).map(|(it, row)| (it.surface, row)).collect();
+        for _ in 0..ROUNDS {
+            let is_by_bodies = |seen: &Seen| match *seen {
+                Seen::Nothing | Seen::Outside => true,
+                Seen::Side(surface, side) => by_bodies[row_of[&surface]][side],
+            };
+            let (kept, other): (Vec<_>, Vec<_>) = learned
+                .into_iter()
+                .partition(|&(index, side)| boundaries[index].seen[side].iter().all(is_by_bodies));
+            if other.is_empty() {
+                break;
+            }
+            other.into_iter().for_each(|(index, side)| by_bodies[index][side] = false);
+            learned = kept;
+        }
+        Self { strays, by_bodies }
+    }
+
+    /// Surfaces on whose sides the medium is not all over what they state or have been told: where
+    /// a body of higher priority is around them, and where they were told by a side that is in
+    /// several media, as the outside of a hollow body is.
+    fn misled(&self, shapes: &Shapes, boundaries: &[Boundary]) -> BTreeSet<u32> {
+        let is_misled = |&(index, it): &(usize, &Boundary)| {
+            let is_own = |side: usize| it.is_closed && side == 0 || !is_stated(shapes, it, side);
+            let [strays, by_bodies] = [&self.strays, &self.by_bodies].map(|of| of[index]);
+            (0..2).any(|side| strays[side] && by_bodies[side] && is_own(side))
+        };
+        boundaries.iter().enumerate().filter(is_misled).map(|(_, it)| it.whole).collect()
+    }
+
+    /// Whether bodies say of every place what is there.
+    fn is_by_bodies_alone(&self, boundaries: &[Boundary]) -> bool {
+        boundaries.iter().all(|it| it.is_closed) && self.by_bodies.iter().flatten().all(|it| *it)
+    }
+}
+
+impl Boundary {
+    /// Whether nothing is known of what is in it.
+    fn is_unknown(&self, side: usize, open: &BTreeSet<(u32, usize)>) -> bool {
+        self.is_closed && side == 0 && open.contains(&(self.surface, side))
+    }
+}
+
+fn is_stated(shapes: &Shapes, boundary: &Boundary, side: usize) -> bool {
+    !shapes.surfaces[boundary.surface as usize].unstated[side]
+}
+
+/// Whether something else may be behind a boundary than what it holds.
+fn may_be_outranked(immersion: &Immersion, boundary: &Boundary) -> bool {
+    let Shapes { surfaces, bodies, .. } = immersion.shapes();
+    let own = surfaces[boundary.surface as usize].priority;
+    !boundary.is_closed || bodies.iter().any(|body| body.priority > own)
+}
+
+/// Whether closed bodies have other media than its own on a side of a boundary, in places.
+fn strays(immersion: &Immersion, (boundary, side): (&Boundary, usize), checks: usize) -> bool {
+    let own = sides_of(immersion.shapes(), boundary.surface)[side];
+    let off = boundary.step * if side == 0 { -1.0 } else { 1.0 };
+    let stride = boundary.points.len().div_ceil(checks);
+    let checked = || boundary.points.iter().step_by(stride.max(1));
+    let is_other =
+        |(point, normal): &&(Vec3, Vec3)| immersion.behind_walls(*point + off * *normal) != own;
+    is_many(checked().filter(is_other).count(), checked().count())
+}
+
+/// Whether so many of all that disagree are more than slip through.
+fn is_many(count: usize, all: usize) -> bool {
+    count >= 2 && count as f64 > SLIPS * all as f64
+}
+
 /// What looks say, but for those that end on sides of which nothing is known.
 fn tally(shapes: &Shapes, open: &BTreeSet<(u32, usize)>, seen: &[Seen]) -> Tally {
     let mut tally = Tally::new();
@@ -263,7 +379,7 @@ fn judge(
     let all: usize = tally.values().map(|(count, _)| count).sum();
     let others: Vec<_> = tally.iter().filter(|(medium, _)| **medium != own).collect();
     let dissent: usize = others.iter().map(|(_, (count, _))| count).sum();
-    if dissent < 2 || dissent as f64 <= SLIPS * all as f64 {
+    if !is_many(dissent, all) {
         return;
     }
     let mut partners: Vec<u32> = tally.values().filter_map(|(_, by)| *by).collect();

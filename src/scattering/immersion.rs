@@ -214,6 +214,9 @@ impl<'a> Immersion<'a> {
 
     /// What fills the smallest body around a point, or else what most of a few looks find.
     fn in_sight(&self, point: Vec3) -> Option<u32> {
+        if self.shapes.are_bodies_all {
+            return Some(self.behind_walls(point));
+        }
         let look = |direction: Vec3| self.see(point, direction.normalize());
         let filling = if self.shapes.overlaps { self.filling(point) } else { None };
         filling.or_else(|| self.majority(DIRECTIONS.into_iter().map(look)))
@@ -309,21 +312,27 @@ impl<'a> Immersion<'a> {
         [surface.interior, surface.exterior]
     }
 
-    /// What fills the smallest body around a point, as most of a few directions have it.
+    /// What fills the body that counts around a point, as most of a few directions have it.
     fn filling(&self, point: Vec3) -> Option<u32> {
         if self.shapes.bodies.is_empty() {
             return None;
         }
-        let [a, b, c, ..] = DIRECTIONS.map(|it| self.innermost(point, it.normalize()));
-        if b == c { b } else { a }
+        let innermost = |which: usize| self.innermost(point, DIRECTIONS[which].normalize());
+        let (first, second) = (innermost(0), innermost(1));
+        if first == second || innermost(2) != second { first } else { second }
     }
 
     fn innermost(&self, point: Vec3, direction: Vec3) -> Option<u32> {
-        let around = self.leaves(point, direction);
-        let bodies = self.shapes.bodies.iter().filter(|body| around.contains(&body.surface));
-        let rank =
-            |a: &&Body, b: &&Body| a.priority.cmp(&b.priority).then(b.size.total_cmp(&a.size));
-        bodies.max_by(rank).map(|body| body.filling)
+        let bodies = &self.shapes.bodies;
+        let around = self.leaves(point, direction).into_iter().filter_map(|surface| {
+            let row = bodies.binary_search_by_key(&surface, |body| body.surface).ok()?;
+            Some(&bodies[row])
+        });
+        let rank = |a: &&Body, b: &&Body| {
+            let by_priority = a.priority.cmp(&b.priority);
+            by_priority.then(b.size.total_cmp(&a.size)).then(b.surface.cmp(&a.surface))
+        };
+        around.max_by(rank).map(|body| body.filling)
     }
 
     /// Whether a point is inside of a surface that is closed, or of several that are so together,

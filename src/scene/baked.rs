@@ -61,6 +61,8 @@ pub struct Shapes {
     /// Whether boundaries overlap or touch: then the medium of a point is that of the smallest body
     /// around it. Else every surface knows its two sides.
     pub overlaps: bool,
+    /// Whether bodies then say of every place what is there: outside of all is the scene's medium.
+    pub are_bodies_all: bool,
     /// Closed bodies of glass or water that overlap or touch: what is refracted there hangs on
     /// which of them are on its two sides. Empty where all are apart.
     pub solids: Vec<Solid>,

@@ -44,6 +44,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         surfaces: vec![surface; count as usize],
         bodies: Vec::new(),
         overlaps: false,
+        are_bodies_all: false,
         solids: Vec::new(),
         around_solids: NONE,
         scene_medium: NONE,

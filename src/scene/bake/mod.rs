@@ -82,6 +82,7 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         surfaces: primitives.surfaces,
         bodies: Vec::new(),
         overlaps: false,
+        are_bodies_all: false,
         solids: Vec::new(),
         around_solids: KEEP,
         scene_medium: rows.scene_medium,
