@@ -75,8 +75,16 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
     if arguments.variance && image.variance.is_none() {
-        say("warning: no variances are stored: the render ended before there was anything to \
-             compare; give it more time");
+        say(match settings.replicates {
+            2.. => {
+                "warning: no variances are stored: replicates come one after the other, and the \
+                 first had not ended; leave out --replicates, or set --spp to what there is time for"
+            }
+            _ => {
+                "warning: no variances are stored: the render ended before there was anything to \
+                 compare; give it more time"
+            }
+        });
     }
     let by = (&*settings, settings.integrator);
     notes::doubts(&image, by, &profile).iter().chain(&few).for_each(say);

@@ -25,7 +25,7 @@ const BETWEEN: f32 = 1.0 + 2.0 / RAYS as f32;
 /// Most balls about surfaces that leave light a single way.
 const BODIES_MAX: usize = 12;
 /// The least radius of a ball, relative to the scene: positions have to be more exact than it.
-const RADIUS_MIN: f32 = 1e-4;
+const RADIUS_MIN: f32 = 1e-5;
 /// The weights of what the camera sees, of what leaves light a single way, which only light paths
 /// find light by, and of what is around.
 const WEIGHT_OF_VIEW: f32 = 1.0;
