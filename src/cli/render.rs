@@ -75,16 +75,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
     if arguments.variance && image.variance.is_none() {
-        say(match settings.replicates {
-            2.. => {
-                "warning: no variances are stored: replicates come one after the other, and the \
-                 first had not ended; leave out --replicates, or set --spp to what there is time for"
-            }
-            _ => {
-                "warning: no variances are stored: the render ended before there was anything to \
-                 compare; give it more time"
-            }
-        });
+        say(why_no_variances(settings.replicates));
     }
     let by = (&*settings, settings.integrator);
     notes::doubts(&image, by, &profile).iter().chain(&few).for_each(say);
@@ -92,6 +83,20 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     match interrupted {
         Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
         None => Ok(()),
+    }
+}
+
+/// What keeps a render from variances, and how to have them.
+fn why_no_variances(replicates: u32) -> &'static str {
+    match replicates {
+        2.. => {
+            "warning: no variances are stored: replicates come one after the other, and the first \
+             had not ended; leave out --replicates, or set --spp to what there is time for"
+        }
+        _ => {
+            "warning: no variances are stored: the render ended before there was anything to \
+             compare; give it more time"
+        }
     }
 }
 

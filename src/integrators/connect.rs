@@ -13,6 +13,7 @@ use crate::transport::stages::cross_connections::cross_connections;
 use crate::transport::stages::follow_connections::follow_connections;
 use crate::transport::stages::gather_connections::{gather_connections, splat_connections};
 use crate::transport::stages::list_pieces::list_pieces;
+use crate::transport::stages::note_brought::note_brought;
 use crate::transport::stages::store_light_vertices::store_light_vertices;
 use crate::transport::stages::trace_connections::trace_connections;
 use crate::transport::tables::crossings::Crossing;
@@ -108,7 +109,13 @@ pub fn measure_connections<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     (met, strategy): (Met, Strategy),
 ) {
-    test_connections(w, scene, strategy);
+    trace(w, scene);
+    if strategy == Strategy::Bidirectional {
+        w.profile.time(Stage::Gather, || {
+            note_brought(&mut w.measured, &w.connections, &w.sensor[1]);
+        });
+    }
+    cross(w, scene, strategy);
     w.profile.time(Stage::Gather, || {
         let at = (&w.sensor[1], &w.walk.surfaces);
         gather_connections::<N, M>(&mut w.measured, &w.connections, at, scene, met);
@@ -185,13 +192,27 @@ fn test_connections<const N: usize, M: LightModel<N>>(
     scene: &Scene<N>,
     strategy: Strategy,
 ) {
+    trace(w, scene);
+    cross(w, scene, strategy);
+}
+
+fn trace<const N: usize, M: LightModel<N>>(w: &mut Workspace<N, M>, scene: &Scene<N>) {
     w.profile.rays_visibility += w.connections.len as u64;
-    let WalkTables { flights, crossings, scratch, .. } = &mut w.walk;
-    let connections = &mut w.connections;
+    let (connections, scratch) = (&mut w.connections, &mut w.walk.scratch);
     w.profile.time(Stage::Visibility, || trace_connections(connections, scratch, scene));
+}
+
+/// Lets connections cross what lets them pass straight on.
+fn cross<const N: usize, M: LightModel<N>>(
+    w: &mut Workspace<N, M>,
+    scene: &Scene<N>,
+    strategy: Strategy,
+) {
     if !scene.has_straight_on {
         return;
     }
+    let WalkTables { flights, crossings, scratch, .. } = &mut w.walk;
+    let connections = &mut w.connections;
     w.profile.time(Stage::Visibility, || {
         follow_connections(crossings, (flights, scratch), connections, scene);
         pass_surfaces_of::<N, M>(crossings, scene);

@@ -14,8 +14,9 @@ use crate::scene::baked::{Bounds, NONE};
 
 /// Camera rays along an edge of the film.
 const RAYS: usize = 16;
-/// Mirrors and panes on the way of a camera ray.
+/// Mirrors and panes on the way of a camera ray, and all that it passes.
 const PASSED_MAX: usize = 16;
+const STEPS_MAX: usize = 4096;
 /// Parts of what the camera sees, the nearest to its middle first, that have a ball each, so that
 /// what is seen from close by, and far away things on few pixels, get as many paths for a pixel.
 const PARTS: [f32; 3] = [0.5, 0.9, 1.0];
@@ -128,8 +129,9 @@ fn end_of_ray<const N: usize>(
     mut direction: Vec3,
 ) -> Option<(Vec3, Vec3)> {
     let mut hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
-    for _ in 0..PASSED_MAX {
-        if hit.primitive == NONE {
+    let mut passed = 0;
+    for _ in 0..STEPS_MAX {
+        if hit.primitive == NONE || passed == PASSED_MAX {
             return None;
         }
         let kind = scene.material_at(hit.primitive).kind;
@@ -139,6 +141,7 @@ fn end_of_ray<const N: usize>(
         if !kind.is_specular() && !kind.is_straight_on() {
             return Some((point, normal));
         }
+        passed += usize::from(kind.is_specular());
         let surface = scene.shapes.surface_of(hit.primitive);
         if scene.shapes.surfaces[surface as usize].is_opaque {
             direction -= 2.0 * direction.dot(normal) * normal;

@@ -34,12 +34,12 @@ const SURE: f32 = 0.1;
 /// Of other paths, connections that would bring little beside what the path has brought already
 /// (less than `SURE` of it) are made as often as they bring of that, and count for those that are
 /// not: one number decides for all of a sensor vertex, so that as many are made as chances add up
-/// to. That decides by what has been measured, hence with polarization in polarized mode.
+/// to.
 ///
 /// Where the sensor's end is a depolarizer, the Mueller kernels reduce to their first rows, and
 /// only intensity crosses the connection.
 ///
-/// From: depolarize_sensor, store_light_vertices. To: trace_connections.
+/// From: depolarize_sensor, store_light_vertices, note_brought. To: trace_connections.
 /// Writes: connections. Reads: arrived (paths, surfaces), light, scene, measured.
 pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
@@ -68,7 +68,7 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
         };
         let is_long = of_path.len() > ALWAYS || path_length as usize > ALWAYS;
         if !is_long {
-            sensor.play_beside(measured.intensity(slot), places[lane]);
+            sensor.play_beside(measured.brought(slot), places[lane]);
             of_path.clone().step_by(LANES).for_each(|first| connect(&mut sensor, first));
             continue;
         }
@@ -138,9 +138,8 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
 
     /// Plays for connections that bring little beside what the path `has_brought`, from a random
     /// number in [0, 1) on.
-    fn play_beside(&mut self, has_brought: &[f32; N], u: f32) {
-        let most = has_brought.iter().fold(0.0_f32, |most, &it| most.max(it));
-        self.per_sure = (most > 0.0).then(|| 1.0 / (SURE * most));
+    fn play_beside(&mut self, has_brought: f32, u: f32) {
+        self.per_sure = (has_brought > 0.0).then(|| 1.0 / (SURE * has_brought));
         self.place = u;
     }
 

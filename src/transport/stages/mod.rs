@@ -26,6 +26,7 @@ pub mod generate_sensor_paths;
 pub mod keep_pieces;
 pub mod list_pieces;
 pub mod merge_photons;
+pub mod note_brought;
 pub mod partition_paths;
 pub mod pass_surfaces;
 pub mod play_roulette;

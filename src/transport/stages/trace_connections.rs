@@ -10,7 +10,7 @@ use crate::transport::tables::connections::ConnectionTable;
 /// others.
 ///
 /// From: connect_emission, connect_to_emitters, connect_to_vertices, connect_to_sensor,
-/// connect_flights. To: follow_connections, gather_connections, splat_connections.
+/// connect_flights. To: follow_connections, note_brought, gather_connections, splat_connections.
 /// Writes: connections (blocked, value), scratch. Reads: connections (rays), scene.
 pub fn trace_connections<const N: usize>(
     connections: &mut ConnectionTable<N>,

@@ -5,12 +5,15 @@
 pub struct Measured<const N: usize> {
     components: usize,
     values: Vec<[f32; N]>,
+    /// See [`Measured::brought`].
+    brought: Vec<f32>,
 }
 
 impl<const N: usize> Measured<N> {
     /// A table for `capacity` slots.
     pub fn new(capacity: usize, components: usize) -> Self {
-        Self { components, values: vec![[0.0; N]; capacity * components] }
+        let values = vec![[0.0; N]; capacity * components];
+        Self { components, values, brought: vec![0.0; capacity] }
     }
 
     /// Stokes components of a slot: 1 or 4.
@@ -21,6 +24,7 @@ impl<const N: usize> Measured<N> {
     /// Sets everything to zero.
     pub fn clear(&mut self) {
         self.values.fill([0.0; N]);
+        self.brought.fill(0.0);
     }
 
     /// The values of a slot, component by component.
@@ -29,10 +33,17 @@ impl<const N: usize> Measured<N> {
         &mut self.values[slot * self.components..][..self.components]
     }
 
-    /// The intensity of a slot, by wavelength.
+    /// What connections that nothing was in the way of have brought a slot at least, at the
+    /// wavelength of most, by intensities alone: the same in all modes.
     #[inline(always)]
-    pub fn intensity(&self, slot: usize) -> &[f32; N] {
-        &self.values[slot * self.components]
+    pub fn brought(&self, slot: usize) -> f32 {
+        self.brought[slot]
+    }
+
+    /// Adds to [`Measured::brought`].
+    #[inline(always)]
+    pub fn add_brought(&mut self, slot: usize, value: f32) {
+        self.brought[slot] += value;
     }
 
     /// Adds intensity to a slot.
