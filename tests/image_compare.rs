@@ -181,7 +181,7 @@ fn statistics_print_and_serialize() {
         iterations: 8,
         seconds: 2.0,
         rays_closest: 1_500_000,
-        radii: vec![0.5, 0.25],
+        radii: vec![Some(0.5), Some(0.25)],
         stages: vec![("trace".to_owned(), 1.5), ("scatter".to_owned(), 0.5)],
         peak_memory_bytes: peak_memory_bytes(),
         ..RenderStatistics::default()

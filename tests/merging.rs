@@ -177,6 +177,48 @@ fn no_light_leaks_through_a_wall() {
     }
 }
 
+/// A white body of about 0.1 in a room of 2, seen from so far that its image has the size `share`
+/// of the film's.
+fn in_a_room(share: f32, body: impl FnOnce(&mut Document, usize)) -> World {
+    let mut document = Document::default();
+    let wall = document.diffuse(0.5);
+    document.room([wall; 6], &[]);
+    let glow = document.material(json!({"bsdf": "absorber"}));
+    let glow = document.emits(glow, 10.0);
+    document.quad(Vec3::new(0.0, 0.99, 0.0), 0.3 * Vec3::X, 0.3 * Vec3::Z, glow);
+    let white = document.diffuse(0.8);
+    body(&mut document, white);
+    document.perspective(Vec3::new(0.0, 0.1, 0.9), Vec3::ZERO, 0.11 / share, None);
+    document.load("small body")
+}
+
+/// Kernels end where surfaces do, and are no larger than what is seen: what is small against the
+/// distances of photons is as bright as large things are.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn small_bodies_are_as_bright_as_path_tracing_says() {
+    type Body = fn(&mut Document, usize);
+    let bodies: [(&str, Body); 4] = [
+        ("sphere", |document, white| document.sphere(Vec3::ZERO, 0.05, white)),
+        ("mesh", |document, white| document.ball(Vec3::ZERO, 0.05, 12, white)),
+        ("cube", |document, white| document.cuboid(Vec3::ZERO, Vec3::splat(0.05), white)),
+        ("sheet", |document, white| {
+            let white = document.two_sided(white);
+            let up = Vec3::new(0.0, 0.04, -0.03);
+            document.quad(Vec3::ZERO, 0.05 * Vec3::X, up, white);
+        }),
+    ];
+    for (name, body) in bodies {
+        for share in [1.0, 0.3] {
+            let world = in_a_room(share, body);
+            let effort = Effort { iterations: 128, photons: 4096, path_length: 100 };
+            let found = mean(&world, Integrator::Ppm, effort);
+            let truth = mean(&world, Integrator::Path, Effort { iterations: 256, ..effort });
+            check(&format!("{name} {share}"), found, truth, [0.005, 0.01]);
+        }
+    }
+}
+
 /// Photons in a closed box are none of the floor beside it, from the first iteration on.
 #[test]
 fn a_bright_box_does_not_shine_on_the_floor_beside_it() {

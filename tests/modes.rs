@@ -218,7 +218,7 @@ fn stepping_changes_no_bit() {
             renderers.iter_mut().for_each(Renderer::step);
             let [scalar, polarized] = renderers.each_ref().map(Renderer::radii);
             assert_eq!(scalar, polarized, "{integrator:?}");
-            radii.push(scalar);
+            radii.push(scalar.into_iter().flatten().collect());
         }
         let shrink = radii.windows(2).all(|pair| pair[0].iter().zip(&pair[1]).all(|(a, b)| a > b));
         assert!(shrink, "{radii:?}");

@@ -50,7 +50,7 @@ pub struct Measured {
     /// Rays traced for visibility alone.
     pub rays_visibility: u64,
     /// Radii of the kernels: on surfaces, then in the media.
-    pub radii: Vec<f32>,
+    pub radii: Vec<Option<f32>>,
 }
 
 impl Measured {
@@ -59,7 +59,7 @@ impl Measured {
         seconds: f64,
         cpu_seconds: Option<f64>,
         [before, after]: [&Profile; 2],
-        radii: Vec<f32>,
+        radii: Vec<Option<f32>>,
     ) -> Self {
         let times = after.times.iter().zip(&before.times);
         let times = times.map(|(after, before)| after.saturating_sub(*before).as_secs_f64());
@@ -394,7 +394,7 @@ mod tests {
         after.photons = 12;
         after.times[Stage::Trace as usize] = std::time::Duration::from_millis(1500);
         after.times[Stage::Mueller as usize] = std::time::Duration::from_secs_f64(mueller);
-        Measured::new(seconds, Some(2.0 * seconds), [&before, &after], vec![0.5])
+        Measured::new(seconds, Some(2.0 * seconds), [&before, &after], vec![Some(0.5)])
     }
 
     fn rounds(polarized: &[f64], mueller: f64) -> Vec<Round> {

@@ -121,13 +121,15 @@ fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<Plac
 fn few_photons(renderer: &Renderer, world: &PlacedWorld, quiet: bool) -> Option<String> {
     let settings = renderer.settings();
     let iterations = renderer.samples() / settings.samples_per_iteration();
-    let radius = *renderer.radii().first()?;
+    let radii = renderer.radii();
+    // Where no photons are merged, paths find what they would have.
+    radii.iter().flatten().next()?;
     let photons = renderer.profile().photons as f64 / f64::from(iterations.max(1));
     let lack = notes::lack_of_photons(photons);
     if lack.is_some() || settings.photons.radius.is_some() {
         return lack.filter(|_| !quiet);
     }
-    notes::blur_of_photons(radius / world.radius())
+    notes::blur_of_photons(radii[0]? / world.radius())
 }
 
 /// What is needed to write the image of a render that is not waited for.

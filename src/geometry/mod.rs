@@ -25,6 +25,7 @@ mod offset;
 mod packet;
 mod prepared;
 mod rays;
+mod rims;
 mod surface;
 mod table;
 mod tree;
@@ -36,5 +37,6 @@ pub use near::{FRONTS_MAX, Neighborhood, Planes, Shape, Surroundings, nearest_in
 pub use next::trace_next;
 pub use offset::{offset_distance, offset_origin, reach, reach_of_triangle};
 pub use rays::{Hit, HitColumns, IN_MEDIUM, Ray, RayColumns, medium_met};
+pub use rims::Rims;
 pub use surface::{SurfaceColumns, resolve_surfaces};
 pub use walk::TraceScratch;

@@ -1,14 +1,16 @@
 //! The photons of an iteration: shot, stored and sorted.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::integrators::photons;
 use crate::integrators::ppm::walk_to_merging;
 use crate::integrators::profile::{Profile, Stage};
+use crate::math::lanes;
 use crate::scattering::Scene;
 use crate::transport::chunk::{ROWS, Sequence, tiles};
 use crate::transport::tables::nearest_photons::nearest_distances;
-use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
+use crate::transport::tables::photon_maps::{PhotonMap, PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
@@ -32,7 +34,12 @@ const PROBES: usize = 256;
 const PROBED_TILES: usize = 64;
 /// Largest first radius in a medium, relative to its mean free path.
 const PART_OF_FREE_PATH: f32 = 0.5;
-/// Photons within the kernel of a medium below which paths go on instead.
+/// Largest first radius on surfaces, in pixels: details as large as that are not blurred together.
+const PIXELS: f32 = 8.0;
+/// Pixels from where one is looked at to the nearest of such places, samples being strewn within
+/// them.
+const PIXELS_APART: f32 = 0.5;
+/// Photons within a kernel below which paths go on instead.
 const PHOTONS_MIN: f32 = 1.0;
 /// Largest first radius, relative to what it would be if the photons of all light paths lay evenly
 /// on the ball about the scene.
@@ -66,6 +73,8 @@ pub struct Shot {
 impl<const N: usize> PhotonPass<N> {
     /// Empty maps for a scene; in `polarized` renders, photons at what polarizes have states.
     pub fn new(scene: &Scene<N>, passes: Passes, polarized: bool) -> Self {
+        // In time: threads that merge could not find them together.
+        scene.rims();
         let is_chromatic = scene.events_present().any(|event| !event.achromatic);
         let class_of = |map: usize| {
             let mut events = scene.events_present().filter(|event| map_of(event.met) == map);
@@ -99,9 +108,9 @@ impl<const N: usize> PhotonPass<N> {
         self.maps.0.iter().map(|map| map.grid.photons().len as u64).sum()
     }
 
-    /// Radii of the kernels, by map.
-    pub fn radii(&self) -> Vec<f32> {
-        self.maps.0.iter().map(|map| map.radius).collect()
+    /// Radii of the kernels, by map; none where paths go on instead.
+    pub fn radii(&self) -> Vec<Option<f32>> {
+        self.maps.0.iter().map(|map| map.merges.then_some(map.radius)).collect()
     }
 
     /// Shoots the photons of an iteration and sorts them, but not beyond a limit: false if not all
@@ -114,6 +123,9 @@ impl<const N: usize> PhotonPass<N> {
         (shot, limit, some_will_do): (Shot, &Limit, bool),
         profile: &mut Profile,
     ) -> bool {
+        if self.maps.0.iter().all(|map| !map.merges) {
+            return true;
+        }
         let asked_for = self.light_paths;
         let is_given_up = || !some_will_do && limit.is_stopped();
         self.maps.0.iter_mut().for_each(|map| map.grid.unsorted().clear());
@@ -147,7 +159,6 @@ impl<const N: usize> PhotonPass<N> {
         self.maps.0.iter_mut().for_each(|map| map.light_paths = light_paths as f32);
         if self.first_radii.is_empty() {
             self.first_radii = self.find_radii(pool, scene, settings, shot);
-            self.give_up_sparse_maps(scene, settings);
         }
         let shrinking = shrinking(settings.photons.alpha, shot.earlier);
         profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
@@ -175,9 +186,10 @@ impl<const N: usize> PhotonPass<N> {
     }
 
     /// The radii to begin with: what is asked for, or the median distance from points that the
-    /// sensor sees to their 25th nearest photon.
+    /// sensor sees to their 25th nearest photon, within the bounds of the place. Maps whose kernels
+    /// would hold hardly any photons are given up.
     fn find_radii<M: LightModel<N>>(
-        &self,
+        &mut self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
         settings: &Resolved,
@@ -190,42 +202,31 @@ impl<const N: usize> PhotonPass<N> {
         // Where light hardly comes, the nearest photons are those of other places.
         let evenly = (4.0 * NEAREST as f32 / self.light_paths as f32).sqrt();
         let radius_max = RADIUS_OF_EVEN * evenly * scene.shapes.bounds.radius;
-        let points = self.probe(pool, scene, settings, shot);
-        self.maps
-            .0
-            .iter()
-            .zip(points)
-            .map(|(map, mut points)| {
-                // Modes come to them in other orders.
-                points.sort_by_key(|point| point.map(f32::to_bits));
-                let step = points.len().div_ceil(PROBES).max(1);
-                let some: Vec<[f32; 3]> = points.into_iter().step_by(step).collect();
-                let mut distances = nearest_distances(map.grid.photons(), &some, NEAREST);
-                distances.retain(|distance| distance.is_finite() && *distance > 0.0);
-                distances.sort_by(f32::total_cmp);
-                let median = distances.get(distances.len() / 2).copied();
-                median.unwrap_or(fallback).min(radius_max)
-            })
-            .collect()
-    }
-
-    /// Bounds the kernels in media by their mean free paths, beyond which the light of different
-    /// places is mixed up. Where such kernels hold hardly any photons, paths that go on find more,
-    /// unless lamps are hidden from them.
-    fn give_up_sparse_maps(&mut self, scene: &Scene<N>, settings: &Resolved) {
-        if settings.photons.radius.is_some() {
-            return;
-        }
-        let media = self.maps.0[1..].iter_mut().zip(&mut self.first_radii[1..]).zip(0..);
-        for ((map, radius), medium) in media {
-            let radius_max = PART_OF_FREE_PATH / scene.medium(medium).reduced;
-            let photons = NEAREST as f32 * (radius_max / *radius).powi(3);
-            if photons < PHOTONS_MIN && !scene.hides_lamps() {
+        let probes = self.probe(pool, scene, settings, shot);
+        let maps = self.maps.0.iter_mut().enumerate().zip(probes);
+        let radius_of = |((index, map), mut probes): ((usize, &mut PhotonMap<N>), Vec<Probe>)| {
+            // Modes come to them in other orders.
+            probes.sort_by_key(|probe| probe.position.map(f32::to_bits));
+            let step = probes.len().div_ceil(PROBES).max(1);
+            let some: Vec<[f32; 3]> = probes.iter().step_by(step).map(|it| it.position).collect();
+            let distances = nearest_distances(map.grid.photons(), &some, NEAREST);
+            let found = median(distances).map(|distance| distance.min(radius_max));
+            let largest = match index.checked_sub(1) {
+                // Beyond, the light of different places is mixed up.
+                Some(medium) => PART_OF_FREE_PATH / scene.medium(medium as u32).reduced,
+                None => median(probes.iter().map(|it| it.apart).collect())
+                    .map_or(f32::INFINITY, |apart| PIXELS / PIXELS_APART * apart),
+            };
+            let photons_of =
+                |radius: f32| NEAREST as f32 * (largest / radius).powi(map.dimensions as i32);
+            // Paths that go on find more, unless lamps are hidden from them.
+            if found.map_or(0.0, photons_of) < PHOTONS_MIN && !scene.hides_lamps() {
                 map.merges = false;
                 map.grid.unsorted().clear();
             }
-            *radius = radius.min(radius_max);
-        }
+            found.unwrap_or(fallback.min(radius_max)).min(largest)
+        };
+        maps.map(radius_of).collect()
     }
 
     /// Vertices at which photons will be merged, by map, from tiles all over the film.
@@ -235,25 +236,55 @@ impl<const N: usize> PhotonPass<N> {
         scene: &Scene<N>,
         settings: &Resolved,
         shot: Shot,
-    ) -> Vec<Vec<[f32; 3]>> {
+    ) -> Vec<Vec<Probe>> {
         let tiles = tiles(scene.sensor.width, scene.sensor.height);
         let step = tiles.len().div_ceil(PROBED_TILES);
-        let mut points = vec![Vec::new(); self.maps.0.len()];
+        let mut probes: Vec<Vec<Probe>> = vec![Vec::new(); self.maps.0.len()];
         for &[x, y, width, height] in tiles.iter().step_by(step) {
             let of_pixels = Chunk { sequence: Sequence::PerPath, ..chunk(settings, shot, 0, 0) };
             let chunk = Chunk { x, y, width, height, ..of_pixels };
+            let mut points = vec![Vec::new(); probes.len()];
             pool.with(|workspace| {
                 walk_to_merging(workspace, scene, &chunk, &self.maps, |w, _| {
                     for (event, rows) in w.walk.partition.connectable() {
-                        let map = map_of(event.met);
-                        let [x, y, z] = &w.walk.surfaces.position;
-                        points[map].extend(rows.map(|row| [x[row], y[row], z[row]]));
+                        let position = &w.walk.surfaces.position;
+                        let of_rows = rows.map(|row| lanes::row_of(position, row));
+                        points[map_of(event.met)].extend(of_rows);
                     }
                 });
             });
+            for (probes, points) in probes.iter_mut().zip(&points) {
+                probes.extend((0..points.len()).map(|index| Probe::of(points, index)));
+            }
         }
-        points
+        probes
     }
+}
+
+/// A point that the first radius is found at.
+#[derive(Clone, Copy)]
+struct Probe {
+    position: [f32; 3],
+    /// Distance to the nearest other point of its tile.
+    apart: f32,
+}
+
+impl Probe {
+    /// One of the points of a tile.
+    fn of(points: &[[f32; 3]], index: usize) -> Self {
+        let position = points[index];
+        let others = points.iter().enumerate().filter(|(other, _)| *other != index);
+        let from = Vec3::from(position);
+        let squares = others.map(|(_, &point)| from.distance_squared(point.into()));
+        Self { position, apart: squares.fold(f32::INFINITY, f32::min).sqrt() }
+    }
+}
+
+/// The middle one of the lengths that are numbers and no zeros.
+fn median(mut lengths: Vec<f32>) -> Option<f32> {
+    lengths.retain(|length| length.is_finite() && *length > 0.0);
+    lengths.sort_by(f32::total_cmp);
+    lengths.get(lengths.len() / 2).copied()
 }
 
 /// What is left of the area or volume of the kernel after some iterations: Knaus and Zwicker's

@@ -248,8 +248,8 @@ impl Renderer {
     }
 
     /// Radii of the latest iteration of photons, in scene units: that on surfaces, then those in
-    /// the media. Empty without photons.
-    pub fn radii(&self) -> Vec<f32> {
+    /// the media, none where paths go on instead. Empty without photons.
+    pub fn radii(&self) -> Vec<Option<f32>> {
         self.steps.radii()
     }
 

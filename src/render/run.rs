@@ -29,7 +29,7 @@ pub trait Steps: Send + Sync {
     /// What all steps so far took.
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
-    fn radii(&self) -> Vec<f32>;
+    fn radii(&self) -> Vec<Option<f32>>;
     /// The image of all that has been done, with variances where two replicates or blocks, or more,
     /// have begun.
     fn finish(self: Box<Self>) -> StokesImage;
@@ -144,7 +144,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         profile
     }
 
-    fn radii(&self) -> Vec<f32> {
+    fn radii(&self) -> Vec<Option<f32>> {
         self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 

@@ -36,8 +36,9 @@ pub struct RenderStatistics {
     pub rays_closest: u64,
     /// Rays traced for visibility alone.
     pub rays_visibility: u64,
-    /// Radii of the last kernels of photons, in scene units: on surfaces, then in the media.
-    pub radii: Vec<f32>,
+    /// Radii of the last kernels of photons, in scene units: on surfaces, then in the media;
+    /// none where there would be too few photons, and paths go on instead.
+    pub radii: Vec<Option<f32>>,
     /// Seconds per stage, in the order of the schedule.
     pub stages: Vec<(String, f64)>,
     /// Largest resident memory of the process in bytes, where the system tells.
@@ -81,8 +82,14 @@ impl fmt::Display for RenderStatistics {
             scaled(self.rays_visibility as f64),
         )?;
         if let [on_surfaces, in_media @ ..] = &self.radii[..] {
-            write!(f, "\nkernels of photons with a radius of {on_surfaces:.4e} in the end")?;
-            in_media.iter().try_for_each(|radius| write!(f, ", in a medium {radius:.4e}"))?;
+            let kernel = |radius: &Option<f32>| match radius {
+                Some(radius) => format!("have a radius of {radius:.4e} in the end"),
+                None => "would hold hardly any, so paths go on instead".to_owned(),
+            };
+            write!(f, "\nkernels of photons {}", kernel(on_surfaces))?;
+            in_media
+                .iter()
+                .try_for_each(|radius| write!(f, "; in a medium they {}", kernel(radius)))?;
         }
         if let Some(bytes) = self.peak_memory_bytes {
             write!(f, "\n{:.1} MiB of memory at most", bytes as f64 / (1 << 20) as f64)?;

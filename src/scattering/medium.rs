@@ -17,9 +17,9 @@ const END_OF_PEAK: f32 = 2.0;
 /// a factor of two.
 const PEAK_MIN: f32 = 1.0 / (1 << 24) as f32;
 const STEPS: u16 = 8;
-/// Share of extinction that is hardly absorption: flights by extinction are less work then, and as
-/// good.
-const HARDLY: f32 = 1.0 / 64.0;
+/// Share of extinction that is hardly absorption: flights by extinction are less work then, and
+/// nearly as good.
+const HARDLY: f32 = 1.0 / 8.0;
 
 /// A homogeneous medium with what is derived from its coefficients.
 #[derive(Clone, Debug)]

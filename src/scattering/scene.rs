@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::geometry::{
-    Accelerator, RayColumns, SurfaceColumns, medium_met, offset_distance, offset_origin,
+    Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, SOUGHT, Shapes};
@@ -82,6 +82,7 @@ pub struct Scene<const N: usize> {
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
     look: OnceLock<Look>,
+    rims: OnceLock<Rims>,
 }
 
 impl<const N: usize> Scene<N> {
@@ -150,6 +151,7 @@ impl<const N: usize> Scene<N> {
             has_emitting_straight_on,
             has_shading_normals: shapes.has_shading_normals(),
             look: OnceLock::new(),
+            rims: OnceLock::new(),
             media,
             accelerator,
             shapes,
@@ -304,6 +306,11 @@ impl<const N: usize> Scene<N> {
         let whole = (2.0 * PI * f64::from(self.shapes.bounds.radius)).powi(2);
         let is_small = size > 0.0 && size < SMALL_LAMP * whole;
         self.has_specular_surfaces() && (is_small || models().any(emitter::is_delta))
+    }
+
+    /// Where its surfaces end. Found by all threads, when it is first asked for.
+    pub fn rims(&self) -> &Rims {
+        self.rims.get_or_init(|| Rims::of_shapes(&self.shapes))
     }
 
     /// What a look at it finds.

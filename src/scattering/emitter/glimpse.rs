@@ -7,10 +7,10 @@ use glam::Vec3;
 use crate::scattering::look::first_met;
 use crate::scattering::{Scene, Sensor};
 use crate::scene::baked::{Optics, Shapes};
-use crate::scene::emitter::{Emitter, EmitterModel};
+use crate::scene::emitter::Emitter;
 
 use super::tree::Outline;
-use super::{outline, primitive};
+use super::{area, outline, primitive};
 
 /// Images of at most so many pixels are small.
 const PIXELS_MAX: f32 = 16.0;
@@ -46,18 +46,6 @@ impl Glimpses {
     /// small; else zero.
     pub fn start_pdf(&self, emitter: usize) -> f32 {
         self.start_pdfs.get(emitter).copied().unwrap_or(0.0)
-    }
-}
-
-/// The area of what has one, in m^2.
-fn area(model: &EmitterModel) -> Option<f32> {
-    match model {
-        EmitterModel::Triangle(it) => Some(it.area),
-        EmitterModel::Sphere(it) => Some(it.area),
-        EmitterModel::Point(_)
-        | EmitterModel::Spot(_)
-        | EmitterModel::Directional(_)
-        | EmitterModel::Environment(_) => None,
     }
 }
 

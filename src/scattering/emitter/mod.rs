@@ -70,6 +70,11 @@ pub trait Emits: Extent {
         None
     }
 
+    /// Area of its surface in square scene units, if it has one.
+    fn area(&self) -> Option<f32> {
+        None
+    }
+
     /// Sides that emit of an emitter with an area; zero for others.
     fn sides_of_area(&self) -> f32 {
         0.0
@@ -341,6 +346,13 @@ macro_rules! dispatched {
         fn gain_of_aim(model: &EmitterModel, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
             match model {
                 $(EmitterModel::$Model(model) => model.gain_of_aim(shapes, ball),)*
+            }
+        }
+
+        /// [`Emits::area`].
+        fn area(model: &EmitterModel) -> Option<f32> {
+            match model {
+                $(EmitterModel::$Model(model) => model.area(),)*
             }
         }
 

@@ -91,6 +91,10 @@ impl Emits for Sphere {
         area_of(self).gain_of_aim((sphere.center + normal * sphere.radius, normal), ball)
     }
 
+    fn area(&self) -> Option<f32> {
+        Some(self.area)
+    }
+
     fn sides_of_area(&self) -> f32 {
         area_of(self).sides()
     }

@@ -181,8 +181,13 @@ impl LightTree {
         self.nodes.push(Node::empty());
         let mut outlines = [Outline::at(Vec3::ZERO); LANES];
         let mut children = [Child::Node(0); LANES];
+        // As many as full subtrees hold, so that the lowest nodes, which are most, are full too.
+        let mut most = 1;
+        while most * LANES < emitters.len() {
+            most *= LANES;
+        }
         let mut parts = vec![emitters];
-        while parts.len() < LANES && parts.iter().any(|part| part.len() > 1) {
+        while parts.len() < LANES && parts.iter().any(|part| part.len() > most) {
             parts = parts.into_iter().flat_map(halves).collect();
         }
         let count = parts.len();

@@ -98,6 +98,10 @@ impl Emits for Triangle {
         area_of(self).gain_of_aim((middle, (b - a).cross(c - a).normalize()), ball)
     }
 
+    fn area(&self) -> Option<f32> {
+        Some(self.area)
+    }
+
     fn sides_of_area(&self) -> f32 {
         area_of(self).sides()
     }

@@ -119,7 +119,8 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
         let normal = Vec3A::from(lanes::row_of(&self.surfaces.geometric_normal, query));
         let direction = Vec3A::from(lanes::row_of(&self.paths.rays.direction, query));
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        let mut of = Clearing::on_surface(center, normal, radius, accelerator, around);
+        let shapes = (&**accelerator, self.scene.rims());
+        let mut of = Clearing::on_surface(center, normal, radius, shapes, around);
         of.gain *= whole.powi(2);
         of
     }

@@ -48,13 +48,11 @@ pub fn play_roulette<const N: usize, C>(
             };
             let survival = survival.min(longest);
             let kept = kept.max(survival);
-            if u >= kept {
-                hits.primitive[row] = NONE;
-            }
-            if kept < 1.0 {
-                paths.beta.iter_mut().for_each(|beta| beta[row] /= kept);
-            }
-            paths.odds[row] = if u < survival { survival / kept } else { 0.0 };
+            // Whether one wins cannot be predicted: no branches.
+            hits.primitive[row] = if u < kept { primitive } else { NONE };
+            paths.beta.iter_mut().for_each(|beta| beta[row] /= kept);
+            let odds = survival / kept;
+            paths.odds[row] = if u < survival { odds } else { 0.0 };
         }
     }
 }
