@@ -219,6 +219,23 @@ fn small_bodies_are_as_bright_as_path_tracing_says() {
     }
 }
 
+/// Photons on a sheet are none of what lies close below it. What its edges shade is blurred.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn sheets_above_each_other_keep_their_photons() {
+    let world = in_a_room(0.3, |document, white| {
+        let white = document.two_sided(white);
+        let [side, up] = [0.1 * Vec3::X, Vec3::new(0.0, 0.07, -0.07)];
+        for above in [0.0, 0.01] {
+            document.quad(above * Vec3::Y, side, up, white);
+        }
+    });
+    let effort = Effort { iterations: 128, photons: 4096, path_length: 100 };
+    let found = mean(&world, Integrator::Ppm, effort);
+    let truth = mean(&world, Integrator::Path, Effort { iterations: 256, ..effort });
+    check("sheets", found, truth, [0.015, 0.01]);
+}
+
 /// Photons in a closed box are none of the floor beside it, from the first iteration on.
 #[test]
 fn a_bright_box_does_not_shine_on_the_floor_beside_it() {

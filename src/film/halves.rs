@@ -14,7 +14,7 @@ const TILE: usize = 8;
 
 /// The share of what blocks say that is left by the halves, above which noise explains the
 /// difference, and the blocks, which are more, know better.
-const SHARE_MAX: f64 = 0.5;
+const SHARE_MAX: f64 = 0.7;
 /// Least part of the mean square of the last difference that is taken for the variance: where that
 /// falls with the fourth power of the samples.
 const PART_MIN: f64 = 1.0 / 15.0;
@@ -64,8 +64,11 @@ impl Halves {
         let is_half = |half: &Half| half.iterations > 0 && 2 * half.iterations <= iterations;
         let Some(last) = self.latest.iter().rposition(is_half) else { return };
         let half = &self.latest[last];
-        let quarter = self.latest[..last].last().filter(|quarter| quarter.iterations > 0);
-        let part = Part::new(iterations, half, quarter);
+        let quarter = self.latest[..last].last().filter(|quarter| {
+            // Elsewhere variances fall in steps that none of these powers describes.
+            4 * quarter.iterations == iterations && 2 * half.iterations == iterations
+        });
+        let part = Part::new(iterations, half, quarter.is_some());
         let height = variances.len() / width.max(1);
         for (top, left) in tiles(width, height) {
             let lines = top..height.min(top + TILE);
@@ -95,20 +98,14 @@ struct Part {
 
 impl Part {
     /// For a whole of so many iterations. With `a` for the variance of noise and `b` for that of
-    /// what is smooth, `x` iterations of the whole over those of a part, the part's variance is
-    /// `a x + b x^3`; without a `quarter` all is noise.
-    fn new(iterations: u64, half: &Half, quarter: Option<&Half>) -> Self {
-        let over = |part: &Half| iterations as f64 / part.iterations as f64;
-        let x = over(half);
-        let Some(y) = quarter.map(over) else {
-            return Self { of_last: 1.0 / (x - 1.0), of_before: 0.0 };
-        };
-        let [noise, smooth] = [[x - 1.0, y - x], [x.powi(3) - 1.0, y.powi(3) - x.powi(3)]];
-        let determinant = noise[0] * smooth[1] - noise[1] * smooth[0];
-        Self {
-            of_last: (smooth[1] - noise[1]) / determinant,
-            of_before: (noise[0] - smooth[0]) / determinant,
+    /// what is smooth, the half's is `2 a + 8 b` and that of the quarter of the samples, if there
+    /// is one, `4 a + 64 b`; without it all is noise.
+    fn new(iterations: u64, half: &Half, has_quarter: bool) -> Self {
+        if has_quarter {
+            return Self { of_last: 9.0 / 7.0, of_before: -1.0 / 7.0 };
         }
+        let over = iterations as f64 / half.iterations as f64;
+        Self { of_last: 1.0 / (over - 1.0), of_before: 0.0 }
     }
 
     /// The variance of the whole, by the sum of the squares of how far it is from the half, and the

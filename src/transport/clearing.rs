@@ -19,20 +19,20 @@ use glam::Vec3A;
 use crate::geometry::{Accelerator, FRONTS_MAX, Neighborhood, Planes, Rims, Shape, Surroundings};
 use crate::math::{F32s, LANES, Vector, lanes};
 
-use self::cuts::{By, Cut, PART_OF_SPHERE, Plane, TOUCHING, cut_of_sphere, cut_of_triangle};
+use self::cuts::{By, Cut, Plane, TOUCHING, cut_of_sphere, cut_of_triangle};
 
 /// Planes that keep shapes out at most, the nearest; beyond, fine meshes mostly, it is a smaller
 /// radius that does.
 const PLANES_MAX: usize = FRONTS_MAX;
-/// How far above and below a surface the disk is looked at, relative to the radius.
+/// How far above and below a surface the disk is looked at, relative to the radius, and how far off
+/// its plane photons may be: curved surfaces are.
 const LIFT: f32 = 1.0 / 16.0;
-/// How far off the disk's plane photons may be, relative to the radius: curved surfaces are.
-const THICKNESS: f32 = 1.0 / 4.0;
 /// How far planes on surfaces are moved towards the vertex, relative to the radius: photons of what
 /// stands there lie on them.
 const MARGIN: f32 = 1.0 / 1024.0;
-/// Least radius where surfaces bend away on all sides, relative to how far off they do.
-const BENT_MIN: f32 = 0.5;
+/// Least radius where shapes are about on all sides, relative to what was asked for: smaller disks
+/// would hardly ever hold a photon, and those would be too bright to be averaged.
+const RADIUS_MIN: f32 = 1.0 / 6.0;
 /// Shapes that are listed at most; the nearest of more are searched for one by one.
 const LISTED_MAX: usize = 16;
 /// Least part of a kernel, so that its reciprocal is a number.
@@ -71,8 +71,8 @@ pub struct Clearing {
     len: usize,
     /// Whether the radius is less than what was asked for.
     is_smaller: bool,
-    /// The surface's normal, if it is on one.
-    normal: Option<Vec3A>,
+    /// The surface's normal, if it is on one, and how far off its plane photons may be.
+    surface: Option<(Vec3A, f32)>,
     /// Center and radius of a sphere from which the ball cannot get out.
     shell: Option<(Vec3A, f32)>,
     /// What the kernel's height is multiplied by: the size of the whole ball or disk of the radius
@@ -119,7 +119,7 @@ impl Clearing {
                 break;
             }
             if clearing.len == PLANES_MAX {
-                clearing.radius = cut.distance;
+                clearing.radius = cut.distance.max(RADIUS_MIN * radius);
                 break;
             }
             clearing.keep_out(&cut);
@@ -134,12 +134,13 @@ impl Clearing {
     pub fn on_surface(
         center: [f32; 3],
         normal: Vec3A,
-        radius: f32,
+        (radius, offset): (f32, f32),
         (accelerator, rims): (&Accelerator, &Rims),
         around: &mut Nearby,
     ) -> Self {
-        let mut clearing = Self::whole(Vec3A::from(center), radius, Some(normal));
-        let (center, height) = (clearing.center, radius * LIFT);
+        let (center, height) = (Vec3A::from(center), radius * LIFT);
+        let clear = height_beside((center, normal), (height, offset), accelerator);
+        let mut clearing = Self::whole(center, radius, Some((normal, clear)));
         let planes = Planes { normal, offset: -normal.dot(center), height };
         let axes = normal.any_orthonormal_pair();
         let [flat, lifted @ ..] =
@@ -149,10 +150,7 @@ impl Clearing {
             trees: [Some((accelerator, Some(planes))), rims.tree().map(|tree| (tree, None))],
             cuts_of: |shape, is_rim, offer: &mut dyn FnMut(Cut)| {
                 if let (true, Shape::Triangle([from, to, _])) = (is_rim, shape) {
-                    return flat
-                        .cut_of_rim([from, to], THICKNESS * radius)
-                        .into_iter()
-                        .for_each(offer);
+                    return flat.cut_of_rim([from, to], height).into_iter().for_each(offer);
                 }
                 let cuts = lifted.iter().filter_map(|plane| match shape {
                     Shape::Triangle(corners) => plane.cut_of_triangle(&corners),
@@ -164,10 +162,7 @@ impl Clearing {
         let is_listed = search.list(&clearing);
         while let Some(cut) = search.nearest(&clearing, is_listed) {
             if clearing.len == PLANES_MAX {
-                // What bends away like a sphere is so far below it there that its radius follows.
-                let like_sphere = PART_OF_SPHERE * cut.distance.powi(2) / (2.0 * height);
-                let least = BENT_MIN * cut.distance;
-                clearing.radius = like_sphere.clamp(least, cut.distance);
+                clearing.radius = cut.distance.max(RADIUS_MIN * radius);
                 break;
             }
             clearing.keep_out(&cut);
@@ -183,9 +178,9 @@ impl Clearing {
         clearing
     }
 
-    fn whole(center: Vec3A, radius: f32, normal: Option<Vec3A>) -> Self {
+    fn whole(center: Vec3A, radius: f32, surface: Option<(Vec3A, f32)>) -> Self {
         let planes = [(Vec3A::ZERO, 0.0); PLANES_MAX];
-        Self { center, radius, planes, len: 0, is_smaller: false, normal, shell: None, gain: 1.0 }
+        Self { center, radius, planes, len: 0, is_smaller: false, surface, shell: None, gain: 1.0 }
     }
 
     /// Whether what is to be kept out is out.
@@ -234,7 +229,7 @@ impl Clearing {
     /// What is left of the disk: closed for one plane, else the mean over directions of the square
     /// of how far it goes.
     fn share_of_disk(&self) -> f32 {
-        let Some(normal) = self.normal else { return 1.0 };
+        let Some((normal, _)) = self.surface else { return 1.0 };
         let share = match self.planes[..self.len] {
             [] => 1.0,
             [(_, distance)] => {
@@ -289,9 +284,9 @@ impl Clearing {
         if self.is_smaller {
             held = offset.length_squared().simd_le(F32s::splat(self.radius * self.radius));
         }
-        if let Some(normal) = self.normal {
+        if let Some((normal, most)) = self.surface {
             let height = offset.dot(Vector::splat(normal.to_array()));
-            held &= height.abs().simd_le(F32s::splat(THICKNESS * self.radius));
+            held &= height.abs().simd_le(F32s::splat(most));
         }
         for (normal, distance) in &self.planes[..self.len] {
             let before = offset.dot(Vector::splat(normal.to_array()));
@@ -299,6 +294,21 @@ impl Clearing {
         }
         held
     }
+}
+
+/// How far off the plane of a surface, up to `height`, photons may be: nearer to it than to others
+/// that lie straight above or below. Rays start at `offset` from it.
+fn height_beside(
+    (center, normal): (Vec3A, Vec3A),
+    (height, offset): (f32, f32),
+    accelerator: &Accelerator,
+) -> f32 {
+    let free = |side: Vec3A| {
+        let origin = center + side * offset;
+        let hit = accelerator.closest(origin.into(), side.into(), 2.0 * height);
+        0.5 * (offset + hit.t)
+    };
+    height.min(free(normal)).min(free(-normal))
 }
 
 /// Looks for what is to be kept out.

@@ -4,15 +4,13 @@ use glam::{Vec2, Vec3A};
 
 use crate::geometry::nearest_in_triangle;
 
-use super::THICKNESS;
-
 /// Nearer than this, relative to the radius, the way to a shape does not tell its side.
 pub const TOUCHING: f32 = 1e-4;
 /// So near to the middle of a ring, relative to its radius, a disk ends where it meets that.
 const ROUND: f32 = 0.75;
-/// Radius of a disk on a sphere at most, relative to the sphere's: what is left of the sphere then
-/// is as large as the disk, and within its thickness.
-pub const PART_OF_SPHERE: f32 = 2.0 * THICKNESS;
+/// Radius of a disk on a sphere at most, relative to the sphere's: farther off, that is lit
+/// differently.
+const PART_OF_SPHERE: f32 = 0.5;
 /// So near to a sphere, relative to its radius, a vertex is on it.
 const ON_SPHERE: f32 = 1.0 / 128.0;
 

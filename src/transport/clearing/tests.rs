@@ -18,13 +18,13 @@ const POINTS: usize = 100_000;
 /// clearing holds: the former must equal the reciprocal of the share of the latter.
 fn check(clearing: &Clearing, free: impl Fn(Vec3) -> bool, limit: f32) -> f32 {
     let mut held = 0;
-    let (x, y) = clearing.normal.unwrap_or(Vec3A::Z).any_orthonormal_pair();
+    let (x, y) = clearing.surface.map_or(Vec3A::Z, |it| it.0).any_orthonormal_pair();
     for first in (0..POINTS).step_by(LANES) {
         let offset = |lane| -> [f32; 3] {
             let number = |dimension| 2.0 * uniform(first + lane, dimension) - 1.0;
             let in_cube = Vec3A::new(number(0), number(1), number(2));
             let in_square = x * in_cube.x + y * in_cube.y;
-            let of = if clearing.normal.is_some() { in_square } else { in_cube };
+            let of = if clearing.surface.is_some() { in_square } else { in_cube };
             (clearing.center + of * RADIUS).to_array()
         };
         let points = Vector::gather(offset);
@@ -36,7 +36,7 @@ fn check(clearing: &Clearing, free: impl Fn(Vec3) -> bool, limit: f32) -> f32 {
         }
         held += mask.count_ones();
     }
-    let of_box = if clearing.normal.is_some() { PI / 4.0 } else { PI / 6.0 };
+    let of_box = if clearing.surface.is_some() { PI / 4.0 } else { PI / 6.0 };
     let share = held as f32 / POINTS as f32 / of_box;
     let off = (clearing.gain * share - 1.0).abs();
     let noise = 5.0 / (held as f32).sqrt();
@@ -79,7 +79,8 @@ fn disks_in_a_corner_are_as_large_as_what_they_hold() {
     let shapes = (&accelerator, &rims);
     for place in [0.002, 0.03, 0.07, 0.2] {
         for center in [[place, place, 0.0], [0.5, place, 0.0]] {
-            let clearing = Clearing::on_surface(center, Vec3A::Z, RADIUS, shapes, &mut around);
+            let clearing =
+                Clearing::on_surface(center, Vec3A::Z, (RADIUS, 1e-6), shapes, &mut around);
             check(&clearing, |point| point.min_element() >= -1e-6, 0.02);
         }
     }
@@ -93,11 +94,11 @@ fn nothing_behind_a_thin_wall_is_held() {
     let accelerator = Accelerator::build(triangles.as_flattened(), &[]);
     let (rims, mut around) = (Rims::of_triangles(triangles.as_flattened()), Nearby::default());
     let shapes = (&accelerator, &rims);
-    let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, RADIUS, shapes, &mut around);
+    let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, (RADIUS, 1e-6), shapes, &mut around);
     assert!(check(&clearing, |point| point.x < 0.01, 0.01) < 0.57);
     // What lies on the floor lies on the edge of the wall's disk.
     let clearing =
-        Clearing::on_surface([0.01, 0.0, 0.02], Vec3A::NEG_X, RADIUS, shapes, &mut around);
+        Clearing::on_surface([0.01, 0.0, 0.02], Vec3A::NEG_X, (RADIUS, 1e-6), shapes, &mut around);
     let on_floor = Vector::gather(|lane| [0.01 - 0.001 * lane as f32, 0.0, 0.0]);
     assert!(!clearing.holds(on_floor).any());
 }
@@ -124,7 +125,7 @@ fn surfaces_that_only_bend_cut_nothing() {
     let accelerator = Accelerator::build(&wall, &[sphere]);
     let (rims, mut around) = (Rims::of_triangles(&wall), Nearby::default());
     let shapes = (&accelerator, &rims);
-    let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, RADIUS, shapes, &mut around);
+    let clearing = Clearing::on_surface([0.0; 3], Vec3A::Z, (RADIUS, 1e-6), shapes, &mut around);
     assert_eq!((clearing.gain, clearing.len), (1.0, 0));
     assert!(clearing.holds(lanes_on_disk()).all());
 }
@@ -136,7 +137,7 @@ fn disks_end_where_surfaces_do() {
     let rims = Rims::of_triangles(&sheet);
     for center in [[0.0; 3], [0.049, 0.0, 0.0], [0.04, -0.029, 0.0]] {
         let shapes = (&accelerator, &rims);
-        let clearing = Clearing::on_surface(center, Vec3A::Z, RADIUS, shapes, &mut around);
+        let clearing = Clearing::on_surface(center, Vec3A::Z, (RADIUS, 1e-6), shapes, &mut around);
         let is_on = |point: Vec3| point.x.abs() < 0.0501 && point.y.abs() < 0.0301;
         check(&clearing, is_on, 0.03);
     }
@@ -167,7 +168,8 @@ fn disks_on_small_balls_are_smaller() {
         for (radius, height) in [(0.02, 0.0199), (0.05, 0.0199), (0.2, 0.0199)] {
             let center = (normal * height).to_array();
             let shapes = (&accelerator, &rims);
-            let clearing = Clearing::on_surface(center, normal, radius, shapes, &mut around);
+            let clearing =
+                Clearing::on_surface(center, normal, (radius, 1e-6), shapes, &mut around);
             let reach = clearing.radius / 0.02;
             assert!((0.1..0.7).contains(&reach), "{radius}: {reach} of the ball's radius");
         }

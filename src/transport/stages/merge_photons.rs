@@ -120,7 +120,8 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
         let direction = Vec3A::from(lanes::row_of(&self.paths.rays.direction, query));
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
         let shapes = (&**accelerator, self.scene.rims());
-        let mut of = Clearing::on_surface(center, normal, radius, shapes, around);
+        let reach = (radius, self.surfaces.offset[query]);
+        let mut of = Clearing::on_surface(center, normal, reach, shapes, around);
         of.gain *= whole.powi(2);
         of
     }
