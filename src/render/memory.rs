@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 32);
         assert_eq!(
             bytes_of_film(&Options { variance: true, ..options }, [100, 10]),
-            1000 * 12 * 40
+            1000 * 12 * 44
         );
         assert!(check_memory(&options, [1, 1]).is_ok());
     }
