@@ -1,5 +1,6 @@
 //! The renderer: stepped, watched, stopped, finished.
 
+use std::any::Any;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -127,13 +128,29 @@ impl Renderer {
         let Resolved { integrator, .. } = Resolved::new(settings, &scene);
         let options = Options { integrator: Some(integrator), ..settings.options() };
         check_memory(&options, [scene.sensor.width, scene.sensor.height])?;
-        Ok(Self::of(scene, settings))
+        Ok(Self::with(scene, settings))
     }
 
     /// A render of a scene that has been baked, for tests that look into its tables; the film is
-    /// the scene's.
+    /// the scene's, which has the wavelengths of a color.
     #[doc(hidden)]
     pub fn of<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+        Self::of_any(scene, settings)
+    }
+
+    /// The same in a function of this crate alone: generic ones are compiled with all that they
+    /// call wherever they are used, in each of the tests.
+    fn of_any(scene: Arc<dyn Any + Send + Sync>, settings: &Settings) -> Self {
+        match scene.downcast::<Scene<1>>() {
+            Ok(scene) => Self::with(scene, settings),
+            Err(scene) => match scene.downcast::<Scene<3>>() {
+                Ok(scene) => Self::with(scene, settings),
+                Err(_) => panic!("no color has so many wavelengths"),
+            },
+        }
+    }
+
+    fn with<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
         let film = [scene.sensor.width, scene.sensor.height];
         let settings = Resolved::new(settings, &scene);
         let steps: Box<dyn Steps> = match settings.mode {
