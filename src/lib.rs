@@ -89,8 +89,8 @@ pub use crate::integrators::Integrator;
 pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{
-    Mode, Options, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer, Resolved, Rule,
-    Settings, SettingsError, Stop,
+    Mode, Options, Part, PartError, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer,
+    Resolved, Rule, Settings, SettingsError, Stop, merge,
 };
 pub use crate::scene::{Reading, SceneError, World, load, load_with, world};
 pub use crate::spectrum::{Color, Spectrum};
@@ -117,6 +117,9 @@ pub enum Error {
     /// With the file of an image.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// With a render that goes on from a file, or with parts of an image.
+    #[error(transparent)]
+    Part(#[from] PartError),
 }
 
 impl From<Fault> for Error {

@@ -10,8 +10,8 @@ use super::bench::args::BenchArguments;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
-use crate::render::Mode;
 use crate::render::settings::AUTO;
+use crate::render::{Mode, Part};
 use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
@@ -30,6 +30,10 @@ Examples:
       a polarized RGB render by the integrator that suits the scene
   sunstone render scenes/cornell.gltf -o cornell.exr --mode scalar --integrator path --spp 256
       the same scene without polarization, by path tracing
+  sunstone render scenes/tank.gltf -o tank.1.part --part 1/2
+  sunstone render scenes/tank.gltf -o tank.2.part --part 2/2
+  sunstone merge tank.1.part tank.2.part -o tank.exr
+      the same bits as one render, from two machines
   sunstone visualize cornell.exr -o panels.png
       intensity, degree of polarization and linear-versus-circular side by side
   sunstone compare a.exr b.exr
@@ -60,6 +64,8 @@ gives the same bits on any number of threads, unless there is a --time-limit.";
 pub enum Command {
     /// Render a glTF scene to a Stokes image
     Render(RenderArguments),
+    /// Make an image of its parts, which `render --part` has rendered
+    Merge(MergeArguments),
     /// Draw maps of an image's polarization, with legends, as PNG
     Visualize(VisualizeArguments),
     /// Compare two images: errors, and z-scores where they hold variances
@@ -237,6 +243,10 @@ pub struct RenderArguments {
     /// Stop after this many seconds, with what is done by then
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
+    /// Render one of N parts of the image, by its samples, into a .part file; `sunstone merge` makes
+    /// the image of all parts, to the bits of one render
+    #[arg(long, value_name = "K/N", conflicts_with = "time_limit", help_heading = SAMPLES)]
+    pub part: Option<Part>,
     /// Also write the image as it is every so many seconds, without variances
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub update: Option<f64>,
@@ -266,6 +276,9 @@ pub struct RenderArguments {
     #[arg(long, value_name = "NAME", help_heading = FILM)]
     pub camera: Option<String>,
 
+    /// Checkpoints.
+    #[command(flatten)]
+    pub checkpoints: CheckpointArguments,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", help_heading = RUN)]
     pub threads: Option<usize>,
@@ -275,6 +288,21 @@ pub struct RenderArguments {
     /// No progress, no notes and no closing line; warnings and errors remain
     #[arg(short, long, help_heading = RUN)]
     pub quiet: bool,
+}
+
+/// How a render can be taken up again.
+#[derive(Debug, Args)]
+pub struct CheckpointArguments {
+    /// Keep what is needed to go on in this file while the render runs; it is removed when the
+    /// output is written
+    #[arg(long, value_name = "FILE", conflicts_with = "time_limit", help_heading = RUN)]
+    pub checkpoint: Option<PathBuf>,
+    /// Write it every so many seconds, and when a signal ends the render [default: 60]
+    #[arg(long, value_name = "SECONDS", requires = "checkpoint", help_heading = RUN)]
+    pub checkpoint_every: Option<f64>,
+    /// Go on from the checkpoint, if it is there, to the bits of a render that was never stopped
+    #[arg(long, requires = "checkpoint", help_heading = RUN)]
+    pub resume: bool,
 }
 
 /// What scenes may read.
@@ -308,6 +336,20 @@ const LIGHT: &str = "Light transport";
 const SAMPLES: &str = "Samples";
 const FILM: &str = "Film";
 const RUN: &str = "Run";
+
+/// `merge` as typed.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// The parts, in any order: all of an image
+    #[arg(value_name = "PART", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Where to write; the extension names the format, as for `render`
+    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
+    pub output: PathBuf,
+    /// No closing line
+    #[arg(short, long)]
+    pub quiet: bool,
+}
 
 /// The map that is three maps: the paper's figures.
 pub const PANELS: &str = "panels";
@@ -354,7 +396,7 @@ pub struct CompareArguments {
 /// `inspect` as typed.
 #[derive(Debug, Args)]
 pub struct InspectArguments {
-    /// A scene (.gltf, .glb) or an image (.exr, .hdr, ...)
+    /// A scene (.gltf, .glb), an image (.exr, .hdr, ...) or a part of one or checkpoint (.part)
     pub file: PathBuf,
     /// What a scene may read.
     #[command(flatten)]

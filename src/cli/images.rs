@@ -9,6 +9,7 @@ use crate::scene::{self, Reading, World};
 use super::CliError;
 use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments};
 use super::files::{json, print, refuse_overwriting, require_png};
+use super::job::PART;
 
 /// Draws a map of an image's polarization.
 pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {
@@ -76,6 +77,7 @@ pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
                 Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
             print(inspect_scene(scene::load_with(&arguments.file, reading)?).trim_end())
         }
+        PART => print(crate::render::describe_part(&arguments.file)?.trim_end()),
         _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),
     }
 }

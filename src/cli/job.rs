@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::time::Duration;
 
-use crate::image::format::{Format, extensions, named_by};
+use crate::image::format::{Format, extension, extensions, named_by};
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_color, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
@@ -12,6 +12,8 @@ use crate::spectrum::Color;
 use super::CliError;
 use super::args::{ColorName, PhotonArguments, RenderArguments};
 
+/// What the files of parts end with.
+pub(super) const PART: &str = "part";
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
 /// Wavelength where none is named, in nanometers.
@@ -20,13 +22,13 @@ const WAVELENGTH_NM: f32 = 550.0;
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {
     // A name that says nothing is wrong whatever else was typed.
-    let named = named_by(&arguments.output, "written", |format| format.write);
-    named.map_err(|error| CliError::Usage(error.to_string()))?;
+    check_output(arguments)?;
     let photons = photons(arguments)?;
     let of_photons = photons.samples.unwrap_or(1);
     let samples = samples(arguments.spp, None, SPP, of_photons)?;
     check_threads(arguments.threads)?;
     if arguments.variance
+        && arguments.part.is_none()
         && named_by(&arguments.output, "written", Format::writes_variance).is_err()
     {
         return Err(CliError::Usage(format!(
@@ -52,8 +54,31 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         seed: arguments.seed,
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,
+        part: arguments.part,
     };
     Ok(Settings::new(options)?)
+}
+
+/// Checks that the output's name says what is asked for: a part, or an image in some format.
+fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
+    let output = &arguments.output;
+    let is_part = extension(output) == PART;
+    match (arguments.part, is_part) {
+        (Some(_), true) => Ok(()),
+        (Some(part), false) => Err(CliError::Usage(format!(
+            "--part {part} needs an output that ends in .{PART}, and {} does not: `sunstone merge` \
+             makes the image of all parts",
+            output.display()
+        ))),
+        (None, true) => Err(CliError::Usage(format!(
+            "{} ends in .{PART}: say which part of the image it is, as in --part 1/2",
+            output.display()
+        ))),
+        (None, false) => {
+            let named = named_by(output, "written", |format| format.write);
+            named.map_err(|error| CliError::Usage(error.to_string())).map(|_| ())
+        }
+    }
 }
 
 /// What the command line calls a setting.

@@ -2,10 +2,12 @@
 
 mod args;
 mod bench;
+mod checkpoint;
 mod files;
 mod images;
 mod interrupt;
 mod job;
+mod merge;
 mod notes;
 pub mod processor;
 mod progress;
@@ -38,24 +40,30 @@ enum CliError {
     /// A file could not be read or written, or two images do not match.
     #[error(transparent)]
     Output(#[from] crate::image::OutputError),
+    /// A render cannot go on from a file, or parts are not those of an image.
+    #[error(transparent)]
+    Part(#[from] crate::render::PartError),
     /// Threads could not be started.
     #[error(transparent)]
     Threads(#[from] crate::render::threads::ThreadsError),
     /// The memory does not hold the film, the photons or the shapes.
     #[error(transparent)]
     Memory(#[from] crate::render::memory::MemoryError),
-    /// A signal ended a render, and the image so far is written.
+    /// A signal ended a render, and the image so far is written, if it is one.
     #[error(
-        "{} after {}: the image so far is in {}", .signal.name(),
-        counted(*.samples as usize, SAMPLES), output.display()
+        "{} after {}: {} {}", .signal.name(), counted(*.samples as usize, SAMPLES),
+        if *.is_part { "there is no part in" } else { "the image so far is in" },
+        output.display()
     )]
     Interrupted {
         /// What came.
         signal: Signal,
         /// Samples per pixel that the image holds.
         samples: u32,
-        /// Where it is.
+        /// Where it is, or would be.
         output: PathBuf,
+        /// Whether it is a part, which is not written before it is done.
+        is_part: bool,
     },
     /// The system refused something.
     #[error("{0}")]
@@ -119,6 +127,7 @@ fn run_command() -> ExitCode {
     let arguments = Arguments::from_arg_matches(&command.get_matches());
     let result = match arguments.unwrap_or_else(|error| error.exit()).command {
         Command::Render(arguments) => render::render(&arguments),
+        Command::Merge(arguments) => merge::merge(&arguments),
         Command::Visualize(arguments) => images::visualize(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),

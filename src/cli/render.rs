@@ -6,15 +6,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::image::StokesImage;
+use crate::image::atomic::probe_writable;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
 use crate::render::statistics::{RenderStatistics, SAMPLES, peak_memory_bytes};
 use crate::render::threads::Threads;
-use crate::render::{PlacedWorld, Progress as SoFar, Renderer, Resolved, system};
+use crate::render::{PartError, PlacedWorld, Progress as SoFar, Renderer, system};
 use crate::scene::{self, Reading};
 
 use super::CliError;
 use super::args::{RenderArguments, StatsFormat};
+use super::checkpoint::Checkpoints;
 use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
@@ -23,22 +25,68 @@ use super::{job, notes, rescue};
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let settings = job::settings(arguments)?;
-    let outputs = crate::image::files_of(&arguments.output)?;
-    for output in std::iter::once(&arguments.output).chain(&outputs) {
+    let outputs = outputs_of(arguments)?;
+    for output in &outputs {
         refuse_overwriting(output, &[&arguments.scene])?;
+        probe_writable(output)?;
     }
-    crate::image::check_savable(&arguments.output)?;
+    let mut checkpoints = Checkpoints::new(arguments)?;
     let world = placed_world(arguments, &outputs)?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
+    checkpoints.resume(&mut renderer)?;
     if !arguments.quiet {
         world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));
     }
-    let settings = *renderer.settings();
-    let progress = progress_of(arguments, &settings);
-    let mut updates = Updates::new(arguments)?;
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
-    let at_once = Unfinished { scene: arguments.scene.clone(), output: arguments.output.clone() };
+    let signal = run(arguments, &mut renderer, &mut checkpoints, start)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
+
+    let times = Times { seconds, cpu_seconds, threads: threads.count() };
+    let statistics = statistics(arguments, &renderer, times);
+    let interrupted = signal.filter(|_| !renderer.is_done());
+    if interrupted.is_some() {
+        checkpoints.write_last(&mut renderer, &arguments.output);
+    }
+    match arguments.part {
+        Some(_) if interrupted.is_none() => save_part(&mut renderer, &arguments.output)?,
+        Some(_) => {}
+        None => finish(arguments, renderer, &world, interrupted, seconds)?,
+    }
+    report(arguments, &statistics)?;
+    match interrupted {
+        Some(signal) => {
+            if let Some(text) = checkpoints.in_words() {
+                say(text);
+            }
+            Err(interrupted_after(signal, statistics.iterations as u32, arguments))
+        }
+        None => {
+            checkpoints.remove();
+            Ok(())
+        }
+    }
+}
+
+/// The files that will be written.
+fn outputs_of(arguments: &RenderArguments) -> Result<Vec<PathBuf>, CliError> {
+    match arguments.part {
+        Some(_) => Ok(vec![arguments.output.clone()]),
+        None => Ok(crate::image::files_of(&arguments.output)?),
+    }
+}
+
+/// Renders until it is done or a signal comes, which is returned.
+fn run(
+    arguments: &RenderArguments,
+    renderer: &mut Renderer,
+    checkpoints: &mut Checkpoints,
+    start: Instant,
+) -> Result<Option<Signal>, CliError> {
+    let progress = progress_of(arguments, renderer);
+    let mut updates = Updates::new(arguments)?;
+    let at_once = Unfinished::new(arguments);
     let interrupt = Interrupt::listen(renderer.stop_handle(), move |image, samples, signal| {
         let error = at_once.write(image, samples, signal, start.elapsed());
         error.say();
@@ -47,6 +95,9 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     renderer.run(|so_far| {
         progress.set(so_far.samples.into());
         interrupt.keep(so_far);
+        if so_far.samples < so_far.total {
+            checkpoints.write(so_far);
+        }
         updates.write(arguments, so_far);
         match interrupt.signal() {
             Some(_) => ControlFlow::Break(()),
@@ -58,20 +109,40 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         renderer.step();
     }
     interrupt.end();
-    let seconds = start.elapsed().as_secs_f64();
-    let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
     progress.finish();
+    Ok(interrupt.signal())
+}
 
-    let times = Times { seconds, cpu_seconds, threads: threads.count() };
-    let statistics = statistics(arguments, &renderer, times);
-    let (samples, is_done) = (renderer.samples(), renderer.is_done());
-    let profile = renderer.profile().clone();
-    let few = few_photons(&renderer, &world, arguments.quiet);
+/// Writes a part that is done.
+fn save_part(renderer: &mut Renderer, path: &Path) -> Result<(), CliError> {
+    let mut other = None;
+    let write = |path: &Path| match renderer.save(path) {
+        Err(PartError::File(error)) => Err(error),
+        Err(error) => {
+            other = Some(error);
+            Ok(())
+        }
+        Ok(()) => Ok(()),
+    };
+    rescue::save_by(write, path)?;
+    other.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// Writes the image, and says what may be wrong with it.
+fn finish(
+    arguments: &RenderArguments,
+    renderer: Renderer,
+    world: &PlacedWorld,
+    interrupted: Option<Signal>,
+    seconds: f64,
+) -> Result<(), CliError> {
+    let settings = *renderer.settings();
+    let profile = renderer.profile();
+    let few = few_photons(&renderer, world, arguments.quiet);
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
     }
-    let interrupted = interrupt.signal().filter(|_| !is_done);
     add_metadata(&mut image, &arguments.scene, seconds, interrupted);
     rescue::save(&image, &arguments.output)?;
     if arguments.variance && image.variance.is_none() {
@@ -79,11 +150,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     }
     let by = (&*settings, settings.integrator);
     notes::doubts(&image, by, &profile).iter().chain(&few).for_each(say);
-    report(arguments, &statistics, &image)?;
-    match interrupted {
-        Some(signal) => Err(interrupted_after(signal, samples, &arguments.output)),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// What keeps a render from variances, and how to have them.
@@ -136,10 +203,16 @@ fn few_photons(renderer: &Renderer, world: &PlacedWorld, quiet: bool) -> Option<
 struct Unfinished {
     scene: PathBuf,
     output: PathBuf,
+    is_part: bool,
 }
 
 impl Unfinished {
-    /// Writes it; what there is to say and to end with.
+    fn new(arguments: &RenderArguments) -> Self {
+        let RenderArguments { scene, output, part, .. } = arguments;
+        Self { scene: scene.clone(), output: output.clone(), is_part: part.is_some() }
+    }
+
+    /// Writes it, if it is one; what there is to say and to end with.
     fn write(
         &self,
         mut image: StokesImage,
@@ -147,16 +220,26 @@ impl Unfinished {
         signal: Signal,
         time: Duration,
     ) -> CliError {
+        let interrupted = CliError::Interrupted {
+            signal,
+            samples,
+            output: self.output.clone(),
+            is_part: self.is_part,
+        };
+        if self.is_part {
+            return interrupted;
+        }
         add_metadata(&mut image, &self.scene, time.as_secs_f64(), Some(signal));
         match rescue::save(&image, &self.output) {
-            Ok(()) => interrupted_after(signal, samples, &self.output),
+            Ok(()) => interrupted,
             Err(error) => error,
         }
     }
 }
 
-fn interrupted_after(signal: Signal, samples: u32, output: &Path) -> CliError {
-    CliError::Interrupted { signal, samples, output: output.to_owned() }
+fn interrupted_after(signal: Signal, samples: u32, arguments: &RenderArguments) -> CliError {
+    let (output, is_part) = (arguments.output.clone(), arguments.part.is_some());
+    CliError::Interrupted { signal, samples, output, is_part }
 }
 
 /// Images on the way.
@@ -173,7 +256,8 @@ impl Updates {
 
     /// Writes the image if it is time. A render does not end for a failure to do so.
     fn write(&mut self, arguments: &RenderArguments, so_far: &SoFar) {
-        let Some(interval) = self.interval else { return };
+        // A part is no image before it is merged.
+        let Some(interval) = self.interval.filter(|_| arguments.part.is_none()) else { return };
         if self.last.elapsed() < interval {
             return;
         }
@@ -186,11 +270,11 @@ impl Updates {
     }
 }
 
-fn progress_of(arguments: &RenderArguments, settings: &Resolved) -> Progress {
+fn progress_of(arguments: &RenderArguments, renderer: &Renderer) -> Progress {
     let template = "{wide_bar} {pos}/{len} samples a pixel, {per_sec}, {eta} left";
     match arguments.quiet {
         true => Progress::none(),
-        false => Progress::of(settings.samples.into(), SAMPLES[1], template),
+        false => Progress::of(renderer.total().into(), SAMPLES[1], template),
     }
 }
 
@@ -252,11 +336,7 @@ fn command() -> String {
 }
 
 /// Says what was done: statistics on standard output if asked for, a line on standard error.
-fn report(
-    arguments: &RenderArguments,
-    statistics: &RenderStatistics,
-    image: &StokesImage,
-) -> Result<(), CliError> {
+fn report(arguments: &RenderArguments, statistics: &RenderStatistics) -> Result<(), CliError> {
     match arguments.stats {
         Some(StatsFormat::Json) => {
             print(json(statistics)?)?;
@@ -268,8 +348,8 @@ fn report(
         say(format_args!(
             "{}: {} x {}, {} of {} ({}) in {:.2} s",
             arguments.output.display(),
-            image.width,
-            image.height,
+            statistics.width,
+            statistics.height,
             counted(statistics.iterations as usize, SAMPLES),
             statistics.integrator,
             statistics.mode,

@@ -18,7 +18,18 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// # Errors
 /// When the image is not under the name that was asked for: with the reason, and where it is.
 pub(super) fn save(image: &StokesImage, path: &Path) -> Result<(), CliError> {
-    let Err(error) = image::save(image, path) else { return Ok(()) };
+    save_by(|path| image::save(image, path), path)
+}
+
+/// The same for whatever `write` writes to a path.
+///
+/// # Errors
+/// As those of [`save`].
+pub(super) fn save_by(
+    mut write: impl FnMut(&Path) -> Result<(), OutputError>,
+    path: &Path,
+) -> Result<(), CliError> {
+    let Err(error) = write(path) else { return Ok(()) };
     if !matches!(
         error,
         OutputError::Write { .. } | OutputError::NotAFile { .. } | OutputError::ReadOnly { .. }
@@ -31,13 +42,13 @@ pub(super) fn save(image: &StokesImage, path: &Path) -> Result<(), CliError> {
         say(format_args!("warning: {error}: trying again"));
         thread::sleep(PAUSE);
     }
-    let Err(error) = image::save(image, path) else { return Ok(()) };
+    let Err(error) = write(path) else { return Ok(()) };
     for folder in [PathBuf::from("."), env::temp_dir()] {
         let Some(other) = free_name(&folder, path) else { continue };
-        match image::save(image, &other) {
+        match write(&other) {
             Ok(()) => {
                 let other = fs::canonicalize(&other).unwrap_or(other);
-                let text = format!("{error}\n  the image is in {}", other.display());
+                let text = format!("{error}\n  it is in {}", other.display());
                 return Err(CliError::System(text));
             }
             Err(error) => say(format_args!("warning: {error}")),
@@ -64,7 +75,8 @@ fn free_name(folder: &Path, path: &Path) -> Option<PathBuf> {
         folder.join(name)
     };
     let is_free = |path: &PathBuf| {
-        image::files_of(path).is_ok_and(|files| files.iter().all(|file| !file.exists()))
+        let files = image::files_of(path).unwrap_or_else(|_| vec![path.clone()]);
+        files.iter().all(|file| !file.exists())
     };
     (0..TRIED).map(numbered).find(is_free)
 }

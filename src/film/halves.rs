@@ -6,6 +6,10 @@
 //! the mean square of that difference is the variance of the half less that of the whole. Taken
 //! over tiles of pixels, as one alone says little, it bounds what the blocks say.
 
+use super::record::{Column, Fact, Record};
+
+use crate::image::OutputError;
+
 /// Edge of a tile in pixels.
 const TILE: usize = 8;
 
@@ -45,6 +49,29 @@ impl Halves {
         }
     }
 
+    /// Facts and columns from which [`Halves::restore`] makes the same.
+    pub fn state(&self) -> (Vec<Fact>, Vec<(String, Column<'_>)>) {
+        let facts = self.latest.iter().enumerate();
+        let facts = facts.map(|(index, half)| (name_of(index), half.iterations.to_string()));
+        let columns = self.latest.iter().enumerate();
+        let columns =
+            columns.map(|(index, half)| (name_of(index), Column::Singles(half.mean.as_slice())));
+        (facts.collect(), columns.collect())
+    }
+
+    /// Becomes what has been recorded of others with so many values.
+    ///
+    /// # Errors
+    /// When the record lacks something, or the system refuses.
+    pub fn restore(&mut self, record: &mut Record, values: usize) -> Result<(), OutputError> {
+        for (index, half) in self.latest.iter_mut().enumerate() {
+            let name = name_of(index);
+            half.iterations = u64::from(record.number(&name)?);
+            half.mean = record.singles(&name, values)?;
+        }
+        Ok(())
+    }
+
     /// Narrows the variances that blocks state of a plane of pixels, whose values are at
     /// `index_of` each among the means of `iterations`.
     pub fn narrow(
@@ -75,6 +102,11 @@ impl Halves {
             }
         }
     }
+}
+
+/// What the column of a half is called, and the fact of its iterations.
+fn name_of(index: usize) -> String {
+    format!("half {index}")
 }
 
 /// The corners of all tiles.

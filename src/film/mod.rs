@@ -1,13 +1,15 @@
-//! Floor 3: where measured light is added up, over iterations, with one owner and a fixed order, in
-//! double precision. No files, no render loop.
+//! Floor 3: where measured light is added up, over iterations, with one owner and without an error
+//! that the order would change, in two doubles a value. No render loop.
 
 mod halves;
+pub mod record;
+mod state;
 
 use rayon::prelude::*;
 
-use crate::spectrum::Color;
-
 use crate::image::StokesImage;
+use crate::math::exact::ExactSums;
+use crate::spectrum::Color;
 
 use self::halves::Halves;
 
@@ -17,57 +19,85 @@ use self::halves::Halves;
 /// samples are stratified and their spread says nothing about the error of their mean; between
 /// replicates it does, so variances are taken there. Where blocks of one randomization stand for
 /// replicates, what they overestimate is taken back (`halves`).
+///
+/// Without variances, sums do not depend on the order in which light comes, nor on how iterations
+/// are grouped ([`ExactSums`]). Variances depend on their blocks and the order of these: a film
+/// that begins with a later one keeps them as they are, to be added to the film of the earlier ones
+/// ([`Film::take`]).
 pub struct Film {
     width: usize,
     height: usize,
     color: Color,
     components: usize,
-    /// Sums, pixel by pixel, `component * channels + channel` within: of the current replicate if
+    variances: Variances,
+    /// Sums, pixel by pixel, `component * channels + channel` within: of the current block if
     /// variances are wanted, else of all.
-    sums: Vec<f64>,
-    /// What the variances need, if they are wanted.
-    finished: Option<Finished>,
-    /// Finished replicates.
-    replicates: u32,
-    /// Weight of the finished replicates: their iterations.
+    sums: ExactSums,
+    finished: Finished,
+    /// Finished blocks.
+    blocks: u32,
+    /// Weight of the finished blocks: their iterations.
     iterations: u64,
 }
 
-/// The finished replicates.
-struct Finished {
-    /// Mean over them.
-    mean: Vec<f64>,
-    /// Sum of squared deviations from the mean.
-    deviations: Vec<f64>,
-    /// What tells how much better than blocks a sequence is; if there are blocks.
-    halves: Option<Halves>,
+/// Where variances come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variances {
+    /// They are not wanted.
+    None,
+    /// From replicates, independent of each other.
+    Replicates,
+    /// From blocks of one sequence.
+    Blocks,
+}
+
+/// What is kept of the finished blocks.
+enum Finished {
+    /// Nothing but their sums.
+    Sums,
+    /// What the variances need.
+    Means {
+        /// Mean over the blocks.
+        mean: Vec<f64>,
+        /// Sum of squared deviations from the mean.
+        deviations: Vec<f64>,
+        /// What tells how much better than blocks a sequence is; if they are of one.
+        halves: Option<Halves>,
+    },
+    /// The blocks themselves, as there are earlier ones elsewhere.
+    Blocks(Vec<Block>),
+}
+
+/// The sums of some iterations.
+struct Block {
+    iterations: u32,
+    sums: Vec<f64>,
 }
 
 impl Film {
-    /// A black film. `with_variance` keeps what the variances need.
+    /// A black film. If it `begins_later`, it is for a part of an image of which other films have
+    /// the iterations before.
     pub fn new(
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
         color: Color,
         components: usize,
-        with_variance: bool,
+        variances: Variances,
+        begins_later: bool,
     ) -> Self {
         let (width, height) = (width as usize, height as usize);
-        let values = || vec![0.0; width * height * components * color.channels()];
-        Self {
-            width,
-            height,
-            color,
-            components,
-            sums: values(),
-            finished: with_variance.then(|| Finished {
-                mean: values(),
-                deviations: values(),
-                halves: None,
-            }),
-            replicates: 0,
-            iterations: 0,
-        }
+        let values = width * height * components * color.channels();
+        let finished = match (variances, begins_later) {
+            (Variances::None, _) => Finished::Sums,
+            (Variances::Replicates | Variances::Blocks, true) => Finished::Blocks(Vec::new()),
+            (Variances::Replicates | Variances::Blocks, false) => Finished::Means {
+                mean: vec![0.0; values],
+                deviations: vec![0.0; values],
+                halves: (variances == Variances::Blocks).then(|| Halves::new(values)),
+            },
+        };
+        let sums = ExactSums::new(values);
+        let (blocks, iterations) = (0, 0);
+        Self { width, height, color, components, variances, sums, finished, blocks, iterations }
     }
 
     /// Width in pixels.
@@ -83,51 +113,62 @@ impl Film {
     /// Adds to the values of a pixel; the first are those of S0.
     #[inline(always)]
     pub fn add(&mut self, pixel: usize, values: &[f32]) {
-        let start = pixel * self.values_per_pixel();
-        let sums = &mut self.sums[start..start + values.len()];
-        for (sum, &value) in sums.iter_mut().zip(values) {
-            *sum += f64::from(value);
-        }
+        self.sums.add(pixel * self.values_per_pixel(), values);
     }
 
-    /// Ends a replicate of `iterations` iterations: its mean joins the others, weighted by its
-    /// iterations (West 1979, "Updating mean and variance estimates").
-    pub fn finish_replicate(&mut self, iterations: u32) {
-        self.replicates += 1;
+    /// Adds sums of neighbors in a row, from the one at `first` on, to the pixels from `pixel` on.
+    #[inline(always)]
+    pub fn add_row(&mut self, pixel: usize, sums: &ExactSums, first: usize, count: usize) {
+        let stride = self.values_per_pixel();
+        self.sums.add_sums(pixel * stride, sums, first * stride, count * stride);
+    }
+
+    /// Ends a replicate or block of `iterations` iterations: its mean joins the others, weighted by
+    /// its iterations (West 1979, "Updating mean and variance estimates").
+    pub fn finish_block(&mut self, iterations: u32) {
+        self.blocks += 1;
         self.iterations += u64::from(iterations);
+        let sums = &mut self.sums;
+        let (mean, deviations, halves) = match &mut self.finished {
+            Finished::Sums => return,
+            Finished::Blocks(blocks) => {
+                let rounded = (0..sums.len()).map(|index| sums.get(index)).collect();
+                blocks.push(Block { iterations, sums: rounded });
+                sums.clear();
+                return;
+            }
+            Finished::Means { mean, deviations, halves } => (mean, deviations, halves),
+        };
         let share = f64::from(iterations) / self.iterations as f64;
         let weight = f64::from(iterations) * (1.0 - share);
-        let Some(Finished { mean, deviations, .. }) = &mut self.finished else { return };
-        let finished = mean.iter_mut().zip(deviations);
-        for (sum, (mean, deviation)) in self.sums.iter_mut().zip(finished) {
-            let difference = *sum / f64::from(iterations) - *mean;
+        for (index, (mean, deviation)) in mean.iter_mut().zip(deviations).enumerate() {
+            let difference = sums.get(index) / f64::from(iterations) - *mean;
             *mean += difference * share;
             *deviation += weight * difference * difference;
-            *sum = 0.0;
+        }
+        sums.clear();
+        if let Some(halves) = halves {
+            halves.keep(mean, self.iterations);
         }
     }
 
-    /// The same where it is a block of the one sequence of all.
-    pub fn finish_block(&mut self, iterations: u32) {
-        self.finish_replicate(iterations);
-        let Some(Finished { mean, halves, .. }) = &mut self.finished else { return };
-        let halves = halves.get_or_insert_with(|| Halves::new(mean.len()));
-        halves.keep(mean, self.iterations);
-    }
-
-    /// The image of the finished replicates; variances where there are two or more of them.
+    /// The image of the finished blocks; variances where there are two or more of them.
     pub fn develop(&self) -> StokesImage {
         let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
         let iterations = self.iterations.max(1) as f64;
-        let Some(Finished { mean, deviations, halves }) = &self.finished else {
-            image.planes = self.planes(|index| self.sums[index] / iterations);
-            return image;
+        let (mean, deviations, halves) = match &self.finished {
+            Finished::Sums => {
+                image.planes = self.planes(|index| self.sums.get(index) / iterations);
+                return image;
+            }
+            Finished::Blocks(blocks) => return self.of_blocks(blocks).develop(),
+            Finished::Means { mean, deviations, halves } => (mean, deviations, halves),
         };
         image.planes = self.planes(|index| mean[index]);
-        // Replicates are of nearly equal size: the squared standard error of the weighted mean.
-        let degrees = f64::from(self.replicates.max(2) - 1) * iterations;
+        // Blocks are of nearly equal size: the squared standard error of the weighted mean.
+        let degrees = f64::from(self.blocks.max(2) - 1) * iterations;
         let of_mean = |index: usize| deviations[index] * (1.0 / degrees);
-        image.variance = (self.replicates > 1).then(|| self.planes(of_mean));
+        image.variance = (self.blocks > 1).then(|| self.planes(of_mean));
         if let (Some(planes), Some(halves)) = (&mut image.variance, halves) {
             let stride = self.values_per_pixel();
             planes.par_iter_mut().enumerate().for_each(|(plane, variances)| {
@@ -138,18 +179,35 @@ impl Film {
         image
     }
 
-    /// The image so far, without variances: the finished replicates and the current one, of which
+    /// The image so far, without variances: the finished blocks and the current one, of which
     /// `iterations` have been added.
     pub fn preview(&self, iterations: u32) -> StokesImage {
         let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
         let all = (self.iterations + u64::from(iterations)).max(1) as f64;
         let share = self.iterations as f64 / all;
         let of_finished = |index: usize| match &self.finished {
-            Some(finished) => finished.mean[index] * share,
-            None => 0.0,
+            Finished::Sums => 0.0,
+            Finished::Means { mean, .. } => mean[index] * share,
+            Finished::Blocks(blocks) => {
+                blocks.iter().map(|block| block.sums[index]).sum::<f64>() / all
+            }
         };
-        image.planes = self.planes(|index| of_finished(index) + self.sums[index] / all);
+        image.planes = self.planes(|index| of_finished(index) + self.sums.get(index) / all);
         image
+    }
+
+    /// A film that has nothing but some blocks of this one.
+    fn of_blocks(&self, blocks: &[Block]) -> Self {
+        let size = [self.width as u32, self.height as u32];
+        let mut film = Self::new(size, self.color, self.components, self.variances, false);
+        blocks.iter().for_each(|block| film.take_block(&block.sums, block.iterations));
+        film
+    }
+
+    /// Adds a block that others have made.
+    fn take_block(&mut self, sums: &[f64], iterations: u32) {
+        self.sums = ExactSums::of_columns(sums.to_vec(), vec![0.0; sums.len()]);
+        self.finish_block(iterations);
     }
 
     fn planes(&self, value_at: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f32>> {
@@ -166,21 +224,23 @@ impl Film {
 mod tests {
     use super::*;
 
+    const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
+
     /// Two values, three replicates: mean and squared standard error by hand.
     #[test]
     fn replicates_give_mean_and_error() {
-        let mut film = Film::new(2, 1, Color::Mono { wavelength_nm: 550.0 }, 1, true);
-        let mut plain = Film::new(2, 1, Color::Mono { wavelength_nm: 550.0 }, 1, false);
+        let mut film = Film::new([2, 1], MONO, 1, Variances::Replicates, false);
+        let mut plain = Film::new([2, 1], MONO, 1, Variances::None, false);
         for value in [1.0, 2.0, 6.0] {
             plain.add(0, &[value * 4.0]);
             plain.add(1, &[4.0]);
             assert_eq!(plain.preview(4).planes[0][1], 1.0);
-            plain.finish_replicate(4);
+            plain.finish_block(4);
             film.add(0, &[value * 4.0]);
             film.add(1, &[2.0]);
             film.add(1, &[2.0]);
             let preview = film.preview(4);
-            film.finish_replicate(4);
+            film.finish_block(4);
             assert_eq!(preview.planes, film.develop().planes);
         }
         film.add(0, &[30.0]);
@@ -193,5 +253,22 @@ mod tests {
         let variance = &image.variance.expect("three replicates")[0];
         assert!((variance[0] - 14.0 / 6.0).abs() < 1e-6, "{}", variance[0]);
         assert_eq!(variance[1], 0.0);
+    }
+
+    /// Blocks that a later film keeps give what they give in one that has seen them.
+    #[test]
+    fn later_blocks_are_developed_alike() {
+        for variances in [Variances::Replicates, Variances::Blocks] {
+            let mut films = [false, true].map(|later| Film::new([1, 1], MONO, 4, variances, later));
+            for (value, iterations) in [(0.3, 1), (0.7, 2), (0.1, 2), (1.9, 4)] {
+                for film in &mut films {
+                    film.add(0, &[value, 0.1 * value]);
+                    film.finish_block(iterations);
+                }
+            }
+            let [film, later] = films;
+            assert_eq!(film.develop(), later.develop());
+            assert_eq!(film.preview(0).planes[0], later.preview(0).planes[0]);
+        }
     }
 }

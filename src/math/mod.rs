@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod equiangular;
+pub mod exact;
 pub mod hash;
 pub mod lanes;
 pub mod range;

@@ -8,7 +8,7 @@ use crate::scene::World;
 use crate::scene::baked::Shapes;
 use crate::scene::world::Mesh;
 
-use super::{Options, system};
+use super::{Options, Part, system};
 
 /// Something that the memory does not hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,6 +32,9 @@ pub struct MemoryError {
 const BYTES_OF_TRIANGLE: u64 = 340;
 /// The part of the tree in that.
 const BYTES_OF_TRIANGLE_IN_TREE: u64 = 250;
+
+/// Most blocks of one sequence.
+const BLOCKS_MAX: u32 = 32;
 
 /// Refuses a film, and photons, that the memory does not hold; none where the system does not tell.
 pub fn check_memory(options: &Options, film: [u32; 2]) -> Result<(), MemoryError> {
@@ -82,14 +85,19 @@ fn check(what: String, needed: u64, remedy: &'static str) -> Result<(), MemoryEr
     }
 }
 
-/// Counts what every render needs: the sums of the film in double precision, and the image that
+/// Counts what every render needs: the sums of the film, two doubles each, and the image that
 /// is developed from them, with their variances. The tables of paths come on top; they are small.
 fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
     let bytes_of_value = match (options.has_variance(), options.replicates) {
-        (false, _) => 8 + 4,
-        (true, 2..) => 3 * 8 + 2 * 4,
+        (false, _) => 2 * 8 + 4,
+        // Blocks are kept as they are, for whoever merges the parts.
+        (true, blocks) if options.part.is_some_and(|part| part.number() > 1) => {
+            let blocks = blocks.max(BLOCKS_MAX);
+            2 * 8 + 8 * u64::from(blocks.div_ceil(options.part.map_or(1, Part::of)))
+        }
+        (true, 2..) => 4 * 8 + 2 * 4,
         // Two halves of the one replicate.
-        (true, _) => 3 * 8 + 4 * 4,
+        (true, _) => 4 * 8 + 4 * 4,
     };
     let values = (options.mode.components() * options.color.channels()) as u64;
     u64::from(width) * u64::from(height) * values * bytes_of_value
@@ -121,11 +129,11 @@ mod tests {
     #[test]
     fn a_film_is_counted_with_its_image_and_its_variances() {
         let options = Options::default();
-        assert_eq!(bytes_of_film(&options, [100, 10]), 1000 * 12 * 12);
-        assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 32);
+        assert_eq!(bytes_of_film(&options, [100, 10]), 1000 * 12 * 20);
+        assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 40);
         assert_eq!(
             bytes_of_film(&Options { variance: true, ..options }, [100, 10]),
-            1000 * 12 * 40
+            1000 * 12 * 48
         );
         assert!(check_memory(&options, [1, 1]).is_ok());
     }

@@ -5,7 +5,9 @@
 mod immersed;
 pub mod memory;
 mod photon_pass;
+mod place;
 mod placed;
+mod recorded;
 mod renderer;
 pub mod resolved;
 mod run;
@@ -15,7 +17,9 @@ pub mod system;
 pub mod threads;
 mod tiles;
 
+pub use place::Part;
 pub use placed::PlacedWorld;
+pub use recorded::{PartError, describe as describe_part, merge};
 pub use renderer::{Progress, RenderError, Renderer, Stop};
 pub use resolved::{Passes, Resolved, Rule};
 pub use settings::{Mode, Options, Photons, Settings, SettingsError};

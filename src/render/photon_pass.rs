@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::integrators::photons;
 use crate::integrators::ppm::walk_to_merging;
 use crate::integrators::profile::{Profile, Stage};
+use crate::math::hash::combine;
 use crate::math::lanes;
 use crate::scattering::Scene;
 use crate::transport::chunk::{ROWS, Sequence, tiles};
@@ -57,6 +58,8 @@ pub struct PhotonPass<const N: usize> {
     light_paths: u32,
     /// Photons of one batch each, by map.
     batches: Vec<Vec<PhotonTable<N>>>,
+    /// Whether the latest iteration has all of its light paths.
+    is_complete: bool,
 }
 
 /// Which iteration is being shot.
@@ -100,6 +103,7 @@ impl<const N: usize> PhotonPass<N> {
             batches: (0..passes.light_paths.div_ceil(BATCH).min(BATCHES))
                 .map(|_| tables())
                 .collect(),
+            is_complete: true,
         }
     }
 
@@ -113,9 +117,32 @@ impl<const N: usize> PhotonPass<N> {
         self.maps.0.iter().map(|map| map.merges.then_some(map.radius)).collect()
     }
 
+    /// Whether the photons of the latest iteration are all that were asked for.
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
     /// Shoots the photons of an iteration and sorts them, but not beyond a limit: false if not all
-    /// were shot then, unless some will do.
+    /// were shot then, unless some will do. What is learned from photons is learned from those of
+    /// the first iteration, which are shot before if this is another.
     pub fn shoot<M: LightModel<N>>(
+        &mut self,
+        pool: &Pool<N, M>,
+        scene: &Scene<N>,
+        settings: &Resolved,
+        (shot, limit, some_will_do): (Shot, &Limit, bool),
+        profile: &mut Profile,
+    ) -> bool {
+        if self.first_radii.is_empty() && shot.earlier > 0 {
+            let first = Shot { iteration: 0, seed: combine(settings.seed, 0), earlier: 0 };
+            if !self.shoot_one(pool, scene, settings, (first, limit, false), profile) {
+                return false;
+            }
+        }
+        self.shoot_one(pool, scene, settings, (shot, limit, some_will_do), profile)
+    }
+
+    fn shoot_one<M: LightModel<N>>(
         &mut self,
         pool: &Pool<N, M>,
         scene: &Scene<N>,
@@ -156,6 +183,7 @@ impl<const N: usize> PhotonPass<N> {
         if light_paths < asked_for && !some_will_do {
             return false;
         }
+        self.is_complete = light_paths == asked_for;
         self.maps.0.iter_mut().for_each(|map| map.light_paths = light_paths as f32);
         if self.first_radii.is_empty() {
             self.first_radii = self.find_radii(pool, scene, settings, shot);

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -14,6 +15,7 @@ use crate::spectrum::Color;
 use crate::transport::{Polarized, Scalar};
 
 use super::memory::{MemoryError, check_memory};
+use super::recorded::{self, Origin, PartError};
 use super::resolved::Resolved;
 use super::run::{Run, Steps};
 use super::threads::Threads;
@@ -22,13 +24,14 @@ use super::{Mode, Options, PlacedWorld, Settings, SettingsError};
 /// A render of a world. It keeps what it needs of it and goes on for as long as it is asked to.
 ///
 /// The image is a function of world, settings and samples: neither the number of threads nor how
-/// the samples are asked for, one [`Renderer::step`] after the other or all at once, changes a bit
-/// of it, as long as they are asked for in multiples of 16, or of the samples of an iteration of
-/// photons.
+/// the samples are asked for, one [`Renderer::step`] after the other or all at once, in one go or
+/// [saved](Renderer::save) and [taken up](Renderer::resume) elsewhere, together or in parts
+/// ([`crate::merge`]), changes a bit of it.
 pub struct Renderer {
     steps: Box<dyn Steps>,
     settings: Resolved,
     film: [u32; 2],
+    origin: Origin,
     threads: Option<Arc<Threads>>,
     stop: Stop,
 }
@@ -94,10 +97,19 @@ pub struct Progress<'a> {
     /// Samples per pixel that were asked for.
     pub total: u32,
     settings: &'a Resolved,
+    origin: &'a Origin,
     steps: &'a dyn Steps,
 }
 
 impl Progress<'_> {
+    /// Writes what is needed to go on from here to a file: see [`Renderer::save`].
+    ///
+    /// # Errors
+    /// As that.
+    pub fn save(&self, path: &Path) -> Result<(), PartError> {
+        recorded::save(path, self.origin, self.settings, self.steps)
+    }
+
     /// The image so far, without variances, and with what is known of its making as metadata.
     pub fn preview(&self) -> StokesImage {
         let mut image = self.steps.preview();
@@ -114,21 +126,23 @@ impl Renderer {
     /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
         let film = world.film_size(settings)?;
-        Ok(match settings.color {
+        let mut renderer = match settings.color {
             Color::Rgb => Self::in_memory(world.rgb(settings.color, film)?, settings)?,
             Color::Mono { .. } => Self::in_memory(world.mono(settings.color, film)?, settings)?,
-        })
+        };
+        renderer.origin = Origin::of(world.clone(), film);
+        Ok(renderer)
     }
 
     /// A render of a scene for which there is memory.
     fn in_memory<const N: usize>(
         scene: Arc<Scene<N>>,
         settings: &Settings,
-    ) -> Result<Self, MemoryError> {
-        let Resolved { integrator, .. } = Resolved::new(settings, &scene);
-        let options = Options { integrator: Some(integrator), ..settings.options() };
+    ) -> Result<Self, RenderError> {
+        let resolved = Resolved::new(settings, &scene).of_part()?;
+        let options = Options { integrator: Some(resolved.integrator), ..settings.options() };
         check_memory(&options, [scene.sensor.width, scene.sensor.height])?;
-        Ok(Self::with(scene, settings))
+        Ok(Self::with(scene, resolved))
     }
 
     /// A render of a scene that has been baked, for tests that look into its tables; the film is
@@ -142,24 +156,29 @@ impl Renderer {
     /// call wherever they are used, in each of the tests.
     fn of_any(scene: Arc<dyn Any + Send + Sync>, settings: &Settings) -> Self {
         match scene.downcast::<Scene<1>>() {
-            Ok(scene) => Self::with(scene, settings),
+            Ok(scene) => Self::whole(scene, settings),
             Err(scene) => match scene.downcast::<Scene<3>>() {
-                Ok(scene) => Self::with(scene, settings),
+                Ok(scene) => Self::whole(scene, settings),
                 Err(_) => panic!("no color has so many wavelengths"),
             },
         }
     }
 
-    fn with<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+    fn whole<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
+        let resolved = Resolved::new(settings, &scene);
+        Self::with(scene, resolved)
+    }
+
+    fn with<const N: usize>(scene: Arc<Scene<N>>, settings: Resolved) -> Self {
         let film = [scene.sensor.width, scene.sensor.height];
-        let settings = Resolved::new(settings, &scene);
         let steps: Box<dyn Steps> = match settings.mode {
             Mode::Scalar => Box::new(Run::<N, Scalar>::new(scene, &settings)),
             Mode::Intensity | Mode::Polarized => {
                 Box::new(Run::<N, Polarized>::new(scene, &settings))
             }
         };
-        Self { steps, settings, film, threads: None, stop: Stop::default() }
+        let origin = Origin::unknown(film);
+        Self { steps, settings, film, origin, threads: None, stop: Stop::default() }
     }
 
     /// The same render on threads of its own, which several renders may share.
@@ -171,10 +190,12 @@ impl Renderer {
 
     /// Renders the next wave: 16 samples per pixel, or an iteration of photons with its samples,
     /// and less where what was asked for or a replicate ends. With one replicate, steps go on
-    /// behind [`Renderer::is_done`], as long as anybody asks for them.
+    /// behind [`Renderer::is_done`], as long as anybody asks for them, unless a part was.
     pub fn step(&mut self) {
-        let left = self.settings.samples.saturating_sub(self.samples());
-        self.step_at_most(if left == 0 { u32::MAX } else { left }, &Limit::default());
+        let left = self.total().saturating_sub(self.samples());
+        if left > 0 || self.settings.part.is_none() {
+            self.step_at_most(if left == 0 { u32::MAX } else { left }, &Limit::default());
+        }
     }
 
     /// Renders `samples` more samples per pixel, in the same waves, whatever was asked for; with
@@ -183,6 +204,7 @@ impl Renderer {
         let samples = samples.div_ceil(self.settings.samples_per_iteration());
         let samples = samples.saturating_mul(self.settings.samples_per_iteration());
         let end = self.samples().saturating_add(samples);
+        let end = if self.settings.part.is_some() { end.min(self.total()) } else { end };
         let limit = Limit { end: None, stop: Some(self.stop.clone()) };
         while self.samples() < end && !self.stop.is_set() {
             let before = self.samples();
@@ -207,11 +229,12 @@ impl Renderer {
                 Some(limit) => self.samples_in(limit.saturating_sub(start.elapsed()), start),
                 None => u32::MAX,
             };
-            let left = self.settings.samples - self.samples();
+            let left = self.total() - self.samples();
             self.step_at_most(most.min(left), &limit);
-            let (samples, total) = (self.samples(), self.settings.samples);
-            let Self { settings, steps, .. } = self;
-            if progress(&Progress { samples, total, settings, steps: &**steps }).is_break() {
+            let (samples, total) = (self.samples(), self.total());
+            let Self { settings, origin, steps, .. } = self;
+            let so_far = Progress { samples, total, settings, origin, steps: &**steps };
+            if progress(&so_far).is_break() {
                 break;
             }
         }
@@ -228,14 +251,43 @@ impl Renderer {
         ((0.5 * rate * left.as_secs_f64()) as u32).clamp(1, self.samples().max(1))
     }
 
-    /// Samples per pixel so far.
+    /// Samples per pixel so far, of the part that was asked for.
     pub fn samples(&self) -> u32 {
-        self.steps.samples()
+        self.steps.done() - self.settings.first_sample
+    }
+
+    /// Samples per pixel that were asked for: of a part, if one was.
+    pub fn total(&self) -> u32 {
+        self.settings.end_sample - self.settings.first_sample
     }
 
     /// Whether all samples that were asked for are done.
     pub fn is_done(&self) -> bool {
-        self.samples() >= self.settings.samples
+        self.samples() >= self.total()
+    }
+
+    /// Writes what has been summed so far to a file, which appears when it is complete and on the
+    /// disk: a render that [goes on](Renderer::resume) from it gives the bits of one that was never
+    /// stopped, and parts that are done give those of the whole image ([`crate::merge`]).
+    ///
+    /// # Errors
+    /// When the file cannot be written; when the render was [stopped](Stop) as it shot its first
+    /// photons, as nothing goes on from an iteration of some of them.
+    pub fn save(&mut self, path: &Path) -> Result<(), PartError> {
+        if self.settings.part.is_some() && self.is_done() {
+            self.steps.end_block();
+        }
+        recorded::save(path, &self.origin, &self.settings, &*self.steps)
+    }
+
+    /// Goes on from what [`Renderer::save`] has written, in a render in which nothing has been done
+    /// yet.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is damaged, or is of another scene, settings or build: with
+    /// what differs.
+    pub fn resume(&mut self, path: &Path) -> Result<(), PartError> {
+        recorded::resume(path, &self.origin, &self.settings, &mut *self.steps)
     }
 
     /// What was asked for, and what the scene has decided of it.
@@ -315,7 +367,7 @@ fn variance_in_words(settings: &Resolved) -> &'static str {
     }
 }
 
-fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String)> {
+pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String)> {
     let integrator = [
         Some(("integrator", settings.integrator.name().to_owned())),
         Some(("integrator asked for", settings.integrator_name().to_owned())),

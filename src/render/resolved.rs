@@ -2,7 +2,8 @@
 
 use std::ops::Deref;
 
-use super::settings::{AUTO, Settings};
+use super::place::Groups;
+use super::settings::{AUTO, Settings, SettingsError};
 use crate::integrators::Integrator;
 use crate::scattering::{Look, Scene, Side};
 
@@ -29,6 +30,10 @@ pub struct Resolved {
     pub samples: u32,
     /// How photons are shot, if they are.
     pub passes: Option<Passes>,
+    /// The samples of the part that was asked for, or all: from this one on,
+    pub first_sample: u32,
+    /// and before this one.
+    pub end_sample: u32,
 }
 
 /// How photons are shot: each iteration begins with a pass of them.
@@ -41,7 +46,7 @@ pub struct Passes {
 }
 
 impl Resolved {
-    /// Settings for a scene, with the film of that.
+    /// Settings for a scene, with the film of that, of the whole image, whatever part was asked for.
     pub fn new<const N: usize>(settings: &Settings, scene: &Scene<N>) -> Self {
         let rule = match settings.integrator {
             Some(_) => None,
@@ -55,7 +60,25 @@ impl Resolved {
             samples: settings.samples_of_photons(),
         });
         let samples = settings.samples_by(integrator);
-        Self { settings: *settings, integrator, rule, samples, passes }
+        let (first_sample, end_sample) = (0, samples);
+        Self { settings: *settings, integrator, rule, samples, passes, first_sample, end_sample }
+    }
+
+    /// The same for the part that was asked for, if one was.
+    ///
+    /// # Errors
+    /// When there are not so many.
+    pub fn of_part(mut self) -> Result<Self, SettingsError> {
+        if let Some(part) = self.part {
+            let samples = self.groups().samples_of(part)?;
+            (self.first_sample, self.end_sample) = (samples.start, samples.end);
+        }
+        Ok(self)
+    }
+
+    /// How the samples are grouped.
+    pub fn groups(&self) -> Groups {
+        Groups::new(&self.settings, self.samples, self.samples_per_iteration())
     }
 
     /// Samples per pixel that come together: those of a pass of photons, or one.

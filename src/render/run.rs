@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::film::Film;
-use crate::image::StokesImage;
+use crate::film::record::{Column, Fact, Record};
+use crate::film::{Film, Variances};
+use crate::image::{OutputError, StokesImage};
 use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
 use crate::scattering::Scene;
@@ -11,6 +12,7 @@ use crate::transport::LightModel;
 
 use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
+use super::place::{Groups, Place};
 use super::renderer::Limit;
 use super::tiles::{Pool, wave};
 
@@ -22,18 +24,28 @@ pub trait Steps: Send + Sync {
     /// Renders the next wave, `most` samples per pixel at most, and less where a replicate or block
     /// ends; none if photons are not ready within the limit.
     fn step(&mut self, most: u32, limit: &Limit);
-    /// Samples per pixel so far.
-    fn samples(&self) -> u32;
+    /// Samples per pixel of the whole image that come before the next.
+    fn done(&self) -> u32;
     /// The image so far, without variances.
     fn preview(&self) -> StokesImage;
     /// What all steps so far took.
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
     fn radii(&self) -> Vec<Option<f32>>;
+    /// What is needed to go on from here, but for `done`: to the same bits, unless an iteration was
+    /// left unfinished, when there is none.
+    fn state(&self) -> Option<State<'_>>;
+    /// Ends the current block, as whoever has the samples behind it begins a new one.
+    fn end_block(&mut self);
+    /// Goes on from a state after `done` samples.
+    fn restore(&mut self, record: &mut Record, done: u32) -> Result<(), OutputError>;
     /// The image of all that has been done, with variances where two replicates or blocks, or more,
     /// have begun.
     fn finish(self: Box<Self>) -> StokesImage;
 }
+
+/// Facts and columns of a state.
+pub type State<'a> = (Vec<Fact>, Vec<(String, Column<'a>)>);
 
 /// All that a render keeps from one wave to the next.
 pub struct Run<const N: usize, M: LightModel<N>> {
@@ -43,35 +55,28 @@ pub struct Run<const N: usize, M: LightModel<N>> {
     pool: Pool<N, M>,
     photons: Option<PhotonPass<N>>,
     profile: Profile,
-    /// Samples per pixel so far.
-    done: u32,
-    /// The current replicate.
-    replicate: u32,
-    /// Samples per pixel of it so far.
-    of_replicate: u32,
-    /// Samples per pixel since a replicate or block has ended, and those until one ends.
-    of_block: u32,
-    left_of_block: u32,
+    groups: Groups,
+    place: Place,
+    /// An iteration was begun with fewer photons than it should have: nothing else has its bits.
+    is_unfinished: bool,
 }
 
 impl<const N: usize, M: LightModel<N>> Run<N, M> {
     /// Black film, no photons.
     pub fn new(scene: Arc<Scene<N>>, settings: &Resolved) -> Self {
-        let (width, height) = (scene.sensor.width, scene.sensor.height);
-        let components = settings.mode.components();
         let photons = settings.passes.map(|passes| PhotonPass::new(&scene, passes, M::POLARIZED));
+        let groups = settings.groups();
+        let place = Place::after(&groups, settings.first_sample, settings.first_sample);
         Self {
-            film: Film::new(width, height, settings.color, components, settings.has_variance()),
-            pool: Pool::new(components, scene.has_media()),
+            film: black_film(&scene, settings),
+            pool: Pool::new(settings.mode.components(), scene.has_media()),
             scene,
             settings: *settings,
             photons,
             profile: Profile::default(),
-            done: 0,
-            replicate: 0,
-            of_replicate: 0,
-            of_block: 0,
-            left_of_block: block(settings, 0, 0),
+            groups,
+            place,
+            is_unfinished: false,
         }
     }
 
@@ -80,62 +85,50 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         self.settings.passes.map_or(WAVE, |passes| passes.samples)
     }
 
-    /// Hands a replicate, or a block of the one there is, to the film.
-    fn finish_block(&mut self) {
-        match self.settings.replicates {
-            2.. => self.film.finish_replicate(self.of_block),
-            _ => self.film.finish_block(self.of_block),
+    /// Goes on to the next replicate or block where one has ended.
+    fn begin_block(&mut self) {
+        if self.place.is_end_of_block(&self.groups) {
+            self.film.finish_block(self.place.of_block);
+            self.place.begin_block(&self.groups);
         }
     }
 
-    /// Goes on to the next replicate or block where one has ended.
-    fn begin_block(&mut self) {
-        let is_last = self.replicate + 1 == self.settings.replicates;
-        if self.left_of_block > 0 || (self.settings.replicates > 1 && is_last) {
-            return;
-        }
-        self.finish_block();
-        self.of_block = 0;
-        if !is_last {
-            self.replicate += 1;
-            self.of_replicate = 0;
-        }
-        self.left_of_block = block(&self.settings, self.replicate, self.done);
+    /// Shoots the photons of the iteration at hand: false if they are not ready within the limit.
+    fn shoot(&mut self, limit: &Limit) -> bool {
+        let (wave_of, place) = (self.wave_of(), self.place);
+        let Self { scene, settings, pool, photons, profile, .. } = self;
+        let Some(photons) = photons else { return true };
+        let seed = combine(settings.seed, place.replicate);
+        let iteration = place.of_replicate / wave_of;
+        let shot = Shot { iteration, seed, earlier: place.done / wave_of };
+        // An image of some photons is better than none.
+        let some_will_do = place.done == settings.first_sample;
+        let is_shot = photons.shoot(pool, scene, settings, (shot, limit, some_will_do), profile);
+        self.is_unfinished |= is_shot && !photons.is_complete();
+        is_shot
     }
 }
 
 impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     fn step(&mut self, most: u32, limit: &Limit) {
         self.begin_block();
-        let wave_of = self.wave_of();
-        let count = wave_of.min(most).min(self.left_of_block);
-        if count == 0 {
+        let count = self.wave_of().min(most).min(self.place.left_of_block);
+        if count == 0 || !self.shoot(limit) {
             return;
         }
-        let (first, seed) = (self.of_replicate, combine(self.settings.seed, self.replicate));
-        let Self { scene, settings, film, pool, photons, profile, done, .. } = self;
-        if let Some(photons) = photons {
-            let shot = Shot { iteration: first / wave_of, seed, earlier: *done / wave_of };
-            // An image of some photons is better than none.
-            let some_will_do = *done == 0;
-            if !photons.shoot(pool, scene, settings, (shot, limit, some_will_do), profile) {
-                return;
-            }
-        }
+        let Self { scene, settings, film, pool, photons, profile, place, .. } = self;
+        let seed = combine(settings.seed, place.replicate);
         let maps = photons.as_ref().map(|photons| &photons.maps);
-        wave(film, profile, pool, scene, settings, (first, count, seed), maps);
-        self.done += count;
-        self.of_replicate += count;
-        self.of_block += count;
-        self.left_of_block -= count;
+        wave(film, profile, pool, scene, settings, (place.of_replicate, count, seed), maps);
+        self.place.advance(count);
     }
 
-    fn samples(&self) -> u32 {
-        self.done
+    fn done(&self) -> u32 {
+        self.place.done
     }
 
     fn preview(&self) -> StokesImage {
-        self.film.preview(self.of_block)
+        self.film.preview(self.place.of_block)
     }
 
     fn profile(&self) -> Profile {
@@ -148,10 +141,25 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 
-    fn finish(mut self: Box<Self>) -> StokesImage {
-        if self.of_block > 0 {
-            self.finish_block();
+    fn state(&self) -> Option<State<'_>> {
+        (!self.is_unfinished).then(|| self.film.state())
+    }
+
+    fn restore(&mut self, record: &mut Record, done: u32) -> Result<(), OutputError> {
+        self.film.restore(record)?;
+        self.place = Place::after(&self.groups, self.settings.first_sample, done);
+        Ok(())
+    }
+
+    fn end_block(&mut self) {
+        if self.place.of_block > 0 {
+            self.film.finish_block(self.place.of_block);
+            self.place.of_block = 0;
         }
+    }
+
+    fn finish(mut self: Box<Self>) -> StokesImage {
+        self.end_block();
         // Photons and working tables take memory that the image may need.
         let film = {
             let run = *self;
@@ -161,32 +169,13 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 }
 
-/// Samples per pixel until the film takes a mean for the variances: of the whole replicate, or of a
-/// block of the sequence. One replicate alone goes on for as long as it is asked to.
-///
-/// Blocks are of powers of two, of which low-discrepancy sequences are made, and are about a
-/// sixteenth of all. They begin small, as nobody knows how far a render will come.
-fn block(settings: &Resolved, replicate: u32, done: u32) -> u32 {
-    const BLOCKS: u32 = 16;
-    const LEAST: u32 = 4;
-    let unit = settings.samples_per_iteration();
-    if settings.replicates > 1 {
-        let [end, start] = [replicate + 1, replicate].map(|r| share(settings, r));
-        return end - start;
-    }
-    if !settings.variance {
-        return u32::MAX;
-    }
-    let power_of_two = |value: u32| 1 << value.max(1).ilog2();
-    let planned: u32 = power_of_two(settings.samples / unit / BLOCKS);
-    let least = if settings.time_limit.is_some() { 1 } else { LEAST };
-    planned.min(power_of_two(done / unit * 2 / BLOCKS).max(least)) * unit
-}
-
-/// Samples per pixel of the first `replicates` replicates: whole numbers of iterations of photons,
-/// if any.
-fn share(settings: &Resolved, replicates: u32) -> u32 {
-    let unit = settings.samples_per_iteration();
-    let units = u64::from(settings.samples / unit) * u64::from(replicates);
-    (units / u64::from(settings.replicates)) as u32 * unit
+fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved) -> Film {
+    let size = [scene.sensor.width, scene.sensor.height];
+    let variances = match (settings.replicates, settings.variance) {
+        (2.., _) => Variances::Replicates,
+        (_, true) => Variances::Blocks,
+        (_, false) => Variances::None,
+    };
+    let begins_later = settings.first_sample > 0;
+    Film::new(size, settings.color, settings.mode.components(), variances, begins_later)
 }

@@ -8,6 +8,8 @@ use crate::integrators::Integrator;
 use crate::spectrum::Color;
 use crate::transport::Sampling;
 
+use super::place::Part;
+
 /// What asks for the integrator that suits the scene.
 pub const AUTO: &str = "auto";
 /// Most samples per pixel: more would not fit the sequences of 32 bits, nor a lifetime.
@@ -156,6 +158,9 @@ pub struct Options {
     /// Stop when this is over. Waves of samples are short then; photons of a first iteration are as
     /// many as there is time for, and a later one that would be late is left out.
     pub time_limit: Option<Duration>,
+    /// Render this part of the image alone, of which each has some of the samples; by default, all.
+    /// There are as many parts as iterations, at most, or as blocks where there are variances.
+    pub part: Option<Part>,
 }
 
 impl Default for Options {
@@ -177,6 +182,7 @@ impl Default for Options {
             seed: 0,
             photons: Photons::default(),
             time_limit: None,
+            part: None,
         }
     }
 }
@@ -216,6 +222,10 @@ impl Settings {
         }
         let iterations = options.iterations.unwrap_or(samples / of_iteration);
         within("replicates", options.replicates, 1, iterations)?;
+        if options.part.is_some() && options.time_limit.is_some() {
+            let rule = "goes without a time limit, as all samples of a part are needed".to_owned();
+            return Err(SettingsError { setting: "part", rule });
+        }
         Ok(Self(options))
     }
 

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::film::Film;
 use crate::integrators::profile::{Profile, Stage};
 use crate::integrators::workspace::Workspace;
+use crate::math::exact::ExactSums;
 use crate::scattering::Scene;
 use crate::transport::chunk::{ITERATIONS, Sequence, tiles};
 use crate::transport::tables::measured::Splats;
@@ -47,8 +48,8 @@ impl<const N: usize, M: LightModel<N>> Pool<N, M> {
 
 /// What one tile adds to the film.
 struct TileResult<const N: usize> {
-    /// Values per pixel, summed over the iterations of the wave.
-    sums: Vec<f32>,
+    /// Values per pixel, summed over the iterations of the wave; none if none are measured.
+    sums: ExactSums,
     splats: Splats<N>,
 }
 
@@ -163,7 +164,7 @@ fn tile<const N: usize, M: LightModel<N>>(
     maps: Option<&PhotonMaps<N>>,
     chunk: impl Fn(u32, u32) -> Chunk,
 ) -> TileResult<N> {
-    let mut result = TileResult { sums: Vec::new(), splats: Splats::default() };
+    let mut result = TileResult { sums: ExactSums::default(), splats: Splats::default() };
     for start in (first..first + count).step_by(ITERATIONS as usize) {
         let chunk = chunk(start, ITERATIONS.min(first + count - start));
         let integrator = settings.integrator;
@@ -181,14 +182,14 @@ fn tile<const N: usize, M: LightModel<N>>(
 /// Adds the slots of a chunk to the values of its pixels, but for those that are not finite, which
 /// are counted.
 fn sum_measured<const N: usize, M: LightModel<N>>(
-    sums: &mut Vec<f32>,
+    sums: &mut ExactSums,
     workspace: &mut Workspace<N, M>,
     chunk: &Chunk,
 ) {
     let Workspace { measured, profile, .. } = workspace;
     let stride = measured.components() * N;
     let not_finite = profile.time(Stage::Film, || {
-        sums.resize(chunk.pixels() * stride, 0.0);
+        sums.resize(chunk.pixels() * stride);
         let mut not_finite = 0;
         for values in measured.values_mut(chunk.slots()).chunks_exact_mut(chunk.pixels() * stride) {
             if !are_finite(values) {
@@ -197,23 +198,20 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
                     not_finite += 1;
                 }
             }
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += *value;
-            }
+            sums.add(0, values);
         }
         not_finite
     });
     profile.not_finite += not_finite;
 }
 
-fn add_sums(film: &mut Film, sums: &[f32], [x, y, width, height]: [u32; 4]) {
+fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4]) {
     if sums.is_empty() {
         return;
     }
-    let (stride, film_width) = (film.values_per_pixel(), film.width() as u32);
-    for (line, values) in (y..y + height).zip(sums.chunks_exact(width as usize * stride)) {
-        for (column, values) in (x..x + width).zip(values.chunks_exact(stride)) {
-            film.add((line * film_width + column) as usize, values);
-        }
+    let (film_width, width) = (film.width(), width as usize);
+    for line in 0..height as usize {
+        let pixel = (y as usize + line) * film_width + x as usize;
+        film.add_row(pixel, sums, line * width, width);
     }
 }

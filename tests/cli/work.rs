@@ -135,7 +135,7 @@ fn an_image_that_cannot_be_written_goes_elsewhere() {
         fs::write(folder.with_file_name("out.exr"), "the user's").unwrap();
     });
     assert_eq!(code, 1, "{stderr}");
-    assert!(stderr.contains("folder/out.exr") && stderr.contains("the image is in "), "{stderr}");
+    assert!(stderr.contains("folder/out.exr") && stderr.contains("  it is in "), "{stderr}");
     assert!(image::load(&here.join("out-1.exr")).is_ok(), "{stderr}");
     assert_eq!(fs::read(here.join("out.exr")).unwrap(), b"the user's");
     // The folder is fine: another render does what it should.

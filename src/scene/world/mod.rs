@@ -20,6 +20,7 @@ mod builder;
 mod camera;
 mod check;
 mod describe;
+mod digest;
 mod light;
 mod material;
 mod medium;

@@ -1,0 +1,33 @@
+//! The verb `merge`: an image of its parts.
+
+use std::path::Path;
+
+use crate::image::{check_savable, files_of};
+use crate::math::text::counted;
+use crate::render::merge as merged;
+
+use super::CliError;
+use super::args::MergeArguments;
+use super::files::{refuse_overwriting, say};
+use super::rescue;
+
+/// Writes the image of all parts.
+pub(super) fn merge(arguments: &MergeArguments) -> Result<(), CliError> {
+    let MergeArguments { parts, output, quiet } = arguments;
+    let outputs = files_of(output).map_err(|error| CliError::Usage(error.to_string()))?;
+    outputs.iter().try_for_each(|output| refuse_overwriting(output, parts))?;
+    check_savable(output)?;
+    let mut image = merged(parts)?;
+    let count = ("parts".to_owned(), parts.len().to_string());
+    image.metadata.insert(0, count);
+    rescue::save(&image, output)?;
+    if !quiet {
+        say(closing_line(output, parts.len(), [image.width, image.height]));
+    }
+    Ok(())
+}
+
+fn closing_line(output: &Path, parts: usize, [width, height]: [usize; 2]) -> String {
+    let of = counted(parts, ["part", "parts"]);
+    format!("{}: {width} x {height}, of {of}", output.display())
+}
