@@ -100,9 +100,15 @@ impl Checkpoints {
         }
     }
 
-    /// What a closing line says of it.
-    pub(super) fn in_words(&self) -> Option<String> {
-        let path = self.path.as_ref().filter(|path| path.exists())?;
-        Some(format!("--checkpoint {} --resume goes on", path.display()))
+    /// Says how to go on, if there is something to go on from.
+    pub(super) fn say(&self) {
+        say_how_to_go_on(self.path.as_deref());
+    }
+}
+
+/// Says how to go on from a checkpoint, if it is there.
+pub(super) fn say_how_to_go_on(path: Option<&Path>) {
+    if let Some(path) = path.filter(|path| path.exists()) {
+        say(format_args!("note: --checkpoint {} --resume goes on", path.display()));
     }
 }

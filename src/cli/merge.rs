@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::image::{check_savable, files_of};
 use crate::math::text::counted;
-use crate::render::merge as merged;
+use crate::render::merge_as_asked_for;
 
 use super::CliError;
 use super::args::MergeArguments;
@@ -17,7 +17,10 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), CliError> {
     let outputs = files_of(output).map_err(|error| CliError::Usage(error.to_string()))?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, parts))?;
     check_savable(output)?;
-    let mut image = merged(parts)?;
+    let (mut image, with_variance) = merge_as_asked_for(parts)?;
+    if !with_variance {
+        image.variance = None;
+    }
     let count = ("parts".to_owned(), parts.len().to_string());
     image.metadata.insert(0, count);
     rescue::save(&image, output)?;

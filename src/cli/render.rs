@@ -16,7 +16,7 @@ use crate::scene::{self, Reading};
 
 use super::CliError;
 use super::args::{RenderArguments, StatsFormat};
-use super::checkpoint::Checkpoints;
+use super::checkpoint::{Checkpoints, say_how_to_go_on};
 use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
@@ -57,9 +57,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     report(arguments, &statistics)?;
     match interrupted {
         Some(signal) => {
-            if let Some(text) = checkpoints.in_words() {
-                say(text);
-            }
+            checkpoints.say();
             Err(interrupted_after(signal, statistics.iterations as u32, arguments))
         }
         None => {
@@ -203,13 +201,16 @@ fn few_photons(renderer: &Renderer, world: &PlacedWorld, quiet: bool) -> Option<
 struct Unfinished {
     scene: PathBuf,
     output: PathBuf,
+    checkpoint: Option<PathBuf>,
     is_part: bool,
 }
 
 impl Unfinished {
     fn new(arguments: &RenderArguments) -> Self {
         let RenderArguments { scene, output, part, .. } = arguments;
-        Self { scene: scene.clone(), output: output.clone(), is_part: part.is_some() }
+        let checkpoint = arguments.checkpoints.checkpoint.clone();
+        let (scene, output) = (scene.clone(), output.clone());
+        Self { scene, output, checkpoint, is_part: part.is_some() }
     }
 
     /// Writes it, if it is one; what there is to say and to end with.
@@ -226,6 +227,7 @@ impl Unfinished {
             output: self.output.clone(),
             is_part: self.is_part,
         };
+        say_how_to_go_on(self.checkpoint.as_deref());
         if self.is_part {
             return interrupted;
         }

@@ -33,6 +33,7 @@ const MODE: &str = "image: mode";
 const COLOR: &str = "image: color";
 const SAMPLES: &str = "image: samples a pixel";
 const VARIANCE: &str = "image: variance";
+const IS_ASKED_FOR: &str = "image: variance is asked for";
 
 /// What is wrong with a file that a render is to go on from, or with parts of an image.
 #[derive(Debug, thiserror::Error)]
@@ -162,6 +163,7 @@ impl Origin {
             (COLOR, wavelength),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
+            (IS_ASKED_FOR, settings.variance.to_string()),
             ("image: replicates", settings.replicates.to_string()),
             ("image: integrator", settings.integrator.name().to_owned()),
             ("image: max path length", settings.path_length_max.to_string()),
@@ -251,6 +253,11 @@ fn plain(name: &str) -> String {
 /// When a file cannot be read or is damaged, or parts are missing, given twice, not done, or not of
 /// one image: with their names.
 pub fn merge(paths: &[PathBuf]) -> Result<StokesImage, PartError> {
+    merge_as_asked_for(paths).map(|(image, _)| image)
+}
+
+/// The same, and whether variances were asked for, which come with replicates anyway.
+pub fn merge_as_asked_for(paths: &[PathBuf]) -> Result<(StokesImage, bool), PartError> {
     let mut parts: Vec<Record> =
         paths.iter().map(|path| Record::open(path)).collect::<Result<_, _>>()?;
     let mut ranges: Vec<[u32; 2]> = Vec::new();
@@ -264,12 +271,13 @@ pub fn merge(paths: &[PathBuf]) -> Result<StokesImage, PartError> {
     check_whole(&parts, &ranges, &order, first.number(SAMPLES)?)?;
     let mut film = film_of(first)?;
     let metadata = metadata_of(first);
+    let with_variance = first.fact(IS_ASKED_FOR) == Some("true");
     for &index in &order {
         film.take(&mut parts[index])?;
     }
     let mut image = film.develop();
     image.metadata = metadata;
-    Ok(image)
+    Ok((image, with_variance))
 }
 
 /// Refuses parts of different images.
