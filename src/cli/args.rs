@@ -243,8 +243,8 @@ pub struct RenderArguments {
     /// Stop after this many seconds, with what is done by then
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
-    /// Render one of N parts of the image, by its samples, into a .part file; `sunstone merge` makes
-    /// the image of all parts, to the bits of one render
+    /// Render one of N parts of the image, by its samples, into a .part file; `sunstone merge`
+    /// makes the image of all, to the bits of one render
     #[arg(long, value_name = "K/N", conflicts_with = "time_limit", help_heading = SAMPLES)]
     pub part: Option<Part>,
     /// Also write the image as it is every so many seconds, without variances

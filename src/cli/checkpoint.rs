@@ -71,8 +71,8 @@ impl Checkpoints {
         }
     }
 
-    /// Writes the last one of a render that a signal has ended; beside the output, if that is a part,
-    /// which has no use before it is done, and no other place was named.
+    /// Writes the last one of a render that a signal has ended; beside the output if no place was
+    /// named and that is a part, which has no use before it is done.
     pub(super) fn write_last(&mut self, renderer: &mut Renderer, output: &Path) {
         if self.path.is_none() && renderer.settings().part.is_some() {
             let mut name = output.as_os_str().to_owned();

@@ -46,7 +46,8 @@ pub struct Passes {
 }
 
 impl Resolved {
-    /// Settings for a scene, with the film of that, of the whole image, whatever part was asked for.
+    /// Settings for a scene, with the film of that; of the whole image, if a part was asked for
+    /// too.
     pub fn new<const N: usize>(settings: &Settings, scene: &Scene<N>) -> Self {
         let rule = match settings.integrator {
             Some(_) => None,
