@@ -71,7 +71,7 @@ fn the_commands_run_as_printed() {
     }
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
-    let rest = ["render", "visualize", "compare", "inspect"].map(str::to_owned);
+    let rest = ["render", "merge", "visualize", "compare", "inspect"].map(str::to_owned);
     for verb in benches.iter().chain(&rest) {
         assert!(verbs.contains(verb), "the README does not show `{verb}`");
     }
