@@ -49,6 +49,7 @@
 //!
 //! | floor | module | holds |
 //! |---|---|---|
+//! | 0 | `files` | temporary files, and a cache of what takes long to compute |
 //! | 0 | `math` | numbers, lanes, vectors, hashing, statistics, words |
 //! | 1 | `spectrum` | wavelengths and color |
 //! | 1 | `polarization` | Stokes vectors, Mueller kernels, Fresnel, carriers |
@@ -72,6 +73,7 @@
 
 mod bench;
 mod cli;
+mod files;
 mod film;
 mod geometry;
 mod image;
@@ -166,6 +168,9 @@ pub mod internals {
     }
     pub mod cli {
         pub use crate::cli::*;
+    }
+    pub mod files {
+        pub use crate::files::*;
     }
     pub mod film {
         pub use crate::film::*;

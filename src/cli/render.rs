@@ -28,9 +28,9 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         refuse_overwriting(output, &[&arguments.scene])?;
     }
     crate::image::check_savable(&arguments.output)?;
-    let world = placed_world(arguments, &outputs)?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
-    let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
+    let world = threads.run(|| placed_world(arguments, &outputs))?;
+    let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
     if !arguments.quiet {
         world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));
     }

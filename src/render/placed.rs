@@ -149,16 +149,24 @@ impl PlacedWorld {
         color: Color,
         [width, height]: [u32; 2],
     ) -> Result<Arc<Scene<N>>, SceneError> {
-        let mut latest = latest.lock().expect("no thread panics while it holds the lock");
-        let is_it =
-            |(of, film, _): &&(Color, [u32; 2], _)| (*of, *film) == (color, [width, height]);
-        if let Some((.., scene)) = latest.iter().find(is_it) {
-            return Ok(Arc::clone(scene));
+        let find = |latest: &[(Color, [u32; 2], Arc<Scene<N>>)]| {
+            let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (color, [width, height]));
+            kept.map(|(.., scene)| Arc::clone(scene))
+        };
+        let lock = || latest.lock().expect("no thread panics while it holds the lock");
+        if let Some(scene) = find(&lock()) {
+            return Ok(scene);
         }
+        // Without the lock: a thread of a pool that waits for parts of this work may take up another
+        // render meanwhile, which comes here, too.
         let Placed { world, shapes, accelerator, .. } = &*self.0;
         let optics = bake_optics(world, shapes, color)?;
         let (shapes, accelerator) = (Arc::clone(shapes), Arc::clone(accelerator));
         let scene = Arc::new(Scene::with_tree(shapes, accelerator, optics, width, height));
+        let mut latest = lock();
+        if let Some(scene) = find(&latest) {
+            return Ok(scene);
+        }
         if latest.len() == KEPT_MAX {
             latest.remove(0);
         }
