@@ -139,6 +139,10 @@ impl From<RenderError> for Error {
 
 /// What media of spheres are made of: [`world::Phase::Spheres`] and [`world::Phase::Milk`].
 ///
+/// What they do to light is computed once in a process and, where that takes milliseconds, kept for
+/// other processes in the folder `sunstone` of the user's caches, or in `SUNSTONE_CACHE`, the
+/// absolute path of another folder; `off` keeps none. No bit depends on it.
+///
 /// ```
 /// use sunstone::particles::{Amount, Milk, Sizes};
 /// use sunstone::world::{Component, Phase, Spheres, World};
