@@ -42,8 +42,11 @@ struct Placed {
 /// Scenes that are kept for every number of wavelengths.
 const KEPT_MAX: usize = 16;
 
-/// The latest scenes of so many wavelengths, with their colors and films.
-type Latest<const N: usize> = Mutex<Vec<(Color, [u32; 2], Arc<Scene<N>>)>>;
+/// A scene of so many wavelengths, with its color and film.
+type Kept<const N: usize> = (Color, [u32; 2], Arc<Scene<N>>);
+
+/// The latest of them.
+type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
 
 impl PlacedWorld {
     /// Places a world.
@@ -149,7 +152,7 @@ impl PlacedWorld {
         color: Color,
         [width, height]: [u32; 2],
     ) -> Result<Arc<Scene<N>>, SceneError> {
-        let find = |latest: &[(Color, [u32; 2], Arc<Scene<N>>)]| {
+        let find = |latest: &[Kept<N>]| {
             let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (color, [width, height]));
             kept.map(|(.., scene)| Arc::clone(scene))
         };
@@ -157,8 +160,8 @@ impl PlacedWorld {
         if let Some(scene) = find(&lock()) {
             return Ok(scene);
         }
-        // Without the lock: a thread of a pool that waits for parts of this work may take up another
-        // render meanwhile, which comes here, too.
+        // Without the lock: a thread that waits for parts of this work may take up another render
+        // of its pool meanwhile, which comes here, too.
         let Placed { world, shapes, accelerator, .. } = &*self.0;
         let optics = bake_optics(world, shapes, color)?;
         let (shapes, accelerator) = (Arc::clone(shapes), Arc::clone(accelerator));
