@@ -49,6 +49,7 @@
 //!
 //! | floor | module | holds |
 //! |---|---|---|
+//! | 0 | `files` | temporary files, and a cache of what takes long to compute |
 //! | 0 | `math` | numbers, lanes, vectors, hashing, statistics, words |
 //! | 1 | `spectrum` | wavelengths and color |
 //! | 1 | `polarization` | Stokes vectors, Mueller kernels, Fresnel, carriers |
@@ -72,6 +73,7 @@
 
 mod bench;
 mod cli;
+mod files;
 mod film;
 mod geometry;
 mod image;
@@ -140,6 +142,10 @@ impl From<RenderError> for Error {
 
 /// What media of spheres are made of: [`world::Phase::Spheres`] and [`world::Phase::Milk`].
 ///
+/// What they do to light is computed once in a process and, where that takes milliseconds, kept for
+/// other processes in the folder `sunstone` of the user's caches, or in `SUNSTONE_CACHE`, the
+/// absolute path of another folder; `off` keeps none. No bit depends on it.
+///
 /// ```
 /// use sunstone::particles::{Amount, Milk, Sizes};
 /// use sunstone::world::{Component, Phase, Spheres, World};
@@ -169,6 +175,9 @@ pub mod internals {
     }
     pub mod cli {
         pub use crate::cli::*;
+    }
+    pub mod files {
+        pub use crate::files::*;
     }
     pub mod film {
         pub use crate::film::*;

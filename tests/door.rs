@@ -5,8 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
+use rayon::prelude::*;
 use sunstone::glam::{DVec3, Vec3};
-use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
+use sunstone::particles::Milk;
+use sunstone::world::{Bsdf, Geometry, Lens, Material, Phase, Transform};
 use sunstone::{
     Color, Error, Integrator, Mode, Options, Photons, PlacedWorld, Renderer, Settings, StokesImage,
     Threads, World, load,
@@ -156,6 +158,22 @@ fn neither_steps_nor_threads_change_a_bit() {
         assert_eq!(stepped.finish().planes, whole.planes, "{integrator:?}");
         assert_eq!(advanced.finish().planes, whole.planes, "{integrator:?}");
     }
+}
+
+/// A thread that waits for the tables of its render takes up others of the pool meanwhile, which
+/// want the same tables.
+#[test]
+fn renders_of_one_pool_share_a_world() -> Result<(), Error> {
+    let mut world = room()?;
+    let milk = Milk { fat_percent: 0.0, protein_percent: 3.4, dilution: 0.01 };
+    world.add_medium("milk", Phase::Milk(milk))?;
+    let world = PlacedWorld::new(world)?;
+    let options = Options { samples: 1, ..options() };
+    let render = |_| done(&world, options).to_array();
+    let images: Vec<Vec<f32>> =
+        Threads::start(Some(2))?.run(|| (0..8).into_par_iter().map(render).collect());
+    assert!(images.iter().all(|image| *image == images[0]));
+    Ok(())
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use sunstone::internals::polarization::milk::{Milk, MilkOptics};
+use sunstone::internals::polarization::milk::{Milk, Serum};
 
 /// Relative, and of the matrix relative to M00.
 const TOLERANCE: f64 = 1e-3;
@@ -24,8 +24,8 @@ fn compare(milk: Milk, coefficients: &str, phase: &str) -> [f64; 2] {
     let (mut worst_coefficient, mut worst_element) = (0.0_f64, 0.0_f64);
     for row in rows(coefficients) {
         let start = Instant::now();
-        let MilkOptics { particles, sigma_a_riboflavin, sigma_a_water } =
-            milk.optics(row[0], INTERVALS);
+        let particles = milk.suspension(row[0]).scattering(INTERVALS);
+        let Serum { sigma_a_riboflavin, sigma_a_water } = milk.serum(row[0]);
         println!("{} nm: {:?}", row[0], start.elapsed());
         // The references are per millimeter.
         let found = [
@@ -84,14 +84,15 @@ fn skimmed_milk() {
 
 #[test]
 fn water_dilutes_all_but_itself() {
-    let full = WHOLE.optics(550.0, 512);
-    let thin = Milk { dilution: 1.0 / 4000.0, ..WHOLE }.optics(550.0, 512);
+    let thin = Milk { dilution: 1.0 / 4000.0, ..WHOLE };
     let ratio = |thin: f64, full: f64| (thin / full * 4000.0 - 1.0).abs();
-    assert!(ratio(thin.particles.sigma_s, full.particles.sigma_s) < 1e-12);
-    assert!(ratio(thin.particles.sigma_a, full.particles.sigma_a) < 1e-12);
-    assert!(ratio(thin.sigma_a_riboflavin, full.sigma_a_riboflavin) < 1e-12);
-    assert_eq!(thin.sigma_a_water, full.sigma_a_water);
-    for (thin, full) in thin.particles.matrix.iter().zip(&full.particles.matrix) {
+    let serums = [thin.serum(550.0), WHOLE.serum(550.0)];
+    assert!(ratio(serums[0].sigma_a_riboflavin, serums[1].sigma_a_riboflavin) < 1e-12);
+    assert_eq!(serums[0].sigma_a_water, serums[1].sigma_a_water);
+    let [thin, full] = [thin, WHOLE].map(|milk| milk.suspension(550.0).scattering(512));
+    assert!(ratio(thin.sigma_s, full.sigma_s) < 1e-12);
+    assert!(ratio(thin.sigma_a, full.sigma_a) < 1e-12);
+    for (thin, full) in thin.matrix.iter().zip(&full.matrix) {
         assert!((thin.m00 / full.m00 - 1.0).abs() < 1e-12);
     }
 }

@@ -57,7 +57,11 @@ at once and leaves a former file as it was. An image that cannot be written wher
 into the current folder or that of temporary files.
 
 The image depends on the scene, the options above --threads and the seed alone: the same command \
-gives the same bits on any number of threads, unless there is a --time-limit.";
+gives the same bits on any number of threads, unless there is a --time-limit.
+
+Tables of spheres and milk that took milliseconds to compute are kept in the folder \
+sunstone of the user's caches ($XDG_CACHE_HOME or ~/.cache), 128 MiB at most, and change no bit. \
+SUNSTONE_CACHE is the path of another folder; SUNSTONE_CACHE=off keeps none.";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

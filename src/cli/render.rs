@@ -31,9 +31,9 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         probe_writable(output)?;
     }
     let mut checkpoints = Checkpoints::new(arguments)?;
-    let world = placed_world(arguments, &outputs)?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
-    let mut renderer = Renderer::new(&world, &settings)?.on(&threads);
+    let world = threads.run(|| placed_world(arguments, &outputs))?;
+    let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
     checkpoints.resume(&mut renderer)?;
     if !arguments.quiet {
         world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));

@@ -8,7 +8,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
-use super::temporary;
+use crate::files::temporary;
 
 /// Writes `bytes` to `path`, replacing a file that is there.
 ///

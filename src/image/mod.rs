@@ -28,7 +28,6 @@ pub mod png;
 mod rgbe;
 mod source;
 mod stokes_image;
-mod temporary;
 pub mod visualize;
 
 use std::path::{Path, PathBuf};

@@ -3,9 +3,10 @@
 //! micelles in water with riboflavin.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use super::particles::log_normal_parameters;
-use super::particles::{Amount, Law, Particles, Scattering, Sizes, Suspension};
+use super::particles::{Amount, Law, Particles, Sizes, Suspension};
 use crate::math::{Fault, Range};
 
 /// First wavelength of the tables and their step, in nanometers.
@@ -79,18 +80,16 @@ pub struct Milk {
     pub dilution: f64,
 }
 
-/// Milk at one wavelength.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MilkOptics {
-    /// What fat and casein do; `sigma_s` is that of the whole, `sigma_a` that of the particles.
-    pub particles: Scattering,
+/// What milk's water absorbs at one wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Serum {
     /// Absorption coefficient of riboflavin in 1/m.
     pub sigma_a_riboflavin: f64,
     /// Absorption coefficient of water in 1/m, as if nothing displaced it.
     pub sigma_a_water: f64,
 }
 
-/// The wavelengths that [`Milk::optics`] knows, in nanometers.
+/// The wavelengths that the tables know, in nanometers.
 pub const MILK_WAVELENGTHS_NM: [f64; 2] = [FIRST_NM, FIRST_NM + STEP_NM * (ROWS - 1) as f64];
 
 impl Milk {
@@ -124,31 +123,37 @@ impl Milk {
         2.0 * PI * interpolate(&WATER_N, wavelength_nm) * radius_um / (1e-3 * wavelength_nm)
     }
 
-    /// Optical properties at a wavelength within [`MILK_WAVELENGTHS_NM`], with the phase matrix
-    /// at `intervals + 1` angles; `intervals` is even. Fat or protein, and the dilution, are
-    /// greater than zero.
-    pub fn optics(&self, wavelength_nm: f64, intervals: usize) -> MilkOptics {
-        let wave_number = 2.0 * PI / (1e-9 * wavelength_nm);
+    /// Fat and casein in water, at a wavelength within [`MILK_WAVELENGTHS_NM`]. Fat or protein, and
+    /// the dilution, are greater than zero.
+    pub fn suspension(&self, wavelength_nm: f64) -> Suspension<'static> {
         let at = |table: &[f64; ROWS]| interpolate(table, wavelength_nm);
-        let [fat, casein] = sizes();
+        let [fat, casein] = &*SIZES;
         let [fat_fraction, casein_fraction] = self.volume_fractions();
         let (n, k) = (at(&FAT_N), at(&FAT_K));
         let mut particles = vec![
-            Particles { sizes: &fat, n, k, volume_fraction: fat_fraction },
-            Particles { sizes: &casein, n: CASEIN_N, k: 0.0, volume_fraction: casein_fraction },
+            Particles { sizes: fat, n, k, volume_fraction: fat_fraction },
+            Particles { sizes: casein, n: CASEIN_N, k: 0.0, volume_fraction: casein_fraction },
         ];
         particles.retain(|particles| particles.volume_fraction > 0.0);
-        let suspension = Suspension { particles, host_n: at(&WATER_N), wavelength_nm };
+        Suspension { particles, host_n: at(&WATER_N), wavelength_nm }
+    }
+
+    /// What absorbs beside fat and casein, at a wavelength within [`MILK_WAVELENGTHS_NM`].
+    pub fn serum(&self, wavelength_nm: f64) -> Serum {
+        let wave_number = 2.0 * PI / (1e-9 * wavelength_nm);
+        let at = |table: &[f64; ROWS]| interpolate(table, wavelength_nm);
         // Decadic molar absorption times moles per liter of milk.
         let riboflavin = at(&RIBOFLAVIN_ABSORBANCE) * RIBOFLAVIN_SCALE * 10f64.ln();
         let concentration = RIBOFLAVIN_PER_100_G / (0.1 / MILK_DENSITY);
-        MilkOptics {
-            particles: suspension.scattering(intervals),
+        Serum {
             sigma_a_riboflavin: self.dilution * riboflavin * concentration,
             sigma_a_water: 2.0 * wave_number * at(&WATER_K),
         }
     }
 }
+
+/// Those of all milk.
+static SIZES: LazyLock<[Sizes; 2]> = LazyLock::new(sizes);
 
 /// Radii of fat globules and casein micelles.
 fn sizes() -> [Sizes; 2] {

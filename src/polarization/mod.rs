@@ -25,6 +25,7 @@ pub mod carrier;
 pub mod elements;
 pub mod frame;
 pub mod fresnel;
+pub mod kept;
 pub mod kernel;
 pub mod mie;
 pub mod milk;

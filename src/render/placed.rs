@@ -42,8 +42,11 @@ struct Placed {
 /// Scenes that are kept for every number of wavelengths.
 const KEPT_MAX: usize = 16;
 
-/// The latest scenes of so many wavelengths, with their colors and films.
-type Latest<const N: usize> = Mutex<Vec<(Color, [u32; 2], Arc<Scene<N>>)>>;
+/// A scene of so many wavelengths, with its color and film.
+type Kept<const N: usize> = (Color, [u32; 2], Arc<Scene<N>>);
+
+/// The latest of them.
+type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
 
 impl PlacedWorld {
     /// Places a world.
@@ -149,16 +152,24 @@ impl PlacedWorld {
         color: Color,
         [width, height]: [u32; 2],
     ) -> Result<Arc<Scene<N>>, SceneError> {
-        let mut latest = latest.lock().expect("no thread panics while it holds the lock");
-        let is_it =
-            |(of, film, _): &&(Color, [u32; 2], _)| (*of, *film) == (color, [width, height]);
-        if let Some((.., scene)) = latest.iter().find(is_it) {
-            return Ok(Arc::clone(scene));
+        let find = |latest: &[Kept<N>]| {
+            let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (color, [width, height]));
+            kept.map(|(.., scene)| Arc::clone(scene))
+        };
+        let lock = || latest.lock().expect("no thread panics while it holds the lock");
+        if let Some(scene) = find(&lock()) {
+            return Ok(scene);
         }
+        // Without the lock: a thread that waits for parts of this work may take up another render
+        // of its pool meanwhile, which comes here, too.
         let Placed { world, shapes, accelerator, .. } = &*self.0;
         let optics = bake_optics(world, shapes, color)?;
         let (shapes, accelerator) = (Arc::clone(shapes), Arc::clone(accelerator));
         let scene = Arc::new(Scene::with_tree(shapes, accelerator, optics, width, height));
+        let mut latest = lock();
+        if let Some(scene) = find(&latest) {
+            return Ok(scene);
+        }
         if latest.len() == KEPT_MAX {
             latest.remove(0);
         }

@@ -3,6 +3,7 @@
 mod bench;
 mod bench_more;
 mod bench_record;
+mod cache;
 mod checkpoints;
 mod errors;
 mod images;

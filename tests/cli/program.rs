@@ -25,9 +25,10 @@ impl Run {
     }
 }
 
-/// Runs the program in a folder.
+/// Runs the program in a folder, with no cache.
 pub fn sunstone(folder: &Path, arguments: &[&str]) -> Run {
-    run(Command::new(env!("CARGO_BIN_EXE_sunstone")).args(arguments).current_dir(folder))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sunstone"));
+    run(command.args(arguments).current_dir(folder).env("SUNSTONE_CACHE", "off"))
 }
 
 /// Runs a command to its end.

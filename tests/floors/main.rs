@@ -45,7 +45,7 @@ const CONFINED: [(&str, &[&str]); 8] = [
     ("exr", &["image"]),
     ("plotters", &["bench"]),
     ("clap", &["cli"]),
-    ("rayon", &["scene", "geometry", "scattering", "transport", "film", "render"]),
+    ("rayon", &["polarization", "scene", "geometry", "scattering", "transport", "film", "render"]),
 ];
 
 /// Modules below the floors' resolution: (files that start so, module they may not import, why).

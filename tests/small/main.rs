@@ -79,6 +79,7 @@ impl Job {
             .args(["--integrator", self.integrator, "--mode", self.mode, "--color", self.color])
             .args(["--threads", "1", "--stats", "json", "--quiet"])
             .args(options)
+            .env("SUNSTONE_CACHE", "off")
             .output()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let errors = String::from_utf8_lossy(&output.stderr);

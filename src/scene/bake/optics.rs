@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::outside_table;
 use super::phase::{self, Elements};
+use crate::polarization::kept;
 use crate::polarization::mie::PhaseElements;
 use crate::polarization::milk::{MILK_WAVELENGTHS_NM, Milk};
 use crate::polarization::particles::{Particles, Suspension};
@@ -89,12 +90,13 @@ fn milked<const N: usize>(milk: &Milk, color: Color, name: &str) -> Result<Deriv
     }
     let sizes = wavelengths.map(|nm| milk.size_parameter_max(nm));
     let intervals = phase::intervals(sizes.into_iter().fold(0.0, f64::max));
-    let optics = wavelengths.map(|nm| milk.optics(nm, intervals));
-    let sigma_a = optics.each_ref().map(|optics| {
-        (optics.particles.sigma_a + optics.sigma_a_riboflavin + optics.sigma_a_water) as f32
+    let optics =
+        wavelengths.map(|nm| (kept::scattering(&milk.suspension(nm), intervals), milk.serum(nm)));
+    let sigma_a = optics.each_ref().map(|(found, serum)| {
+        (found.sigma_a + serum.sigma_a_riboflavin + serum.sigma_a_water) as f32
     });
-    let sigma_s = optics.each_ref().map(|optics| optics.particles.sigma_s as f32);
-    let matrices = optics.map(|optics| elements_of(&optics.particles.matrix));
+    let sigma_s = optics.each_ref().map(|(found, _)| found.sigma_s as f32);
+    let matrices = optics.map(|(found, _)| elements_of(&found.matrix));
     Ok(Derived { sigma_a, sigma_s, phase: Phase::Table(phase::table(&matrices)) })
 }
 
@@ -116,7 +118,8 @@ fn suspended<const N: usize>(
         return Err(SceneError::new(name, problem, remedy));
     }
     let scattering = suspensions.map(|suspension| {
-        (suspension.scattering(phase::intervals(largest)), suspension.wavelength_nm)
+        let found = kept::scattering(&suspension, phase::intervals(largest));
+        (found, suspension.wavelength_nm)
     });
     let filled: f64 = spheres.components.iter().map(|component| component.volume_fraction).sum();
     let sigma_a = std::array::from_fn(|channel| {

@@ -28,6 +28,11 @@ pub fn create(folder: &Path) -> io::Result<(File, PathBuf)> {
     }
 }
 
+/// Whether a file is called as temporary files are, of whichever machine.
+pub fn is_name(name: &str) -> bool {
+    name.starts_with(PREFIX) && name.ends_with(SUFFIX)
+}
+
 fn name(process: u32, number: u64) -> String {
     format!("{PREFIX}{}-{process}-{number}{SUFFIX}", *PLACE)
 }
@@ -96,6 +101,7 @@ mod tests {
         for other in [".sunstone-1234-5.tmp", ".sunstone-elsewhere-1234-5.tmp", "a.exr", ".tmp"] {
             assert_eq!(process_of(other), None, "{other}");
         }
+        assert!(is_name(".sunstone-elsewhere-1234-5.tmp") && !is_name("a.tmp"));
         assert!(!is_dead(std::process::id()) && !is_dead(0));
     }
 
