@@ -1,6 +1,7 @@
 //! Floor 3: where measured light is added up, over iterations, with one owner and a fixed order, in
 //! double precision. No files, no render loop.
 
+mod analyzed;
 mod halves;
 
 use rayon::prelude::*;
@@ -9,6 +10,7 @@ use crate::spectrum::Color;
 
 use crate::image::StokesImage;
 
+pub use self::analyzed::spread;
 use self::halves::Halves;
 
 /// Stokes values per pixel, summed over iterations.

@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use super::settings::{AUTO, Settings};
 use crate::integrators::Integrator;
+use crate::polarization::Analyzer;
 use crate::scattering::{Look, Scene, Side};
 
 /// With less than this probability ([`Look::chance`]), paths from the sensor find lamps by way of
@@ -29,6 +30,8 @@ pub struct Resolved {
     pub samples: u32,
     /// How photons are shot, if they are.
     pub passes: Option<Passes>,
+    /// What stands before the film.
+    pub analyzer: Option<Analyzer>,
 }
 
 /// How photons are shot: each iteration begins with a pass of them.
@@ -55,7 +58,13 @@ impl Resolved {
             samples: settings.samples_of_photons(),
         });
         let samples = settings.samples_by(integrator);
-        Self { settings: *settings, integrator, rule, samples, passes }
+        let analyzer = scene.sensor.analyzer();
+        Self { settings: *settings, integrator, rule, samples, passes, analyzer }
+    }
+
+    /// Stokes components that are measured: behind an analyzer one, of which all others follow.
+    pub fn components(&self) -> usize {
+        if self.analyzer.is_some() { 1 } else { self.mode.components() }
     }
 
     /// Samples per pixel that come together: those of a pass of photons, or one.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::film::Film;
+use crate::film::{Film, spread};
 use crate::image::StokesImage;
 use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
@@ -58,7 +58,7 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
     /// Black film, no photons.
     pub fn new(scene: Arc<Scene<N>>, settings: &Resolved) -> Self {
         let (width, height) = (scene.sensor.width, scene.sensor.height);
-        let components = settings.mode.components();
+        let components = settings.components();
         let photons = settings.passes.map(|passes| PhotonPass::new(&scene, passes, M::POLARIZED));
         Self {
             film: Film::new(width, height, settings.color, components, settings.has_variance()),
@@ -135,7 +135,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 
     fn preview(&self) -> StokesImage {
-        self.film.preview(self.of_block)
+        developed(self.film.preview(self.of_block), &self.settings)
     }
 
     fn profile(&self) -> Profile {
@@ -153,11 +153,19 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
             self.finish_block();
         }
         // Photons and working tables take memory that the image may need.
-        let film = {
+        let (film, settings) = {
             let run = *self;
-            run.film
+            (run.film, run.settings)
         };
-        film.develop()
+        developed(film.develop(), &settings)
+    }
+}
+
+/// What the film has measured, as it was asked for.
+fn developed(image: StokesImage, settings: &Resolved) -> StokesImage {
+    match settings.analyzer {
+        None => image,
+        Some(analyzer) => spread(image, analyzer, settings.mode.components()),
     }
 }
 
