@@ -191,7 +191,7 @@ fn what_is_no_sensor_or_does_not_fit_is_refused() {
         (PolarizationSensor { bits: 40, ..ideal }, "bits: 40 must"),
         (PolarizationSensor { black_level: 4095, ..ideal }, "black_level: 4095 must be less"),
         (PolarizationSensor { exposure_ev: f32::NAN, ..ideal }, "exposure: NaN must"),
-        (noisy(0.0, None, 0.0), "full_well: 0 must be at least 1"),
+        (noisy(0.0, None, 0.0), "full_well: 0 must be from 1 to 1e12"),
         (noisy(f64::INFINITY, None, 0.0), "full_well: inf must"),
         (noisy(10.0, Some(0.0), 0.0), "gain: 0 must be greater than 0"),
         (noisy(10.0, None, -1.0), "read_noise: -1 must be not negative"),

@@ -39,6 +39,9 @@ pub const AXES_DEG: [[f64; 2]; 2] = [[90.0, 45.0], [135.0, 0.0]];
 /// Channels of a Bayer cell: `[line][column]`.
 const BAYER: [[usize; 2]; 2] = [[0, 1], [1, 2]];
 
+/// What a pixel may hold, in electrons.
+const FULL_WELL: Range = Range::new("from 1 to 1e12", |x| (1.0..=1e12).contains(&x));
+
 /// What lies before the pixels besides analyzers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filters {
@@ -94,7 +97,7 @@ impl PolarizationSensor {
 /// exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Electrons {
-    /// The most that a pixel holds; at least 1.
+    /// The most that a pixel holds, from 1 to 1e12.
     pub full_well: f64,
     /// Numbers for an electron, greater than 0; if not given, such that the full well is the
     /// largest number.
@@ -149,7 +152,7 @@ impl PolarizationSensor {
             return Err(Fault::new("black_level", problem, "the largest number of so many bits"));
         }
         let Some(Electrons { full_well, gain, read_noise }) = self.electrons else { return Ok(()) };
-        Range::AT_LEAST_ONE.check("full_well", full_well)?;
+        FULL_WELL.check("full_well", full_well)?;
         gain.map_or(Ok(()), |gain| Range::POSITIVE.check("gain", gain))?;
         Range::NOT_NEGATIVE.check("read_noise", read_noise)
     }
