@@ -304,7 +304,10 @@ fn analyzers() {
         ),
         (json!({"kind": "none", "axis_deg": 0}), &["axis_deg: an analyzer of kind none has no"]),
         (json!({"kind": "linear", "axis_deg": "x"}), &["analyzer.axis_deg: is not a number"]),
-        (json!({"kind": "linear", "hand": 1}), &["analyzer.hand", "axis_deg, kind"]),
+        (
+            json!({"kind": "linear", "hand": 1}),
+            &["analyzer.hand", "the keys of an analyzer are axis_deg, kind"],
+        ),
     ];
     for (analyzer, expected) in cases {
         has_all(&read(analyzer), expected);

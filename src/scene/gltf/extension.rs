@@ -379,7 +379,9 @@ impl Keys {
             return format!("a {} has no keys: use its material or node", self.definition);
         }
         let known = self.known.join(", ");
-        format!("the keys of a {} are {known} (see sunstone.schema.json)", self.definition)
+        let article = if self.definition.starts_with(['a', 'e']) { "an" } else { "a" };
+        let definition = self.definition;
+        format!("the keys of {article} {definition} are {known} (see sunstone.schema.json)")
     }
 }
 
