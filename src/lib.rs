@@ -88,6 +88,7 @@ mod transport;
 
 pub use crate::image::{OutputError as ImageError, StokesImage};
 pub use crate::integrators::Integrator;
+pub use crate::polarization::Analyzer;
 pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{
@@ -164,6 +165,29 @@ pub mod particles {
     pub use crate::math::Fault;
     pub use crate::polarization::milk::Milk;
     pub use crate::polarization::particles::{Amount, Sizes};
+}
+
+/// What a camera of polarization records of a [`StokesImage`].
+///
+/// ```
+/// use sunstone::mosaic::{Electrons, Filters, PolarizationSensor};
+/// use sunstone::{Color, StokesImage};
+///
+/// // Light that is polarized along x: nothing passes at 90 degrees, all at 0, half between.
+/// let mut image = StokesImage::new(2, 2, Color::Mono { wavelength_nm: 550.0 }, 4);
+/// image.planes = vec![vec![0.5; 4], vec![0.5; 4], vec![0.0; 4], vec![0.0; 4]];
+/// let ideal = PolarizationSensor::ideal(Filters::Mono, 12);
+/// assert_eq!(ideal.record(&image)?.values, [0, 1024, 1024, 2048]);
+///
+/// // The same on a sensor with noise, whose numbers are electrons above 100.
+/// let electrons = Electrons { full_well: 3000.0, gain: Some(1.0), read_noise: 2.5 };
+/// let real = PolarizationSensor { electrons: Some(electrons), black_level: 100, ..ideal };
+/// let raw = real.record(&image)?;
+/// assert!(raw.values[0].abs_diff(100) < 20 && raw.values[3].abs_diff(1600) < 200);
+/// # Ok::<(), sunstone::Error>(())
+/// ```
+pub mod mosaic {
+    pub use crate::image::mosaic::{AXES_DEG, Electrons, Filters, PolarizationSensor, RawImage};
 }
 
 /// The rooms behind the door, for the tests of one room and the benches of kernels. Nothing in here

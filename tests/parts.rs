@@ -7,33 +7,35 @@ use std::path::{Path, PathBuf};
 use sunstone::glam::{DVec3, Vec3};
 use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
 use sunstone::{
-    Error, Integrator, Mode, Options, Part, Photons, PlacedWorld, Renderer, Settings, StokesImage,
-    World, merge,
+    Analyzer, Error, Integrator, Mode, Options, Part, Photons, PlacedWorld, Renderer, Settings,
+    StokesImage, World, merge,
 };
 
 const SAMPLES: u32 = 24;
 
 /// A room with a lamp, a glass sphere and a metal plate, that everybody sees something of.
+fn room_world(wall: f32) -> Result<World, Error> {
+    let mut world = World::new("room");
+    let wall = world.add_material("wall", Material::from(Bsdf::diffuse(wall)).two_sided())?;
+    let glass = world.add_material("glass", Bsdf::dielectric(1.5))?;
+    let metal = world.add_material("plate", Bsdf::metal("Al")?)?;
+    let glow = world.add_material("lamp", Material::emitter([20.0, 18.0, 15.0]).two_sided())?;
+    let here = Transform::IDENTITY;
+    world.add_mesh("walls", Geometry::cuboid(-Vec3::ONE, Vec3::ONE), wall, here)?;
+    let lamp = Geometry::quad(Vec3::Y * 0.99, Vec3::X * 0.3, Vec3::Z * 0.3);
+    world.add_mesh("lamp", lamp, glow, here)?;
+    let plate = Geometry::quad(Vec3::Z * -0.9, Vec3::X * 0.5, Vec3::Y * 0.5);
+    world.add_mesh("plate", plate, metal, here)?;
+    world.add_sphere("ball", 0.4, glass, DVec3::new(0.2, -0.6, 0.0))?;
+    let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
+    world.set_camera("eye", Lens::pinhole(1.2), place)?;
+    world.set_resolution([20, 17])?;
+    Ok(world)
+}
+
 fn room(wall: f32) -> PlacedWorld {
-    let make = || -> Result<PlacedWorld, Error> {
-        let mut world = World::new("room");
-        let wall = world.add_material("wall", Material::from(Bsdf::diffuse(wall)).two_sided())?;
-        let glass = world.add_material("glass", Bsdf::dielectric(1.5))?;
-        let metal = world.add_material("plate", Bsdf::metal("Al")?)?;
-        let glow = world.add_material("lamp", Material::emitter([20.0, 18.0, 15.0]).two_sided())?;
-        let here = Transform::IDENTITY;
-        world.add_mesh("walls", Geometry::cuboid(-Vec3::ONE, Vec3::ONE), wall, here)?;
-        let lamp = Geometry::quad(Vec3::Y * 0.99, Vec3::X * 0.3, Vec3::Z * 0.3);
-        world.add_mesh("lamp", lamp, glow, here)?;
-        let plate = Geometry::quad(Vec3::Z * -0.9, Vec3::X * 0.5, Vec3::Y * 0.5);
-        world.add_mesh("plate", plate, metal, here)?;
-        world.add_sphere("ball", 0.4, glass, DVec3::new(0.2, -0.6, 0.0))?;
-        let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
-        world.set_camera("eye", Lens::pinhole(1.2), place)?;
-        world.set_resolution([20, 17])?;
-        Ok(PlacedWorld::new(world)?)
-    };
-    make().expect("a sound world")
+    let world = room_world(wall).expect("a sound world");
+    PlacedWorld::new(world).expect("a sound world")
 }
 
 fn options(integrator: Integrator) -> Options {
@@ -105,6 +107,20 @@ fn merged_parts_have_the_bits_of_one_render() {
                 assert_same_bits(&merge(&parts).expect("all parts"), &whole, &name);
             }
         }
+    }
+}
+
+/// Such films measure one number, of which the others are made when all parts are there.
+#[test]
+fn parts_behind_analyzers_merge() {
+    for analyzer in [Analyzer::Linear { axis_deg: 22.5 }, Analyzer::LeftCircular] {
+        let mut world = room_world(0.7).expect("a sound world");
+        world.set_analyzer(Some(analyzer)).expect("a camera");
+        let world = PlacedWorld::new(world).expect("a sound world");
+        let options = Options { variance: true, ..options(Integrator::Path) };
+        let parts = parts_of(&world, options, 3, "analyzed");
+        let whole = done(&world, options);
+        assert_same_bits(&merge(&parts).expect("all parts"), &whole, &analyzer.to_string());
     }
 }
 

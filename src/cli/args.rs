@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArguments;
+use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
@@ -36,6 +37,8 @@ Examples:
       the same bits as one render, from two machines
   sunstone visualize cornell.exr -o panels.png
       intensity, degree of polarization and linear-versus-circular side by side
+  sunstone visualize cornell.exr -o raw.png --map mosaic --bits 12 --full-well 10000
+      what a camera with a sensor of polarization would record
   sunstone compare a.exr b.exr
       errors per Stokes component, and z-scores where the images hold variances
   sunstone inspect scenes/cornell.gltf
@@ -70,7 +73,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Make an image of its parts, which `render --part` has rendered
     Merge(MergeArguments),
-    /// Draw maps of an image's polarization, with legends, as PNG
+    /// Draw maps of an image's polarization, look at it through analyzers, or record it as cameras
+    /// of polarization do
     Visualize(VisualizeArguments),
     /// Compare two images: errors, and z-scores where they hold variances
     Compare(CompareArguments),
@@ -358,28 +362,78 @@ pub struct MergeArguments {
 /// The map that is three maps: the paper's figures.
 pub const PANELS: &str = "panels";
 
+/// The map that is the pictures of all analyzers.
+pub const ANALYZERS_MAP: &str = "analyzers";
+/// The map that is the raw image of a sensor.
+pub const MOSAIC: &str = "mosaic";
+
 /// `visualize` as typed.
 #[derive(Debug, Args)]
 pub struct VisualizeArguments {
     /// The image, in a format that keeps what was rendered (.exr, .hdr, ...)
     pub image: PathBuf,
-    /// Where to write the PNG
-    #[arg(short, long, value_name = "PNG", allow_hyphen_values = true)]
+    /// Where to write the PNG; of one analyzer also .exr or .hdr: what passes, as an image
+    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
     pub output: PathBuf,
-    /// Which map; `panels` shows intensity, dop and linear-circular as the paper does
+    /// Which map; `panels` shows intensity, dop and linear-circular as the paper does, `analyzers`
+    /// what passes six ideal analyzers, `mosaic` what a camera of polarization records
     #[arg(long, default_value = PANELS, value_parser = map_names())]
     pub map: String,
-    /// Exposure of intensities in stops
+    /// Exposure of intensities in stops; of a mosaic 1 then fills the well
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
     /// Scales that end at full polarization; without it they end where the image's does, so that
     /// weak polarization shows (the legend says where)
     #[arg(long, visible_alias = "no-fit")]
     pub full_scale: bool,
+    /// The sensor.
+    #[command(flatten)]
+    pub sensor: SensorArguments,
 }
 
+/// The sensor of `--map mosaic`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = MOSAIC_HEADING)]
+pub struct SensorArguments {
+    /// With a Bayer mosaic of squares of four pixels, or without [default: as the image is]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub sensor: Option<SensorName>,
+    /// Bits of its numbers: 8, or 12 or 16 in a PNG of 16, those of 12 in the lower ones [default: 8]
+    #[arg(long, value_name = "N")]
+    pub bits: Option<u32>,
+    /// Electrons that a pixel holds; without it there is no noise
+    #[arg(long, value_name = "ELECTRONS")]
+    pub full_well: Option<f64>,
+    /// Numbers for an electron [default: such that the full well is the largest number]
+    #[arg(long, value_name = "NUMBERS", requires = "full_well")]
+    pub gain: Option<f64>,
+    /// Standard deviation of reading a pixel out [default: 0]
+    #[arg(long, value_name = "ELECTRONS", requires = "full_well")]
+    pub read_noise: Option<f64>,
+    /// What no light is [default: 0]
+    #[arg(long, value_name = "NUMBER")]
+    pub black_level: Option<u32>,
+    /// Seed of the noise [default: 0]
+    #[arg(long, value_name = "N", requires = "full_well")]
+    pub seed: Option<u32>,
+}
+
+/// Sensors of polarization.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SensorName {
+    /// Of luminance, or of the one wavelength, as IMX250MZR
+    Mono,
+    /// Of red, green and blue, as IMX250MYR
+    Color,
+}
+
+const MOSAIC_HEADING: &str = "Sensor (mosaic)";
+
+/// The names of all maps.
 fn map_names() -> PossibleValuesParser {
-    std::iter::once(PANELS).chain(Map::ALL.into_iter().map(Map::name)).collect::<Vec<_>>().into()
+    let maps = std::iter::once(PANELS).chain(Map::ALL.into_iter().map(Map::name));
+    let analyzers = ANALYZERS.iter().map(|(name, _)| *name);
+    maps.chain(analyzers).chain([ANALYZERS_MAP, MOSAIC]).collect::<Vec<_>>().into()
 }
 
 /// `compare` as typed.

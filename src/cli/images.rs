@@ -1,35 +1,14 @@
-//! The verbs that need no renderer: `visualize`, `compare`, `inspect`.
+//! The verbs `compare` and `inspect`.
 
-use crate::image::visualize::{Map, View, panels, visualize as draw};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, extension};
 use crate::render::PlacedWorld;
 use crate::scene::{self, Reading, World};
 
 use super::CliError;
-use super::args::{CompareArguments, InspectArguments, PANELS, VisualizeArguments};
+use super::args::{CompareArguments, InspectArguments};
 use super::files::{json, print, refuse_overwriting, require_png};
 use super::job::PART;
-
-/// Draws a map of an image's polarization.
-pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> {
-    require_png(&arguments.output)?;
-    refuse_overwriting(&arguments.output, &[&arguments.image])?;
-    let image = image::load(&arguments.image)?;
-    let mut view = match arguments.full_scale {
-        true => View::default(),
-        false => View::fitted(&image),
-    };
-    view.exposure_ev = arguments.exposure;
-    let picture = match Map::ALL.into_iter().find(|map| map.name() == arguments.map) {
-        Some(map) => draw(&image, map, &view)?,
-        None => {
-            debug_assert_eq!(arguments.map, PANELS);
-            panels(&image, &view)?
-        }
-    };
-    Ok(png::write(&picture, &arguments.output)?)
-}
 
 /// Prints how two images differ.
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {

@@ -13,6 +13,7 @@ pub mod processor;
 mod progress;
 mod render;
 mod rescue;
+mod visualize;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -128,7 +129,7 @@ fn run_command() -> ExitCode {
     let result = match arguments.unwrap_or_else(|error| error.exit()).command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
-        Command::Visualize(arguments) => images::visualize(&arguments),
+        Command::Visualize(arguments) => visualize::visualize(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),

@@ -1,6 +1,7 @@
 //! Floor 3: where measured light is added up, over iterations, with one owner and without an error
 //! that the order would change, in two doubles a value. No render loop.
 
+mod analyzed;
 mod halves;
 pub mod record;
 mod state;
@@ -11,6 +12,7 @@ use crate::image::StokesImage;
 use crate::math::exact::ExactSums;
 use crate::spectrum::Color;
 
+pub use self::analyzed::spread;
 use self::halves::Halves;
 
 /// Stokes values per pixel, summed over iterations.

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::math::Fault;
+
 /// What can go wrong with a file that this floor reads or writes.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
@@ -87,6 +89,9 @@ pub enum OutputError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// A sensor that is none.
+    #[error("there is no such sensor: {0}")]
+    Sensor(Fault),
     /// Two images that do not go together.
     #[error("cannot compare {first} with {second}: {reason}")]
     Mismatch {

@@ -9,9 +9,12 @@
 //! | [`npy`] | NumPy arrays in |
 //! | [`png`], [`picture`] | previews and pictures |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
+//! | [`analyzed`] | what analyzers let pass |
+//! | [`mosaic`] | what cameras of polarization record |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`] | words about an image |
 
+pub mod analyzed;
 pub mod atomic;
 pub mod compare;
 pub mod error;
@@ -21,6 +24,7 @@ pub mod format;
 pub mod hdr;
 pub mod inspect;
 mod legend;
+pub mod mosaic;
 pub mod npy;
 pub mod palette;
 pub mod picture;

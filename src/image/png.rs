@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::error::OutputError;
+use super::mosaic::RawImage;
 use super::palette::encode_srgb;
 use super::picture::Picture;
 use super::{atomic, check_image};
@@ -35,6 +36,30 @@ pub fn write_preview(
 pub fn write(picture: &Picture, path: &Path) -> Result<(), OutputError> {
     let bytes = encode(picture).map_err(|error| OutputError::unwritable(path, error))?;
     atomic::write(path, &bytes)
+}
+
+/// Writes a raw image as it is: its numbers are those of the file.
+pub fn write_raw(raw: &RawImage, path: &Path) -> Result<(), OutputError> {
+    let bytes = encode_raw(raw).map_err(|error| OutputError::unwritable(path, error))?;
+    atomic::write(path, &bytes)
+}
+
+fn encode_raw(raw: &RawImage) -> Result<Vec<u8>, ::png::EncodingError> {
+    let size = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, size(raw.width), size(raw.height));
+    encoder.set_color(::png::ColorType::Grayscale);
+    encoder.add_text_chunk("Description".to_owned(), raw.description.clone())?;
+    let data: Vec<u8> = match raw.bits {
+        8 => raw.values.iter().map(|&value| value as u8).collect(),
+        _ => raw.values.iter().flat_map(|value| value.to_be_bytes()).collect(),
+    };
+    let depth = if raw.bits == 8 { ::png::BitDepth::Eight } else { ::png::BitDepth::Sixteen };
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&data)?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 fn encode(picture: &Picture) -> Result<Vec<u8>, ::png::EncodingError> {

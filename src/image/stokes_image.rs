@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::spectrum::Color;
 
-use super::OutputError;
+use super::{OutputError, analyzed};
+use crate::polarization::Analyzer;
 
 /// Stokes values per pixel and channel, with what is known of their error and origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,6 +85,15 @@ impl StokesImage {
     /// When the extension is another, or the file is not what it promises.
     pub fn load(path: &Path) -> Result<Self, OutputError> {
         super::load(path)
+    }
+
+    /// The light behind an ideal analyzer in the film's frame, as if it had been rendered so. The
+    /// variances are not kept, as they do not follow from those of the components.
+    ///
+    /// # Errors
+    /// When the image holds intensity alone.
+    pub fn behind(&self, analyzer: Analyzer) -> Result<Self, OutputError> {
+        analyzed::behind(self, analyzer)
     }
 
     /// The plane of one Stokes component and channel.

@@ -20,6 +20,12 @@ use super::{check_shape, png};
 use crate::image::StokesImage;
 use crate::spectrum::Color;
 
+/// Title of the picture of S0.
+const INTENSITY: &str = "intensity S0";
+/// Why an image without polarization shows none.
+pub(super) const INTENSITY_ALONE: &str =
+    "it holds the intensity alone; render it in the polarized mode";
+
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Map {
@@ -210,11 +216,10 @@ fn views(
 ) -> Result<Vec<(Picture, Legend)>, OutputError> {
     check_shape(image).map_err(|reason| OutputError::Image { reason })?;
     if map == Map::Intensity {
-        return Ok(vec![intensity(image, view.exposure_ev)]);
+        return Ok(vec![intensity(image, view.exposure_ev, INTENSITY.to_owned())]);
     }
     if image.components != 4 {
-        let reason = "it holds the intensity alone; render it in the polarized mode";
-        return Err(OutputError::Image { reason });
+        return Err(OutputError::Image { reason: INTENSITY_ALONE });
     }
     let relative = map == Map::StokesRelative;
     if !relative && map != Map::Stokes {
@@ -222,7 +227,7 @@ fn views(
         return Ok(vec![(picture, legend_of(map, view))]);
     }
     let range = if relative { view.degree_max } else { signed_range(image) };
-    let mut views = vec![intensity(image, view.exposure_ev)];
+    let mut views = vec![intensity(image, view.exposure_ev, INTENSITY.to_owned())];
     for component in 1..4 {
         let picture = paint(image, |stokes| {
             let scale = if relative { range * stokes[0] } else { range };
@@ -288,13 +293,14 @@ pub(super) fn range_of(values: impl Iterator<Item = f32>) -> f32 {
     sizes.get(sizes.len() * 99 / 100).copied().unwrap_or(1.0)
 }
 
-fn intensity(image: &StokesImage, exposure_ev: f32) -> (Picture, Legend) {
+/// S0 as a picture, with its legend of this title.
+pub(super) fn intensity(image: &StokesImage, exposure_ev: f32, title: String) -> (Picture, Legend) {
     let end = (-exposure_ev).exp2();
     let grey = |t: f32| [(255.0 * t).round() as u8; 3];
     // The bar is even in sRGB code, so a linear value stands at its encoded place.
     let tick = |share: f32| (f32::from(palette::encode_srgb(share)) / 255.0, number(share * end));
     let legend = Legend {
-        title: "intensity S0".to_owned(),
+        title,
         bar: Some(Box::new(grey)),
         ticks: [0.0, 0.05, 0.2, 0.5, 1.0].map(tick).to_vec(),
         swatches: Vec::new(),

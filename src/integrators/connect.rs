@@ -183,7 +183,7 @@ fn splat<const N: usize, M: LightModel<N>>(
 ) {
     test_connections(w, scene, strategy);
     w.profile.time(Stage::Gather, || {
-        splat_connections(&mut w.splats, &w.connections, scene.sensor.up());
+        splat_connections(&mut w.splats, &w.connections, &scene.sensor);
     });
 }
 

@@ -21,6 +21,7 @@
 //! Light carriers `scatter` (`S <- M S`), sensor carriers `collect` (`T <- T M`), and the two
 //! `measure` where they meet (`T S`). They are different types and there is no `*`.
 
+pub mod analyzer;
 pub mod carrier;
 pub mod elements;
 pub mod frame;
@@ -33,6 +34,7 @@ pub mod particles;
 pub mod rayleigh;
 pub mod stokes;
 
+pub use analyzer::Analyzer;
 pub use carrier::{Arrival, Departure, LightCarrier, SensorColumn, SensorMatrix, SensorRow};
 pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{

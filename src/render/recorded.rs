@@ -7,10 +7,12 @@ use std::sync::OnceLock;
 use crate::film::record::{self, Fact, Record};
 use crate::film::{Film, Variances};
 use crate::image::{OutputError, StokesImage};
+use crate::polarization::Analyzer;
 use crate::spectrum::Color;
 
 use super::renderer::metadata;
-use super::run::Steps;
+use super::resolved::components;
+use super::run::{Steps, developed};
 use super::{Mode, PlacedWorld, Resolved};
 
 /// The program that renders: its sources, their compiler and target.
@@ -30,6 +32,7 @@ const PART: &str = "part";
 const WIDTH: &str = "image: width";
 const HEIGHT: &str = "image: height";
 const MODE: &str = "image: mode";
+const ANALYZER: &str = "image: analyzer";
 const COLOR: &str = "image: color";
 const SAMPLES: &str = "image: samples a pixel";
 const VARIANCE: &str = "image: variance";
@@ -160,6 +163,7 @@ impl Origin {
             (WIDTH, self.film[0].to_string()),
             (HEIGHT, self.film[1].to_string()),
             (MODE, settings.mode.name().to_owned()),
+            (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, wavelength),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
@@ -269,13 +273,13 @@ pub fn merge_as_asked_for(paths: &[PathBuf]) -> Result<(StokesImage, bool), Part
     order.sort_by_key(|&index| ranges[index]);
     let first = parts.first().ok_or(PartError::Nothing)?;
     check_whole(&parts, &ranges, &order, first.number(SAMPLES)?)?;
-    let mut film = film_of(first)?;
+    let (mut film, analyzer, mode) = film_of(first)?;
     let metadata = metadata_of(first);
     let with_variance = first.fact(IS_ASKED_FOR) == Some("true");
     for &index in &order {
         film.take(&mut parts[index])?;
     }
-    let mut image = film.develop();
+    let mut image = developed(film.develop(), analyzer, mode);
     image.metadata = metadata;
     Ok((image, with_variance))
 }
@@ -382,27 +386,52 @@ pub fn describe(path: &Path) -> Result<String, PartError> {
     Ok(format!("{}: a part of an image, or a render to go on from\n{lines}", path.display()))
 }
 
-/// A black film like that of a part.
-fn film_of(part: &Record) -> Result<Film, PartError> {
-    let text = |name: &str| part.fact(name).ok_or_else(|| part.lacks(name));
-    let mode = text(MODE)?;
+/// A black film like that of a part, what stands before it, and the mode of its light.
+fn film_of(part: &Record) -> Result<(Film, Option<Analyzer>, Mode), PartError> {
+    let known = |name: &str| part.fact(name).ok_or_else(|| part.lacks(name));
+    let mode = known(MODE)?;
     let mode = Mode::ALL.into_iter().find(|it| it.name() == mode);
     let mode = mode.ok_or_else(|| part.lacks(MODE))?;
-    let color = match text(COLOR)? {
+    let color = match known(COLOR)? {
         "rgb" => Color::Rgb,
         number => match number.parse() {
             Ok(wavelength_nm) => Color::Mono { wavelength_nm },
             Err(_) => return Err(part.lacks(COLOR).into()),
         },
     };
-    let variances = match text(VARIANCE)? {
+    let variances = match known(VARIANCE)? {
         "replicates" => Variances::Replicates,
         "blocks" => Variances::Blocks,
         "none" => Variances::None,
         _ => return Err(part.lacks(VARIANCE).into()),
     };
+    let analyzer = analyzer_of(known(ANALYZER)?).ok_or_else(|| part.lacks(ANALYZER))?;
     let size = [part.number(WIDTH)?, part.number(HEIGHT)?];
-    Ok(Film::new(size, color, mode.components(), variances, false))
+    let components = components(mode, analyzer);
+    Ok((Film::new(size, color, components, variances, false), analyzer, mode))
+}
+
+/// An analyzer as [`analyzer_of`] reads it.
+fn analyzer_text(analyzer: Option<Analyzer>) -> String {
+    match analyzer {
+        None => "none".to_owned(),
+        Some(Analyzer::Linear { axis_deg }) => format!("linear {axis_deg}"),
+        Some(Analyzer::RightCircular) => "right circular".to_owned(),
+        Some(Analyzer::LeftCircular) => "left circular".to_owned(),
+    }
+}
+
+/// The analyzer of a text, which may be none; nothing for any other text.
+fn analyzer_of(text: &str) -> Option<Option<Analyzer>> {
+    match text {
+        "none" => Some(None),
+        "right circular" => Some(Some(Analyzer::RightCircular)),
+        "left circular" => Some(Some(Analyzer::LeftCircular)),
+        other => {
+            let axis_deg = other.strip_prefix("linear ")?.parse().ok()?;
+            Some(Some(Analyzer::Linear { axis_deg }))
+        }
+    }
 }
 
 /// The metadata of the image that a part is of.

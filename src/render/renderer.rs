@@ -375,6 +375,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("photons an iteration", it.light_paths.to_string())),
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
+    let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
     let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
@@ -387,6 +388,6 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts = integrator.into_iter().flatten().chain(others);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(others);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -2,9 +2,11 @@
 
 use std::ops::Deref;
 
+use super::Mode;
 use super::place::Groups;
 use super::settings::{AUTO, Settings, SettingsError};
 use crate::integrators::Integrator;
+use crate::polarization::Analyzer;
 use crate::scattering::{Look, Scene, Side};
 
 /// With less than this probability ([`Look::chance`]), paths from the sensor find lamps by way of
@@ -34,6 +36,8 @@ pub struct Resolved {
     pub first_sample: u32,
     /// and before this one.
     pub end_sample: u32,
+    /// What stands before the film.
+    pub analyzer: Option<Analyzer>,
 }
 
 /// How photons are shot: each iteration begins with a pass of them.
@@ -61,8 +65,10 @@ impl Resolved {
             samples: settings.samples_of_photons(),
         });
         let samples = settings.samples_by(integrator);
+        let analyzer = scene.sensor.analyzer();
         let (first_sample, end_sample) = (0, samples);
-        Self { settings: *settings, integrator, rule, samples, passes, first_sample, end_sample }
+        let settings = *settings;
+        Self { settings, integrator, rule, samples, passes, first_sample, end_sample, analyzer }
     }
 
     /// The same for the part that was asked for, if one was.
@@ -80,6 +86,11 @@ impl Resolved {
     /// How the samples are grouped.
     pub fn groups(&self) -> Groups {
         Groups::new(&self.settings, self.samples, self.samples_per_iteration())
+    }
+
+    /// Stokes components that are measured: behind an analyzer one, of which all others follow.
+    pub fn components(&self) -> usize {
+        components(self.mode, self.analyzer)
     }
 
     /// Samples per pixel that come together: those of a pass of photons, or one.
@@ -114,6 +125,11 @@ impl Deref for Resolved {
     fn deref(&self) -> &Settings {
         &self.settings
     }
+}
+
+/// Stokes components that are measured: behind an analyzer one, of which all others follow.
+pub fn components(mode: Mode, analyzer: Option<Analyzer>) -> usize {
+    if analyzer.is_some() { 1 } else { mode.components() }
 }
 
 /// What decides which integrator suits a scene.

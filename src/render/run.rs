@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use crate::film::record::{Column, Fact, Record};
-use crate::film::{Film, Variances};
+use crate::film::{Film, Variances, spread};
 use crate::image::{OutputError, StokesImage};
 use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
+use crate::polarization::Analyzer;
 use crate::scattering::Scene;
 use crate::transport::LightModel;
 
-use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
 use super::place::{Groups, Place};
 use super::renderer::Limit;
 use super::tiles::{Pool, wave};
+use super::{Mode, Resolved};
 
 /// Samples per pixel between two looks at the clock.
 const WAVE: u32 = 16;
@@ -69,7 +70,7 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         let place = Place::after(&groups, settings.first_sample, settings.first_sample);
         Self {
             film: black_film(&scene, settings),
-            pool: Pool::new(settings.mode.components(), scene.has_media()),
+            pool: Pool::new(settings.components(), scene.has_media()),
             scene,
             settings: *settings,
             photons,
@@ -128,7 +129,8 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 
     fn preview(&self) -> StokesImage {
-        self.film.preview(self.place.of_block)
+        let Resolved { analyzer, .. } = self.settings;
+        developed(self.film.preview(self.place.of_block), analyzer, self.settings.mode)
     }
 
     fn profile(&self) -> Profile {
@@ -161,11 +163,19 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     fn finish(mut self: Box<Self>) -> StokesImage {
         self.end_block();
         // Photons and working tables take memory that the image may need.
-        let film = {
+        let (film, settings) = {
             let run = *self;
-            run.film
+            (run.film, run.settings)
         };
-        film.develop()
+        developed(film.develop(), settings.analyzer, settings.mode)
+    }
+}
+
+/// What the film has measured, as it was asked for.
+pub fn developed(image: StokesImage, analyzer: Option<Analyzer>, mode: Mode) -> StokesImage {
+    match analyzer {
+        None => image,
+        Some(analyzer) => spread(image, analyzer, mode.components()),
     }
 }
 
@@ -177,5 +187,5 @@ fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved) -> Film {
         (_, false) => Variances::None,
     };
     let begins_later = settings.first_sample > 0;
-    Film::new(size, settings.color, settings.mode.components(), variances, begins_later)
+    Film::new(size, settings.color, settings.components(), variances, begins_later)
 }

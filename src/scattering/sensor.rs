@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::math::{F32s, Vector, warp};
+use crate::polarization::Analyzer;
 use crate::scene::baked::{Camera, Projection};
 
 /// A camera with a film of a certain size. One pixel is one unit of sensor area, so the
@@ -22,6 +23,8 @@ pub struct Sensor {
     perspective: bool,
     aperture_radius: f32,
     focus_distance: f32,
+    /// What stands before the film.
+    analyzer: Option<Analyzer>,
 }
 
 /// How many focus distances away infinity is: beyond the resolution of any film.
@@ -67,12 +70,18 @@ impl Sensor {
             perspective,
             aperture_radius,
             focus_distance,
+            analyzer: camera.analyzer,
         }
     }
 
     /// The direction that is up in the image; fixes the film frame of the Stokes vectors.
     pub fn up(&self) -> Vec3 {
         self.up
+    }
+
+    /// What stands before the film, in its frame.
+    pub fn analyzer(&self) -> Option<Analyzer> {
+        self.analyzer
     }
 
     /// Whether the first vertex sees the sensor at a finite distance.
@@ -213,6 +222,7 @@ mod tests {
             up: Vec3::Y,
             forward: Vec3::NEG_Z,
             resolution: None,
+            analyzer: None,
         };
         Sensor::new(&camera, 40, 30)
     }

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use super::emitter::Emitter;
 use super::instanced::Instanced;
 use super::world::SurfaceModel;
+use crate::polarization::Analyzer;
 
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
@@ -324,6 +325,8 @@ pub struct Camera {
     pub forward: Vec3,
     /// Film size in pixels that the scene asks for (width, height).
     pub resolution: Option<[u32; 2]>,
+    /// What stands before the film, in its frame.
+    pub analyzer: Option<Analyzer>,
 }
 
 impl Camera {

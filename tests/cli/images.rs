@@ -55,6 +55,88 @@ fn scales_fit_the_image_unless_told_otherwise() {
     assert_eq!(full != fitted, is_weakly_polarized(&here.join("a.exr")));
 }
 
+/// What a scene's analyzer lets pass is what `visualize` lets pass of the image without: by the same
+/// paths, and as a file.
+#[test]
+fn analyzers_show_what_a_film_behind_them_measures() {
+    let here = folder("analyzers");
+    let text = fs::read_to_string(scene("cornell")).unwrap();
+    let mut document: Value = serde_json::from_str(&text).unwrap();
+    let film = "SUNSTONE_polarization";
+    document["cameras"][0]["extensions"][film]["film"]["analyzer"] =
+        serde_json::json!({"kind": "linear", "axis_deg": 45});
+    fs::write(here.join("behind.gltf"), document.to_string()).unwrap();
+    let render = |scene: &str, name: &str, mode: &str| {
+        let arguments = ["render", scene, "-o", name, "--width", "24", "--spp", "4", "--quiet"];
+        let more = ["--integrator", "path", "--sampling", "intensity", "--mode", mode];
+        sunstone(&here, &[&arguments[..], &more].concat()).done();
+        sunstone::internals::image::load(&here.join(name))
+    };
+    let bare = render(&scene("cornell"), "bare.exr", "polarized").unwrap();
+    let behind = render("behind.gltf", "behind.exr", "polarized").unwrap();
+    let intensity = render("behind.gltf", "intensity.exr", "intensity").unwrap();
+    let arguments = ["visualize", "bare.exr", "--map", "analyzer-45", "-o", "shown.exr"];
+    sunstone(&here, &arguments).done();
+    let shown = sunstone::internals::image::load(&here.join("shown.exr")).unwrap();
+    for image in [&behind, &shown, &intensity] {
+        assert_eq!(image.metadata("analyzer"), Some("linear at 45 degrees"));
+    }
+    assert_eq!(intensity.planes, behind.planes[..3]);
+    for (a, b) in behind.planes.iter().flatten().zip(shown.planes.iter().flatten()) {
+        assert!((a - b).abs() < 1e-5 * (1.0 + b.abs()), "{a} {b}");
+    }
+    assert_ne!(bare.planes, shown.planes);
+    let described = sunstone(&here, &["inspect", "behind.gltf"]).done().stdout;
+    assert!(described.contains("behind an analyzer: linear at 45 degrees"), "{described}");
+}
+
+/// Sensors are refused by option, before anything is read; the same seed gives the same file.
+#[test]
+fn mosaics_are_recorded() {
+    let here = folder_with_renders("mosaics");
+    let record = |name: &str, more: &[&str]| {
+        let arguments = ["visualize", "a.exr", "-o", name, "--map", "mosaic"];
+        sunstone(&here, &[&arguments[..], more].concat())
+    };
+    let noisy = ["--bits", "12", "--full-well", "5000", "--read-noise", "2", "--black-level", "64"];
+    record("first.png", &noisy).done();
+    record("second.png", &noisy).done();
+    record("third.png", &[&noisy[..], &["--seed", "1"]].concat()).done();
+    let [first, second, third] =
+        ["first.png", "second.png", "third.png"].map(|name| fs::read(here.join(name)).unwrap());
+    assert!(first == second && first != third);
+    record("mono.png", &["--sensor", "mono", "--gain", "0.5", "--full-well", "100"]).done();
+    let refused: [(&[&str], &str); 7] = [
+        (&["--bits", "10"], "--bits: 10 must be 8, 12 or 16"),
+        (&["--black-level", "255"], "--black-level: 255 must be less than 255"),
+        (&["--full-well", "0"], "--full-well: 0 must be from 1 to 1e12"),
+        (&["--full-well", "9", "--gain", "-1"], "--gain: -1 must be greater than 0"),
+        (&["--full-well", "9", "--read-noise", "nan"], "--read-noise: NaN must be not negative"),
+        (&["--exposure", "inf"], "--exposure: inf must be a finite number"),
+        (&["--gain", "2"], "--full-well <ELECTRONS>"),
+    ];
+    for (options, words) in refused {
+        let run = record("bad.png", options);
+        assert_eq!(run.code, 2, "{}: {}", run.command, run.stderr);
+        assert!(run.stderr.contains(words), "{}: {}", run.command, run.stderr);
+    }
+    for (arguments, words) in [
+        (["--map", "dop", "--bits", "8", "-o", "x.png"], "--bits goes with --map mosaic"),
+        (["--map", "mosaic", "--bits", "8", "-o", "x.exr"], "must end in .png"),
+        (["--map", "analyzer-0", "--exposure", "1", "-o", "x.tif"], "one of .exr, .hdr, .png"),
+    ] {
+        let run = sunstone(&here, &[&["visualize", "missing.exr"][..], &arguments].concat());
+        assert_eq!(run.code, 2, "{}: {}", run.command, run.stderr);
+        assert!(run.stderr.contains(words), "{}: {}", run.command, run.stderr);
+    }
+    let arguments = ["render", &scene("cornell"), "-o", "odd.exr", "--width", "6", "--height", "5"];
+    sunstone(&here, &[&arguments[..], &["--spp", "1"]].concat()).done();
+    let run = sunstone(&here, &["visualize", "odd.exr", "-o", "odd.png", "--map", "mosaic"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("multiples of 4 pixels"), "{}", run.stderr);
+    assert!(!here.join("odd.png").exists() && !here.join("bad.png").exists());
+}
+
 fn is_weakly_polarized(image: &Path) -> bool {
     use sunstone::internals::image::visualize::View;
     View::fitted(&sunstone::internals::image::load(image).unwrap()) != View::default()

@@ -55,6 +55,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
             up: Vec3::Y,
             forward: -Vec3::Z,
             resolution: None,
+            analyzer: None,
         },
         origin: DVec3::ZERO,
         warnings: Vec::new(),

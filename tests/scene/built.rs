@@ -7,6 +7,7 @@ use crate::common::{good, load_json};
 use crate::room::{despawn, edited, has_all, insert, refusal, remove, room};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use sunstone::Analyzer;
 use sunstone::internals::scene::world::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
     Medium, Name, Order, Phase, Punctual, Sides, Skin, SurfaceModel, Transform,
@@ -62,6 +63,40 @@ fn entities_are_found_by_their_names() {
         assert_eq!(name(&read, own).as_deref(), Some(whole));
     }
     assert_eq!(read.find("stand-in"), None);
+}
+
+/// The same by code, by file and in words; a new camera has none, and neither has `none`.
+#[test]
+fn cameras_have_analyzers() {
+    let cases = [
+        (json!({"kind": "linear", "axis_deg": 22.5}), Analyzer::Linear { axis_deg: 22.5 }),
+        (json!({"kind": "linear"}), Analyzer::Linear { axis_deg: 0.0 }),
+        (json!({"kind": "right_circular"}), Analyzer::RightCircular),
+        (json!({"kind": "left_circular"}), Analyzer::LeftCircular),
+    ];
+    let of = |world: &World| bake::<3>(world, Color::Rgb).unwrap().shapes.camera.analyzer;
+    for (body, analyzer) in cases {
+        let mut document = room_file();
+        document["cameras"][0]["extras"]["sunstone_film"]["analyzer"] = body;
+        let read = load_json(&document).unwrap();
+        assert_eq!(of(&read), Some(analyzer));
+        let words = format!("behind an analyzer: {analyzer}");
+        has_all(&read.describe(), &[&words]);
+        let mut built = room();
+        built.set_analyzer(Some(Analyzer::LeftCircular)).unwrap();
+        built.set_analyzer(Some(analyzer)).unwrap();
+        assert_eq!(of(&built), Some(analyzer));
+        built.set_analyzer(None).unwrap();
+        assert_eq!(of(&built), None);
+        built.set_analyzer(Some(analyzer)).unwrap();
+        built.set_camera("other", Lens::pinhole(1.0), DVec3::Z).unwrap();
+        assert_eq!(of(&built), None);
+    }
+    let mut document = room_file();
+    document["cameras"][0]["extras"]["sunstone_film"]["analyzer"] = json!({"kind": "none"});
+    let read = load_json(&document).unwrap();
+    assert_eq!(of(&read), None);
+    assert!(!read.describe().contains("analyzer"));
 }
 
 #[test]

@@ -367,7 +367,7 @@ fn lights_cameras_and_scenes() {
         (|d| camera(d, json!({"film": {"resolution": [0, 5]}})), &["film.resolution", "whole"]),
         (|d| camera(d, json!({"film": {"resolution": [5]}})), &["film.resolution"]),
         (|d| camera(d, json!({"film": {"iso": 100}})), &["film.iso", "resolution"]),
-        (|d| camera(d, json!({"film": {"analyzer": {}}})), &["analyzer", "not supported yet"]),
+        (|d| camera(d, json!({"film": {"analyzer": {}}})), &["film.analyzer.kind", "is missing"]),
         (|d| camera(d, json!({"aperture_radius": 0.1})), &["aperture_radius", "focus_distance"]),
         (|d| camera(d, json!({"focus_distance": 0})), &["focus_distance", "greater than 0"]),
         (|d| d["cameras"][0]["perspective"]["yfov"] = json!(4), &["camera 0 \"lens\", yfov"]),

@@ -7,6 +7,7 @@ use crate::common::{good, load_json};
 use crate::room::{edited, has_all, insert, remove, room};
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use serde_json::{Value, json};
+use sunstone::Analyzer;
 use sunstone::internals::polarization::milk::Milk;
 use sunstone::internals::polarization::particles::{Amount, Sizes};
 use sunstone::internals::scene::world::{
@@ -272,6 +273,45 @@ fn cameras() {
         assert_eq!(edited(|world| insert(world, "eye", Resolution(sides))), set);
     }
     assert!(World::new("").set_resolution([5, 5]).is_err(), "no camera yet");
+}
+
+#[test]
+fn analyzers() {
+    for axis_deg in [f64::NAN, f64::INFINITY, 1e39] {
+        let analyzer = Analyzer::Linear { axis_deg };
+        let set = room().set_analyzer(Some(analyzer)).unwrap_err().to_string();
+        has_all(&set, &["camera `eye`, analyzer.axis_deg: ", "must be a finite number"]);
+        assert_eq!(edited(|world| insert(world, "eye", analyzer)), set);
+    }
+    let nowhere = World::new("").set_analyzer(None).unwrap_err().to_string();
+    has_all(&nowhere, &["analyzer: the world has no camera", "set the camera first"]);
+    has_all(
+        &edited(|world| insert(world, "glow", Analyzer::LeftCircular)),
+        &["material `glow`, Analyzer: means nothing for a material"],
+    );
+    let read = |analyzer: Value| {
+        let mut document = good();
+        document["cameras"][0]["extras"] = json!({"sunstone_film": {"analyzer": analyzer}});
+        load_json(&document).unwrap_err()
+    };
+    let cases: [(Value, &[&str]); 7] = [
+        (json!({}), &["sunstone_film.analyzer.kind: is missing", "kind is linear, with axis_deg"]),
+        (json!({"axis_deg": 10}), &["analyzer.kind: is missing"]),
+        (json!({"kind": "round"}), &["analyzer.kind: `round` is no analyzer", "left_circular"]),
+        (
+            json!({"kind": "right_circular", "axis_deg": 0}),
+            &["analyzer.axis_deg: an analyzer of kind right_circular has no axis", "remove it"],
+        ),
+        (json!({"kind": "none", "axis_deg": 0}), &["axis_deg: an analyzer of kind none has no"]),
+        (json!({"kind": "linear", "axis_deg": "x"}), &["analyzer.axis_deg: is not a number"]),
+        (
+            json!({"kind": "linear", "hand": 1}),
+            &["analyzer.hand", "the keys of an analyzer are axis_deg, kind"],
+        ),
+    ];
+    for (analyzer, expected) in cases {
+        has_all(&read(analyzer), expected);
+    }
 }
 
 #[test]

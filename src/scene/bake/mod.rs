@@ -29,6 +29,7 @@ use super::world::{
     Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform,
     World,
 };
+use crate::polarization::Analyzer;
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
 use self::beside::Passable;
@@ -236,10 +237,12 @@ fn bounds(
 }
 
 fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
-    type Components<'a> = (&'a Transform, &'a Lens, Option<&'a Resolution>);
-    let cameras =
-        world.in_order::<Components, _>(|(place, lens, film)| (*place, *lens, film.copied()));
-    let Some((place, lens, film)) = cameras.into_iter().next() else {
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>);
+    type Components<'a> = (&'a Transform, &'a Lens, Film<'a>);
+    let cameras = world.in_order::<Components, _>(|(place, lens, (resolution, analyzer))| {
+        (*place, *lens, (resolution.copied(), analyzer.copied()))
+    });
+    let Some((place, lens, (resolution, analyzer))) = cameras.into_iter().next() else {
         return Err(SceneError::new("bake", "the world has no camera", "add one"));
     };
     // Rounded from orthonormal double-precision axes, hence orthonormal to the last bit of f32.
@@ -260,6 +263,7 @@ fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
         right: right.as_vec3(),
         up: up.as_vec3(),
         forward: up.cross(right).as_vec3(),
-        resolution: film.map(|Resolution(sides)| sides),
+        resolution: resolution.map(|Resolution(sides)| sides),
+        analyzer,
     })
 }

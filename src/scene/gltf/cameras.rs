@@ -5,9 +5,10 @@ use gltf::json::camera::{Camera, Orthographic, Perspective, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
-use super::extension::{Body, CAMERA, FILM};
+use super::extension::{ANALYZER, Body, CAMERA, FILM};
 use super::hierarchy::PlacedNode;
 use crate::math::text::{excerpt, listed};
+use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Lens, Name, Resolution};
 
@@ -36,9 +37,9 @@ impl Import<'_> {
         let label = format!("{node}, {}", document.label("cameras", camera));
         let body = Body::of(&document.value["cameras"][camera], &label, &CAMERA)?;
         let lens = lens(&root.cameras[camera], &body)?;
-        let resolution = match body.object("film", &FILM)? {
-            Some(film) => resolution(&film)?,
-            None => None,
+        let (resolution, analyzer) = match body.object("film", &FILM)? {
+            Some(film) => (resolution(&film)?, analyzer(&film)?),
+            None => (None, None),
         };
         if let (Some(Resolution([width, height])), Some(aspect)) = (resolution, aspect(&lens))
             && (width as f32 / height as f32 / aspect - 1.0).abs() > 0.01
@@ -49,7 +50,7 @@ impl Import<'_> {
             );
             self.warnings.add_like("film", &label, &text);
         }
-        let put = self.world.put_camera(Name(label), lens, place, resolution);
+        let put = self.world.put_camera(Name(label), lens, place, (resolution, analyzer));
         put.map(|_| ()).map_err(|fault| body.place(fault))
     }
 }
@@ -89,6 +90,31 @@ fn not_there(root: &Root, cameras: &[(&PlacedNode, usize)], wanted: Option<&str>
 fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {
     let Some(sides) = film.counts("resolution") else { return Ok(None) };
     Resolution::of(&sides).map(Some).map_err(|fault| film.place(fault))
+}
+
+/// What stands before the film, if anything does.
+fn analyzer(film: &Body) -> Result<Option<Analyzer>, SceneError> {
+    let Some(body) = film.object("analyzer", &ANALYZER)? else { return Ok(None) };
+    let kinds = "kind is linear, with axis_deg, or right_circular, left_circular or none";
+    let Some(kind) = body.word("kind")? else { return Err(body.missing("kind", kinds)) };
+    let analyzer = match kind {
+        "linear" => {
+            let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
+            return Ok(Some(Analyzer::Linear { axis_deg }));
+        }
+        "right_circular" => Some(Analyzer::RightCircular),
+        "left_circular" => Some(Analyzer::LeftCircular),
+        "none" => None,
+        _ => {
+            let problem = format!("`{}` is no analyzer", excerpt(kind, NAME));
+            return Err(SceneError::new(body.field("kind"), problem, kinds));
+        }
+    };
+    if body.has("axis_deg") {
+        let problem = format!("an analyzer of kind {kind} has no axis");
+        return Err(SceneError::new(body.field("axis_deg"), problem, "remove it"));
+    }
+    Ok(analyzer)
 }
 
 /// Width over height that the projection asks for.

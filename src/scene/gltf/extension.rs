@@ -56,7 +56,11 @@ pub const CAMERA: Keys = Keys {
     planned: &[],
 };
 /// Keys of a camera's film.
-pub const FILM: Keys = Keys { definition: "film", known: &["resolution"], planned: &["analyzer"] };
+pub const FILM: Keys =
+    Keys { definition: "film", known: &["analyzer", "resolution"], planned: &[] };
+/// Keys of what stands before a film.
+pub const ANALYZER: Keys =
+    Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
 pub const LIGHT: Keys = Keys { definition: "light", known: &["units"], planned: &["emission"] };
 /// Keys of a scene, or of the root of the file.
@@ -116,11 +120,12 @@ pub const SPECTRUM: Keys =
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 14] = [
+pub const ALL: [&Keys; 15] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
     &FILM,
+    &ANALYZER,
     &LIGHT,
     &SCENE,
     &ENVIRONMENT,
@@ -374,7 +379,9 @@ impl Keys {
             return format!("a {} has no keys: use its material or node", self.definition);
         }
         let known = self.known.join(", ");
-        format!("the keys of a {} are {known} (see sunstone.schema.json)", self.definition)
+        let article = if self.definition.starts_with(['a', 'e']) { "an" } else { "a" };
+        let definition = self.definition;
+        format!("the keys of {article} {definition} are {known} (see sunstone.schema.json)")
     }
 }
 

@@ -12,6 +12,7 @@ use super::{
     Punctual, Resolution, Skin, Transform, World,
 };
 use crate::math::Fault;
+use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
 use crate::spectrum::Spectrum;
 
@@ -128,7 +129,7 @@ impl World {
     }
 
     /// Puts the camera in its place: the only one, in place of that which was there, with its
-    /// resolution; that of the new one is to be set anew.
+    /// resolution and analyzer; those of the new one are to be set anew.
     ///
     /// # Errors
     /// When the projection is none, or the place is sheared, mirrored or singular.
@@ -139,8 +140,9 @@ impl World {
         place: impl Into<Transform>,
     ) -> Result<Entity, SceneError> {
         let place = place.into();
-        let camera =
-            self.called("camera", name, |world, name| world.put_camera(name, lens, place, None))?;
+        let camera = self.called("camera", name, |world, name| {
+            world.put_camera(name, lens, place, (None, None))
+        })?;
         self.keep_only::<Lens>(camera);
         Ok(camera)
     }
@@ -150,16 +152,39 @@ impl World {
     /// # Errors
     /// When there is no camera, or a side is out of range.
     pub fn set_resolution(&mut self, resolution: [u32; 2]) -> Result<(), SceneError> {
-        let cameras =
-            self.in_order::<(Entity, &Name, &Lens), _>(|(camera, name, _)| (camera, name.clone()));
-        let Some((camera, name)) = cameras.into_iter().next() else {
-            let problem = "the world has no camera";
-            return Err(SceneError::new("resolution", problem, "set the camera first"));
-        };
+        let (camera, name) = self.camera("resolution")?;
         let resolution = Resolution(resolution);
         resolution.check().map_err(|fault| SceneError::at(&name.0, fault))?;
         self.insert(camera, resolution);
         Ok(())
+    }
+
+    /// Puts an ideal analyzer before the film, in the film's frame, in place of that which was there;
+    /// or none: the image is then of the light as it comes. In scalar mode it lets half of all light
+    /// pass.
+    ///
+    /// # Errors
+    /// When there is no camera, or an axis is not finite.
+    pub fn set_analyzer(&mut self, analyzer: Option<Analyzer>) -> Result<(), SceneError> {
+        let (camera, name) = self.camera("analyzer")?;
+        let Some(analyzer) = analyzer else {
+            // There is nothing to remove where there was none.
+            let _ = self.entities.remove_one::<Analyzer>(camera);
+            return Ok(());
+        };
+        analyzer.check().map_err(|fault| SceneError::at(&name.0, fault.within("analyzer")))?;
+        self.insert(camera, analyzer);
+        Ok(())
+    }
+
+    /// The camera, which is to get something of this name.
+    fn camera(&self, part: &str) -> Result<(Entity, Name), SceneError> {
+        let cameras =
+            self.in_order::<(Entity, &Name, &Lens), _>(|(camera, name, _)| (camera, name.clone()));
+        cameras
+            .into_iter()
+            .next()
+            .ok_or_else(|| SceneError::new(part, "the world has no camera", "set the camera first"))
     }
 
     /// Has light of a radiance in W/(m^2 sr) come from everywhere outside the scene, in place of
@@ -290,13 +315,17 @@ impl World {
         name: Name,
         lens: Lens,
         place: Transform,
-        resolution: Option<Resolution>,
+        (resolution, analyzer): (Option<Resolution>, Option<Analyzer>),
     ) -> Result<Entity, Fault> {
         Lens::check_place(&place)?;
         lens.check()?;
-        let Some(resolution) = resolution else { return Ok(self.spawn(name, (place, lens))) };
-        resolution.check()?;
-        Ok(self.spawn(name, (place, lens, resolution)))
+        resolution.map_or(Ok(()), Resolution::check)?;
+        let checked = analyzer.map_or(Ok(()), Analyzer::check);
+        checked.map_err(|fault| fault.within("film.analyzer"))?;
+        let camera = self.spawn(name, (place, lens));
+        resolution.into_iter().for_each(|resolution| self.insert(camera, resolution));
+        analyzer.into_iter().for_each(|analyzer| self.insert(camera, analyzer));
+        Ok(camera)
     }
 
     /// Adds an environment to those that are there.

@@ -12,6 +12,7 @@ use super::{
     MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Transform, World,
 };
 use crate::math::Fault;
+use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
 
 /// What an entity is, by the component that no other kind has.
@@ -40,10 +41,11 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 7] = [
+const PARTS: [(&str, Has, &[Kind], bool); 8] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
+    ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
     ("Resolution", has::<Resolution>, &[Kind::Camera], false),
     ("MadeOf", has::<MadeOf>, &[Kind::Mesh, Kind::Sphere], true),
     ("Boundary", has::<Boundary>, &[Kind::Mesh, Kind::Sphere], true),
@@ -149,6 +151,9 @@ impl World {
             Kind::Camera => {
                 Lens::check_place(&*part::<&Transform>(entity)?)?;
                 part::<&Lens>(entity)?.check()?;
+                let analyzer =
+                    entity.get::<&Analyzer>().map_or(Ok(()), |analyzer| analyzer.check());
+                analyzer.map_err(|fault| fault.within("analyzer"))?;
                 entity.get::<&Resolution>().map_or(Ok(()), |resolution| resolution.check())
             }
             Kind::Environment => part::<&Environment>(entity)?.check(),

@@ -11,6 +11,7 @@ use super::{
     Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
 use crate::math::text::{counted, excerpt};
+use crate::polarization::Analyzer;
 use crate::polarization::milk::Milk;
 use crate::spectrum::Spectrum;
 
@@ -173,8 +174,10 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
 }
 
 fn write_camera(world: &World, text: &mut String) -> fmt::Result {
-    type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Option<&'a Resolution>);
-    let cameras = world.in_order::<Components, _>(|(name, place, lens, resolution)| {
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>);
+    type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Film<'a>);
+    let cameras = world.in_order::<Components, _>(|(name, place, lens, film)| {
+        let (resolution, analyzer) = film;
         let lens = match lens {
             Lens::Perspective { yfov, aperture_radius, .. } => {
                 let degrees = yfov.to_degrees();
@@ -187,7 +190,8 @@ fn write_camera(world: &World, text: &mut String) -> fmt::Result {
         let pixels = resolution.map_or_else(String::new, |Resolution([width, height])| {
             format!(", {width} x {height} pixels")
         });
-        format!("  {}: {lens}{pixels}, at {}", name.0, vector(place.0.translation))
+        let behind = analyzer.map_or_else(String::new, |it| format!(", behind an analyzer: {it}"));
+        format!("  {}: {lens}{pixels}{behind}, at {}", name.0, vector(place.0.translation))
     });
     lines(text, &cameras)
 }

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use hecs::{Component, Entity};
 
+use crate::polarization::Analyzer;
+
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh,
     Name, Order, Punctual, Resolution, Sides, Transform, World,
@@ -29,7 +31,7 @@ macro_rules! columns {
 
 columns! {
     Name, Bsdf, Sides, Emission, Medium, FillsScene, Ball, Transform, MadeOf, Boundary, Punctual,
-    Lens, Resolution, Environment,
+    Lens, Resolution, Analyzer, Environment,
 }
 
 impl World {
@@ -114,6 +116,7 @@ mod tests {
         world.add_light("sun", Punctual::directional(1.0), here).unwrap();
         world.set_camera("eye", Lens::pinhole(1.0), here).unwrap();
         world.set_resolution([8, 8]).unwrap();
+        world.set_analyzer(Some(Analyzer::RightCircular)).unwrap();
         world.set_environment(0.1).unwrap();
         world
     }

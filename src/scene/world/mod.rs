@@ -8,7 +8,8 @@
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
-//! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one |
+//! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
+//! | | [`Analyzer`](crate::Analyzer) if it has one |
 //! | environment | [`Order`], [`Name`], [`Environment`] |
 //!
 //! Each component knows what is wrong with it. Readers of files parse and add with the functions

@@ -6,8 +6,9 @@ use glam::Vec3;
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
-use crate::polarization::film_axis;
+use crate::polarization::{Arrival, SensorRow, Stokes, film_axis};
 use crate::scattering::event::Form;
+use crate::scattering::sensor::Sensor;
 use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
@@ -107,28 +108,36 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
 }
 
 /// Appends open connections to the sensor to the lists of splats, in their order, polarized light
-/// in the film's frame.
+/// in the film's frame, or, behind an analyzer, twice what passes of it, as S0.
 ///
 /// From: trace_connections, cross_connections. To: the film.
-/// Writes: splats. Reads: connections, film_up.
+/// Writes: splats. Reads: connections, sensor.
 pub fn splat_connections<const N: usize>(
     splats: &mut Splats<N>,
     connections: &ConnectionTable<N>,
-    film_up: Vec3,
+    sensor: &Sensor,
 ) {
+    let passing = sensor.analyzer().map(|analyzer| analyzer.state().0.map(|value| value as f32));
     for index in (0..connections.len).filter(|&index| connections.blocked[index] == 0) {
         let (pixel, value) = (connections.target[index], connections.value[index]);
         match connections.state[index] {
             NONE => splats.push(pixel, value),
             state => {
                 let k = connections.along_light(index);
-                let film_x = film_axis(-k, film_up.to_array().into());
-                let light = connections.states[state as usize].turned(film_x, k);
+                let film_x = film_axis(-k, sensor.up().to_array().into());
+                let light = &connections.states[state as usize];
+                let arrival = Arrival::between(light.x, film_x, k);
                 let mut stokes = [[0.0; N]; 4];
                 for (n, &value) in value.iter().enumerate() {
-                    for (stokes, component) in
-                        stokes.iter_mut().zip(light.stokes[n].scaled(value).0)
-                    {
+                    let arriving = light.at(n);
+                    let measured = match passing {
+                        None => arriving.turned(&arrival).stokes,
+                        Some(row) => {
+                            let behind = SensorRow { row, x: film_x };
+                            Stokes([behind.measure(&arriving, &arrival), 0.0, 0.0, 0.0])
+                        }
+                    };
+                    for (stokes, component) in stokes.iter_mut().zip(measured.scaled(value).0) {
                         stokes[n] = component;
                     }
                 }

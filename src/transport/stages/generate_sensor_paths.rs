@@ -1,6 +1,7 @@
 //! Starts one sensor path a slot, through a random point of its pixel.
 
-use crate::math::{F32s, LANES, lanes};
+use crate::math::{F32s, LANES, Vector, lanes};
+use crate::polarization::film_axis;
 use crate::scattering::Scene;
 use crate::transport::Chunk;
 use crate::transport::mis::PartialWeights;
@@ -10,7 +11,7 @@ use crate::transport::tables::paths::PathTable;
 
 /// Starts the sensor paths of a chunk. `light_paths` is the number of light paths an iteration,
 /// what connections to the sensor are weighed by (0: there are none), `components` how many Stokes
-/// components the film has.
+/// components the film has, which behind an analyzer is one.
 ///
 /// From: nothing. To: trace_closest.
 /// Writes: paths. Reads: chunk, scene.
@@ -25,7 +26,10 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     let sensor = &scene.sensor;
     paths.len = slots;
     if let Some(carriers) = paths.carriers.columns_mut() {
-        carriers.start_at_film(slots, components);
+        match sensor.analyzer() {
+            None => carriers.start_at_film(slots, components),
+            Some(analyzer) => carriers.start_at_analyzer(slots, analyzer.state()),
+        }
     }
     for channel in &mut paths.beta {
         channel[..slots].fill(1.0);
@@ -53,6 +57,10 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
             sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
         origin.store(&mut paths.rays.origin, row, slots);
         direction.store(&mut paths.rays.direction, row, slots);
+        if let (Some(_), Some(carriers)) = (sensor.analyzer(), paths.carriers.columns_mut()) {
+            let axis = film_axis(direction, Vector::splat(sensor.up()));
+            axis.store(&mut carriers.axis, row, slots);
+        }
         if paths.media.present() {
             let origins = origin.to_rows();
             for (inside, origin) in paths.media.inside[row..end].iter_mut().zip(origins) {

@@ -134,6 +134,16 @@ impl<const N: usize> SensorCarriers<N> {
         self.class[..rows].fill(class);
     }
 
+    /// Starts all rows at a film behind an analyzer that passes the light of unit intensity
+    /// `state`, given for the film's own axis, which is to be written beside. What they accept is
+    /// relative to unpolarized light: twice what passes.
+    pub fn start_at_analyzer(&mut self, rows: usize, Stokes(state): Stokes<f64>) {
+        self.class[..rows].fill(SensorClass::Row);
+        for (columns, value) in self.row.iter_mut().zip(state) {
+            columns.iter_mut().for_each(|column| column[..rows].fill(value as f32));
+        }
+    }
+
     /// Reads the matrix in a channel from `row` on, where the axis is `x`.
     #[inline(always)]
     pub fn load_matrix<F: FromColumn>(

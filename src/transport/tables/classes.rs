@@ -8,7 +8,8 @@
 //! | sensor | [`SensorClass::Fresh`] | none: T = 1 in the film's frame | no event yet |
 //! | sensor | [`SensorClass::Plain`] | none: c = r = e0 | after a depolarizer, nothing polarizing |
 //! | | | | before (a film of intensities counts as one) |
-//! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row, polarizing events since |
+//! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row, polarizing events since; behind an |
+//! | | | | analyzer from the film on |
 //! | sensor | [`SensorClass::Column`] | c | polarizing events, then a depolarizer |
 //! | sensor | [`SensorClass::RankOne`] | c, r, axis | a `Column` row, polarizing events since |
 //! | sensor | [`SensorClass::Full`] | T, axis | polarizing events, no depolarizer yet |
