@@ -120,6 +120,7 @@ fn run_command() -> ExitCode {
     let result = match arguments.unwrap_or_else(|error| error.exit()).command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Visualize(arguments) => images::visualize(&arguments),
+        Command::View(arguments) => images::view(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),

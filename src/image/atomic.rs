@@ -4,7 +4,7 @@
 //! reader (or a crash) never sees half a file, and a failure leaves the former file untouched.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
@@ -21,7 +21,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 pub fn write_set(files: &[(PathBuf, Vec<u8>)]) -> Result<(), OutputError> {
     let mut staged = Vec::with_capacity(files.len());
     for (path, bytes) in files {
-        staged.push((path, Staged::new(path, bytes)?));
+        staged.push((path, Staged::new(path, |file| file.write_all(bytes))?));
     }
     for (path, file) in staged {
         file.commit().map_err(|error| OutputError::write(path, error))?;
@@ -29,11 +29,21 @@ pub fn write_set(files: &[(PathBuf, Vec<u8>)]) -> Result<(), OutputError> {
     Ok(())
 }
 
+/// Writes what `fill` writes to `path`, as [`write`] does: for what is too large to be in memory
+/// twice.
+pub fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let staged = Staged::new(path, fill)?;
+    staged.commit().map_err(|error| OutputError::write(path, error))
+}
+
 /// Checks that `path` could be written, by creating and removing a temporary file beside it.
 ///
 /// To be called before a long render, so that hours of work do not end in "no such folder".
 pub fn probe_writable(path: &Path) -> Result<(), OutputError> {
-    Staged::new(path, b"").map(drop)
+    Staged::new(path, |_| Ok(())).map(drop)
 }
 
 /// The folder in which `path` lies; `.` where the name has none.
@@ -52,17 +62,26 @@ struct Staged {
 }
 
 impl Staged {
-    fn new(path: &Path, bytes: &[u8]) -> Result<Self, OutputError> {
+    fn new(
+        path: &Path,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<Self, OutputError> {
         let target = resolve(path)?;
         let failed = |error| OutputError::write(path, error);
         let (file, temporary) = temporary::create(&folder_of(&target)).map_err(failed)?;
         let staged = Self { temporary, target, committed: false };
-        staged.fill(file, bytes).map_err(failed)?;
+        staged.fill(file, fill).map_err(failed)?;
         Ok(staged)
     }
 
-    fn fill(&self, mut file: File, bytes: &[u8]) -> io::Result<()> {
-        file.write_all(bytes)?;
+    fn fill(
+        &self,
+        file: File,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut writer = BufWriter::new(file);
+        fill(&mut writer)?;
+        let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
         if let Ok(former) = fs::metadata(&self.target) {
             file.set_permissions(former.permissions())?;
         }

@@ -9,6 +9,7 @@
 //! | [`npy`] | NumPy arrays in |
 //! | [`png`], [`picture`] | previews and pictures |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
+//! | [`view`] | a page to look at images in |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`] | words about an image |
 
@@ -29,6 +30,7 @@ mod rgbe;
 mod source;
 mod stokes_image;
 mod temporary;
+pub mod view;
 pub mod visualize;
 
 use std::path::{Path, PathBuf};
