@@ -121,7 +121,9 @@ function makeEllipse(light, kind) {
   // Down is positive on the screen, hence the sign of the turn.
   const turn = (-light.aolp * 180) / Math.PI;
   const shape = svg("g", { transform: `rotate(${turn})` });
-  shape.append(svg("ellipse", { rx: major, ry: Math.abs(minor), class: "field" }));
+  // An ellipse without any width would not be drawn.
+  const width = Math.max(Math.abs(minor), 0.05);
+  shape.append(svg("ellipse", { rx: major, ry: width, class: "field" }));
   if (Math.abs(minor) > 1) shape.append(arrowAt(major, minor));
   picture.append(shape);
   return picture;
