@@ -1,7 +1,7 @@
 //! A page to look at images in: one HTML file with everything in it, opened from the disk.
 //!
-//! Images -> their planes, deflated and in base64 ([`pixels`]), beside colors, legends and names as
-//! JSON ([`data`]) -> `page.html` with its style and scripts. The scripts take every number of a
+//! Images -> their planes, deflated and in base64 (`pixels`), beside colors, legends and names as
+//! JSON (`data`) -> `page.html` with its style and scripts. The scripts take every number of a
 //! palette or a legend from the data, so that the page has the colors of [`super::visualize`]; what
 //! they compute themselves is the picture behind an analyzer, degrees and angles.
 
