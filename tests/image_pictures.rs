@@ -131,6 +131,7 @@ fn maps_have_the_colors_of_their_legends() {
     assert_eq!(colors(&all, Map::LinearCircular), [grey, yellow, blue, blue, dark, dark]);
     let [lefty, righty, middle] = [[90, 190, 255], [255, 215, 60], [34, 34, 40]];
     assert_eq!(colors(&all, Map::Chirality), [middle, middle, righty, lefty, dark, dark]);
+    assert_eq!(colors(&all, Map::Ellipticity), [grey, middle, righty, lefty, dark, dark]);
     let red = [255, 30, 20];
     assert_eq!(colors(&all, Map::DopRed), [dark, red, red, red, dark, dark]);
     let [circular, linear] = [[255, 222, 30], [20, 214, 235]];

@@ -39,6 +39,8 @@ Examples:
       intensity, degree of polarization and linear-versus-circular side by side
   sunstone visualize cornell.exr -o raw.png --map mosaic --bits 12 --full-well 10000
       what a camera with a sensor of polarization would record
+  sunstone view cornell.exr -o cornell.html
+      a page for the browser: maps, an analyzer to turn, Stokes vectors under the pointer
   sunstone compare a.exr b.exr
       errors per Stokes component, and z-scores where the images hold variances
   sunstone inspect scenes/cornell.gltf
@@ -76,6 +78,8 @@ pub enum Command {
     /// Draw maps of an image's polarization, look at it through analyzers, or record it as cameras
     /// of polarization do
     Visualize(VisualizeArguments),
+    /// Make a page to look at an image in, or at two: maps, an analyzer, values
+    View(ViewArguments),
     /// Compare two images: errors, and z-scores where they hold variances
     Compare(CompareArguments),
     /// Say in words what is in a scene or an image
@@ -434,6 +438,30 @@ fn map_names() -> PossibleValuesParser {
     let maps = std::iter::once(PANELS).chain(Map::ALL.into_iter().map(Map::name));
     let analyzers = ANALYZERS.iter().map(|(name, _)| *name);
     maps.chain(analyzers).chain([ANALYZERS_MAP, MOSAIC]).collect::<Vec<_>>().into()
+}
+
+const VIEW_NOTES: &str = "\
+The page is one file with everything in it, opened from the disk by Chromium 104, Firefox 113, \
+Safari 16.4 or newer; it asks the network for nothing. Maps have the colors and legends of \
+'sunstone visualize'. The analyzer is an ideal one before the sensor: linear at an angle a from \
+the right of the image, counterclockwise, (S0 + S1 cos 2a + S2 sin 2a) / 2; circular, \
+(S0 + S3) / 2 and (S0 - S3) / 2. The page is about as large as the values of the images, 12 to \
+16 MB for a million pixels of one wavelength; of more than 2 GiB none is written.";
+
+/// `view` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = VIEW_NOTES)]
+pub struct ViewArguments {
+    /// The image, in a format that keeps what was rendered (.exr, .hdr, ...)
+    pub image: PathBuf,
+    /// A second one of the same size, beyond a divider
+    pub other: Option<PathBuf>,
+    /// Where to write the page
+    #[arg(short, long, value_name = "HTML", allow_hyphen_values = true)]
+    pub output: PathBuf,
+    /// Leave out the standard errors of values, which are as large as these
+    #[arg(long)]
+    pub no_variance: bool,
 }
 
 /// `compare` as typed.

@@ -12,13 +12,19 @@ use crate::math::text::{acts, printable};
 
 /// Refuses to draw a picture into anything but PNG.
 pub(super) fn require_png(path: &Path) -> Result<(), CliError> {
-    match extension(path).as_str() {
-        "png" => Ok(()),
-        _ => Err(CliError::Usage(format!(
-            "{} must end in .png: pictures are PNG files",
-            path.display()
-        ))),
+    require(path, "png", "pictures are PNG files")
+}
+
+/// Refuses to write a page into anything but HTML.
+pub(super) fn require_html(path: &Path) -> Result<(), CliError> {
+    require(path, "html", "pages are HTML files")
+}
+
+fn require(path: &Path, wanted: &str, why: &str) -> Result<(), CliError> {
+    if extension(path) == wanted {
+        return Ok(());
     }
+    Err(CliError::Usage(format!("{} must end in .{wanted}: {why}", path.display())))
 }
 
 /// A value as JSON, in which what JSON allows and terminals act on is escaped.

@@ -1,14 +1,47 @@
-//! The verbs `compare` and `inspect`.
+//! The verbs `view`, `compare` and `inspect`.
 
+use std::path::Path;
+
+use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, extension};
 use crate::render::PlacedWorld;
 use crate::scene::{self, Reading, World};
 
 use super::CliError;
-use super::args::{CompareArguments, InspectArguments};
-use super::files::{json, print, refuse_overwriting, require_png};
+use super::args::{CompareArguments, InspectArguments, ViewArguments};
+use super::files::{json, print, refuse_overwriting, require_html, require_png, say};
 use super::job::PART;
+
+/// Writes a page to look at images in.
+pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
+    let paths: Vec<&Path> =
+        std::iter::once(&arguments.image).chain(&arguments.other).map(|path| &**path).collect();
+    require_html(&arguments.output)?;
+    refuse_overwriting(&arguments.output, &paths)?;
+    let mut images = paths.iter().map(|path| image::load(path)).collect::<Result<Vec<_>, _>>()?;
+    if arguments.no_variance {
+        images.iter_mut().for_each(|image| image.variance = None);
+    }
+    let names = names_of(&paths);
+    let named: Vec<Named> =
+        names.iter().zip(&images).map(|(name, image)| Named { name, image }).collect();
+    let bytes = pages::write(&named, &arguments.output)?;
+    say(format_args!("{}: {:.1} MB", arguments.output.display(), bytes as f64 / 1e6));
+    Ok(())
+}
+
+/// What the images are called on a page: their files' names, with the folders before if the names
+/// are alike.
+fn names_of(paths: &[&Path]) -> Vec<String> {
+    let short = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let are_alike = paths.len() > 1 && short(paths[0]) == short(paths[1]);
+    let name = |path: &&Path| short(path).filter(|_| !are_alike);
+    paths
+        .iter()
+        .map(|path| name(path).unwrap_or_else(|| path.to_string_lossy().into_owned()))
+        .collect()
+}
 
 /// Prints how two images differ.
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {

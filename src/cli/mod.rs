@@ -130,6 +130,7 @@ fn run_command() -> ExitCode {
         Command::Render(arguments) => render::render(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Visualize(arguments) => visualize::visualize(&arguments),
+        Command::View(arguments) => images::view(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),

@@ -11,6 +11,7 @@
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`analyzed`] | what analyzers let pass |
 //! | [`mosaic`] | what cameras of polarization record |
+//! | [`view`] | a page to look at images in |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`] | words about an image |
 
@@ -32,6 +33,7 @@ pub mod png;
 mod rgbe;
 mod source;
 mod stokes_image;
+pub mod view;
 pub mod visualize;
 
 use std::path::{Path, PathBuf};

@@ -57,7 +57,7 @@ pub fn sample(scale: Scale, t: f32) -> [u8; 3] {
 
 /// The color between two colors.
 pub fn mix(from: [u8; 3], to: [u8; 3], t: f32) -> [u8; 3] {
-    let (from, to) = (oklab(from), oklab(to));
+    let (from, to) = (to_oklab(from), to_oklab(to));
     from_oklab([0, 1, 2].map(|i| from[i] + t * (to[i] - from[i])))
 }
 
@@ -78,26 +78,46 @@ pub fn hsv(turn: f32, value: f32) -> [u8; 3] {
     [channel(5.0), channel(3.0), channel(1.0)]
 }
 
-fn oklab(color: [u8; 3]) -> [f32; 3] {
-    let [r, g, b] = color.map(decode_srgb);
-    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
-    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
-    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
-    [
-        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
-        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
-        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
-    ]
+/// Rows of 3x3 matrices between linear sRGB, the cones' answers and Oklab, both ways.
+pub mod oklab {
+    type Matrix = [[f32; 3]; 3];
+    /// Linear sRGB to the answers of the cones.
+    pub const CONES_OF_RGB: Matrix = [
+        [0.412_221_46, 0.536_332_55, 0.051_445_995],
+        [0.211_903_5, 0.680_699_5, 0.107_396_96],
+        [0.088_302_46, 0.281_718_85, 0.629_978_7],
+    ];
+    /// Cube roots of the answers to lightness, a and b.
+    pub const LAB_OF_ROOTS: Matrix = [
+        [0.210_454_26, 0.793_617_8, -0.004_072_047],
+        [1.977_998_5, -2.428_592_2, 0.450_593_7],
+        [0.025_904_037, 0.782_771_77, -0.808_675_77],
+    ];
+    /// Lightness, a and b to the cube roots.
+    pub const ROOTS_OF_LAB: Matrix = [
+        [1.0, 0.396_337_78, 0.215_803_76],
+        [1.0, -0.105_561_346, -0.063_854_17],
+        [1.0, -0.089_484_18, -1.291_485_5],
+    ];
+    /// The answers of the cones to linear sRGB.
+    pub const RGB_OF_CONES: Matrix = [
+        [4.076_741_7, -3.307_711_6, 0.230_969_94],
+        [-1.268_438, 2.609_757_4, -0.341_319_4],
+        [-0.004_196_086, -0.703_418_6, 1.707_614_7],
+    ];
+
+    /// A matrix times a column.
+    pub fn apply(matrix: &Matrix, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        matrix.map(|[a, b, c]| a * x + b * y + c * z)
+    }
 }
 
-fn from_oklab([lightness, a, b]: [f32; 3]) -> [u8; 3] {
-    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
-    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
-    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
-    [
-        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
-        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
-        -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
-    ]
-    .map(encode_srgb)
+fn to_oklab(color: [u8; 3]) -> [f32; 3] {
+    let cones = oklab::apply(&oklab::CONES_OF_RGB, color.map(decode_srgb));
+    oklab::apply(&oklab::LAB_OF_ROOTS, cones.map(f32::cbrt))
+}
+
+fn from_oklab(lab: [f32; 3]) -> [u8; 3] {
+    let roots = oklab::apply(&oklab::ROOTS_OF_LAB, lab);
+    oklab::apply(&oklab::RGB_OF_CONES, roots.map(|root| root.powi(3))).map(encode_srgb)
 }

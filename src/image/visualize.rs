@@ -25,6 +25,8 @@ const INTENSITY: &str = "intensity S0";
 /// Why an image without polarization shows none.
 pub(super) const INTENSITY_ALONE: &str =
     "it holds the intensity alone; render it in the polarized mode";
+/// The luminance of linear sRGB: weights of red, green and blue.
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +44,9 @@ pub enum Map {
     AolpDark,
     /// S3 / S0: left-handed blue, right-handed yellow.
     Chirality,
+    /// Ellipticity angle, half of asin(S3 / P): left circular blue, linear dark, right circular
+    /// yellow.
+    Ellipticity,
     /// The four planes: S0 as a picture and S1 to S3 on one signed scale.
     Stokes,
     /// S1 to S3 relative to S0, each on [-1, 1], beside S0.
@@ -57,13 +62,14 @@ pub enum Map {
 
 impl Map {
     /// All maps.
-    pub const ALL: [Map; 11] = [
+    pub const ALL: [Map; 12] = [
         Map::Intensity,
         Map::Dop,
         Map::LinearCircular,
         Map::Aolp,
         Map::AolpDark,
         Map::Chirality,
+        Map::Ellipticity,
         Map::Stokes,
         Map::StokesRelative,
         Map::DopRed,
@@ -80,6 +86,7 @@ impl Map {
             Map::Aolp => "aolp",
             Map::AolpDark => "aolp-dark",
             Map::Chirality => "chirality",
+            Map::Ellipticity => "ellipticity",
             Map::Stokes => "stokes",
             Map::StokesRelative => "stokes-relative",
             Map::DopRed => "dop-red",
@@ -109,14 +116,15 @@ impl Default for View {
 }
 
 impl View {
-    /// Scales that end at the first of 1, 0.5, 0.2, 0.1, ... 0.001 that holds 99 percent of what is
-    /// polarized.
+    /// Where scales may end.
+    pub const ENDS: [f32; 10] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
+
+    /// Scales that end at the first of [`View::ENDS`] that holds 99 percent of what is polarized.
     pub fn fitted(image: &StokesImage) -> Self {
         let polarized = image.components == 4 && check_shape(image).is_ok();
         let pixels = if polarized { image.width * image.height } else { 0 };
         let range = range_of((0..pixels).map(|pixel| dop(stokes_at(image, pixel))));
-        let ends = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
-        let degree_max = ends.into_iter().find(|end| range <= *end).unwrap_or(1.0);
+        let degree_max = Self::ENDS.into_iter().find(|end| range <= *end).unwrap_or(1.0);
         Self { degree_max, ..Self::default() }
     }
 
@@ -125,11 +133,9 @@ impl View {
         if self.degree_max > 0.0 { (degree / self.degree_max).clamp(-1.0, 1.0) } else { 0.0 }
     }
 
-    fn fade(&self, color: [u8; 3], degree: f32) -> [u8; 3] {
-        match degree < self.degree_faded {
-            true => mix(NEUTRAL, color, degree / self.degree_faded),
-            false => color,
-        }
+    /// How much of its color a type or a direction has at a degree.
+    fn strength(&self, degree: f32) -> f32 {
+        if degree < self.degree_faded { degree / self.degree_faded } else { 1.0 }
     }
 }
 
@@ -169,7 +175,7 @@ pub fn stokes_at(image: &StokesImage, pixel: usize) -> [f32; 4] {
 pub(super) fn luminance_at(image: &StokesImage, component: usize, pixel: usize) -> f32 {
     let value = |channel| image.plane(component, channel)[pixel];
     match image.color {
-        Color::Rgb => 0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2),
+        Color::Rgb => LUMINANCE[0] * value(0) + LUMINANCE[1] * value(1) + LUMINANCE[2] * value(2),
         Color::Mono { .. } => value(0),
     }
 }
@@ -231,7 +237,7 @@ fn views(
     for component in 1..4 {
         let picture = paint(image, |stokes| {
             let scale = if relative { range * stokes[0] } else { range };
-            sample(palette::BLUE_WHITE_RED, 0.5 + 0.5 * stokes[component] / scale)
+            signed(0.5 + 0.5 * stokes[component] / scale)
         });
         views.push((picture, plane_legend(component, relative, range)));
     }
@@ -253,25 +259,88 @@ fn ratio(part: f32, whole: f32) -> f32 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
+/// The color of a Stokes vector: that of its place on the map's scale, with the strength it has.
 fn color_of(map: Map, stokes: [f32; 4], view: &View) -> [u8; 3] {
-    let polarized = stokes[1].hypot(stokes[2]).hypot(stokes[3]);
-    let linear = ratio(stokes[1].hypot(stokes[2]), polarized);
-    let turn = aolp(stokes) / std::f32::consts::PI;
-    let (degree, degree_linear) = (view.scaled(dop(stokes)), view.scaled(dolp(stokes)));
-    match map {
-        Map::Dop => sample(palette::BLUE_YELLOW, degree),
-        Map::LinearCircular => view.fade(sample(palette::BLUE_YELLOW, linear), dop(stokes)),
-        Map::Aolp => view.fade(palette::wheel(turn), dolp(stokes)),
-        Map::AolpDark => palette::hsv(turn, degree_linear),
-        Map::Chirality => {
-            let share = view.scaled(ratio(stokes[3], stokes[0]));
-            sample(palette::BLUE_DARK_YELLOW, 0.5 + 0.5 * share)
-        }
-        Map::DopRed => sample(palette::BLACK_RED, degree),
-        Map::Type => mix(NO_LIGHT, sample(palette::YELLOW_CYAN, linear), degree),
-        Map::Orientation => mix(NO_LIGHT, orientation(turn), degree_linear),
-        Map::Intensity | Map::Stokes | Map::StokesRelative => NO_LIGHT,
+    let (place, strength) = place_of(map, stokes, view);
+    let color = scale_of(map);
+    match weakness_of(map) {
+        Weakness::None => color(place),
+        Weakness::Grey if strength < 1.0 => mix(NEUTRAL, color(place), strength),
+        Weakness::Grey => color(place),
+        Weakness::Dark => mix(NO_LIGHT, color(place), strength),
+        Weakness::DarkHsv => palette::hsv(place, strength),
     }
+}
+
+/// What becomes of colors where the polarization is weak.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Weakness {
+    /// Nothing.
+    None,
+    /// They fade to [`NEUTRAL`].
+    Grey,
+    /// They fade to black.
+    Dark,
+    /// They fade to black as the value of HSV does, in proportion of their codes.
+    DarkHsv,
+}
+
+/// What becomes of a map's colors where the polarization is weak.
+pub(super) fn weakness_of(map: Map) -> Weakness {
+    match map {
+        Map::LinearCircular | Map::Aolp | Map::Ellipticity => Weakness::Grey,
+        Map::Type | Map::Orientation => Weakness::Dark,
+        Map::AolpDark => Weakness::DarkHsv,
+        Map::Intensity
+        | Map::Dop
+        | Map::Chirality
+        | Map::Stokes
+        | Map::StokesRelative
+        | Map::DopRed => Weakness::None,
+    }
+}
+
+/// Where a Stokes vector lies on a map's scale, and how strong its color is there.
+fn place_of(map: Map, stokes: [f32; 4], view: &View) -> (f32, f32) {
+    let linear = stokes[1].hypot(stokes[2]);
+    let polarized = linear.hypot(stokes[3]);
+    let turn = || aolp(stokes) / std::f32::consts::PI;
+    let degree = || view.scaled(dop(stokes));
+    match map {
+        Map::Dop | Map::DopRed => (degree(), 1.0),
+        Map::LinearCircular => (ratio(linear, polarized), view.strength(dop(stokes))),
+        Map::Type => (ratio(linear, polarized), degree()),
+        Map::Aolp => (turn(), view.strength(dolp(stokes))),
+        Map::AolpDark | Map::Orientation => (turn(), view.scaled(dolp(stokes))),
+        Map::Chirality => (0.5 + 0.5 * view.scaled(ratio(stokes[3], stokes[0])), 1.0),
+        Map::Ellipticity => {
+            (0.5 + stokes[3].atan2(linear) / std::f32::consts::PI, view.strength(dop(stokes)))
+        }
+        Map::Intensity | Map::Stokes | Map::StokesRelative => (0.0, 1.0),
+    }
+}
+
+/// The colors of a map over [0, 1], where nothing is weak.
+pub(super) fn scale_of(map: Map) -> fn(f32) -> [u8; 3] {
+    match map {
+        Map::Intensity => grey,
+        Map::Dop | Map::LinearCircular => |t| sample(palette::BLUE_YELLOW, t),
+        Map::Aolp => palette::wheel,
+        Map::AolpDark => |t| palette::hsv(t, 1.0),
+        Map::Chirality | Map::Ellipticity => |t| sample(palette::BLUE_DARK_YELLOW, t),
+        Map::Stokes | Map::StokesRelative => signed,
+        Map::DopRed => |t| sample(palette::BLACK_RED, t),
+        Map::Type => |t| sample(palette::YELLOW_CYAN, t),
+        Map::Orientation => orientation,
+    }
+}
+
+fn grey(t: f32) -> [u8; 3] {
+    [(255.0 * t).round() as u8; 3]
+}
+
+fn signed(t: f32) -> [u8; 3] {
+    sample(palette::BLUE_WHITE_RED, t)
 }
 
 /// Red at 0, blue at 45, green at 90 and yellow at 135 degrees.
@@ -280,7 +349,7 @@ fn orientation(turn: f32) -> [u8; 3] {
 }
 
 /// What 99 percent of all |S1|, |S2|, |S3| stay below; 1 if there are none.
-fn signed_range(image: &StokesImage) -> f32 {
+pub(super) fn signed_range(image: &StokesImage) -> f32 {
     let pixels = 0..image.width * image.height;
     range_of(pixels.flat_map(|pixel| stokes_at(image, pixel).into_iter().skip(1)))
 }
@@ -295,21 +364,34 @@ pub(super) fn range_of(values: impl Iterator<Item = f32>) -> f32 {
 
 /// S0 as a picture, with its legend of this title.
 pub(super) fn intensity(image: &StokesImage, exposure_ev: f32, title: String) -> (Picture, Legend) {
-    let end = (-exposure_ev).exp2();
-    let grey = |t: f32| [(255.0 * t).round() as u8; 3];
-    // The bar is even in sRGB code, so a linear value stands at its encoded place.
-    let tick = |share: f32| (f32::from(palette::encode_srgb(share)) / 255.0, number(share * end));
-    let legend = Legend {
-        title,
-        bar: Some(Box::new(grey)),
-        ticks: [0.0, 0.05, 0.2, 0.5, 1.0].map(tick).to_vec(),
-        swatches: Vec::new(),
-        disk: false,
-    };
+    let legend = Legend { title, ..intensity_legend(exposure_ev) };
     (png::preview(image, exposure_ev), legend)
 }
 
-fn plane_legend(component: usize, relative: bool, range: f32) -> Legend {
+/// The legend of intensities at an exposure. The bar is even in sRGB code, so a linear value
+/// stands at its encoded place.
+pub(super) fn intensity_legend(exposure_ev: f32) -> Legend {
+    let end = (-exposure_ev).exp2();
+    let tick = |share: f32| (intensity_place(share), number(share * end));
+    Legend {
+        title: INTENSITY.to_owned(),
+        bar: Some(Box::new(grey)),
+        ticks: INTENSITY_TICKS.map(tick).to_vec(),
+        swatches: Vec::new(),
+        disk: false,
+    }
+}
+
+/// The shares of the largest intensity that its legend names.
+pub(super) const INTENSITY_TICKS: [f32; 5] = [0.0, 0.05, 0.2, 0.5, 1.0];
+
+/// Where a share of the largest intensity stands on the bar of its legend.
+pub(super) fn intensity_place(share: f32) -> f32 {
+    f32::from(palette::encode_srgb(share)) / 255.0
+}
+
+/// The legend of one of S1 to S3, whose colors end at plus and minus `range`.
+pub(super) fn plane_legend(component: usize, relative: bool, range: f32) -> Legend {
     let quotient = if relative { "/S0" } else { "" };
     let meaning = ["", "0° (+)  90° (-)", "45° (+)  135° (-)", "right (+)  left (-)"];
     signed_legend(format!("S{component}{quotient}  {}", meaning[component]), range, "no light")
@@ -319,7 +401,7 @@ fn plane_legend(component: usize, relative: bool, range: f32) -> Legend {
 pub(super) fn signed_legend(title: String, range: f32, black: &'static str) -> Legend {
     Legend {
         title,
-        bar: Some(Box::new(|t| sample(palette::BLUE_WHITE_RED, t))),
+        bar: Some(Box::new(signed)),
         ticks: [-1.0, 0.0, 1.0].map(|t: f32| (0.5 + 0.5 * t, number(t * range))).to_vec(),
         swatches: vec![(NO_LIGHT, black)],
         disk: false,
@@ -340,7 +422,8 @@ fn number(value: f32) -> String {
     }
 }
 
-fn legend_of(map: Map, view: &View) -> Legend {
+/// The legend of a map that has one scale.
+pub(super) fn legend_of(map: Map, view: &View) -> Legend {
     let spread = |labels: &[&str]| {
         let last = (labels.len() - 1).max(1) as f32;
         labels.iter().enumerate().map(|(i, label)| (i as f32 / last, (*label).to_owned())).collect()
@@ -355,30 +438,24 @@ fn legend_of(map: Map, view: &View) -> Legend {
         true => format!("{what}, bright = {how} {}", number(end)),
         false => format!("{what}, bright = {how}"),
     };
-    let (title, ticks, bar): (String, _, fn(f32) -> [u8; 3]) = match map {
-        Map::DopRed => {
-            ("degree of polarization".into(), degrees(), |t| sample(palette::BLACK_RED, t))
-        }
-        Map::LinearCircular => ("linear share of polarization".into(), spread(&share), |t| {
-            sample(palette::BLUE_YELLOW, t)
-        }),
-        Map::Type => {
-            (bright("type", "polarized"), spread(&share), |t| sample(palette::YELLOW_CYAN, t))
-        }
-        Map::Aolp => ("angle of linear polarization".into(), spread(&angles), palette::wheel),
-        Map::AolpDark => (bright("angle", "linear"), spread(&angles), |t| palette::hsv(t, 1.0)),
-        Map::Orientation => (bright("orientation", "linear"), spread(&angles), orientation),
+    let (title, ticks): (String, _) = match map {
+        Map::LinearCircular => ("linear share of polarization".into(), spread(&share)),
+        Map::Type => (bright("type", "polarized"), spread(&share)),
+        Map::Aolp => ("angle of linear polarization".into(), spread(&angles)),
+        Map::AolpDark => (bright("angle", "linear"), spread(&angles)),
+        Map::Orientation => (bright("orientation", "linear"), spread(&angles)),
         Map::Chirality => {
-            ("circular share S3/S0".into(), spread(&hands.each_ref().map(String::as_str)), |t| {
-                sample(palette::BLUE_DARK_YELLOW, t)
-            })
+            ("circular share S3/S0".into(), spread(&hands.each_ref().map(String::as_str)))
         }
-        Map::Dop | Map::Intensity | Map::Stokes | Map::StokesRelative => {
-            ("degree of polarization".into(), degrees(), |t| sample(palette::BLUE_YELLOW, t))
+        Map::Ellipticity => {
+            ("ellipticity angle".into(), spread(&["-45° left", "0° linear", "right 45°"]))
+        }
+        Map::Dop | Map::DopRed | Map::Intensity | Map::Stokes | Map::StokesRelative => {
+            ("degree of polarization".into(), degrees())
         }
     };
     let unpolarized = match map {
-        Map::LinearCircular => Some((NEUTRAL, "unpolarized")),
+        Map::LinearCircular | Map::Ellipticity => Some((NEUTRAL, "unpolarized")),
         Map::Aolp => Some((NEUTRAL, "not linear")),
         Map::Intensity
         | Map::Dop
@@ -392,7 +469,7 @@ fn legend_of(map: Map, view: &View) -> Legend {
     };
     Legend {
         title,
-        bar: Some(Box::new(bar)),
+        bar: Some(Box::new(scale_of(map))),
         ticks,
         swatches: std::iter::once((NO_LIGHT, "no light")).chain(unpolarized).collect(),
         disk: matches!(map, Map::Aolp | Map::AolpDark | Map::Orientation),

@@ -1,4 +1,4 @@
-//! The verbs `visualize`, `compare` and `inspect`.
+//! The verbs `visualize`, `view`, `compare` and `inspect`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -140,6 +140,36 @@ fn mosaics_are_recorded() {
 fn is_weakly_polarized(image: &Path) -> bool {
     use sunstone::internals::image::visualize::View;
     View::fitted(&sunstone::internals::image::load(image).unwrap()) != View::default()
+}
+
+#[test]
+fn pages_are_made() {
+    let here = folder_with_renders("view");
+    let run = sunstone(&here, &["view", "a.exr", "-o", "one.html"]).done();
+    assert!(run.stdout.is_empty() && run.stderr.starts_with("one.html: "), "{}", run.stderr);
+    sunstone(&here, &["view", "a.exr", "b.exr", "-o", "two.html", "--no-variance"]).done();
+    let text = |name: &str| fs::read_to_string(here.join(name)).unwrap();
+    let [one, two] = [text("one.html"), text("two.html")];
+    let counts = |page: &str| ["-values-", "-variances-"].map(|kind| page.matches(kind).count());
+    assert_eq!(counts(&one), [12, 12]);
+    assert_eq!(counts(&two), [24, 0]);
+    assert!(two.contains("<title>a.exr | b.exr</title>"));
+
+    let run = sunstone(&here, &["view", "a.exr", "-o", "page.png"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("page.png must end in .html"), "{}", run.stderr);
+    let run = sunstone(&here, &["view", "a.exr", "none.exr", "-o", "page.html"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("none.exr"), "{}", run.stderr);
+    let run = sunstone(&here, &["view", "a.exr", "-o", "no/folder.html"]);
+    assert!(run.stderr.contains("create the folder no first"), "{}", run.stderr);
+    assert_eq!(names_in(&here), ["a.exr", "b.exr", "one.html", "two.html"]);
+
+    // Of one name in two folders, the folders tell which is which.
+    fs::create_dir(here.join("more <1>")).unwrap();
+    fs::copy(here.join("b.exr"), here.join("more <1>/a.exr")).unwrap();
+    sunstone(&here, &["view", "a.exr", "more <1>/a.exr", "-o", "alike.html"]).done();
+    assert!(text("alike.html").contains("<title>a.exr | more &lt;1&gt;/a.exr</title>"));
 }
 
 #[test]

@@ -7,11 +7,12 @@ use crate::program::{folder, sunstone};
 
 const PROGRAM: &str = "cargo run --release -- ";
 /// Other commands that the README may print; they are not run here.
-const OTHERS: [&str; 4] = [
+const OTHERS: [&str; 5] = [
     "cargo build --release",
     "cargo test --release",
     "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release",
     ".ci/run",
+    ".ci/view/run",
 ];
 /// What makes a printed render small: the last of equal options counts.
 const SMALL: [&str; 6] = ["--spp", "16", "--width", "24", "--height", "16"];
@@ -71,7 +72,7 @@ fn the_commands_run_as_printed() {
     }
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
-    let rest = ["render", "merge", "visualize", "compare", "inspect"].map(str::to_owned);
+    let rest = ["render", "merge", "visualize", "view", "compare", "inspect"].map(str::to_owned);
     for verb in benches.iter().chain(&rest) {
         assert!(verbs.contains(verb), "the README does not show `{verb}`");
     }

@@ -1,0 +1,198 @@
+//! A page to look at images in: one HTML file with everything in it, opened from the disk.
+//!
+//! Images -> their planes, deflated and in base64 (`pixels`), beside colors, legends and names as
+//! JSON (`data`) -> `page.html` with its style and scripts. The scripts take every number of a
+//! palette or a legend from the data, so that the page has the colors of [`super::visualize`]; what
+//! they compute themselves is the picture behind an analyzer, degrees and angles.
+
+mod data;
+mod pixels;
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use super::error::OutputError;
+use super::{StokesImage, atomic, check_shape};
+
+/// What a browser is asked to hold at most: the bytes of all values of a page. Inflated they are
+/// one array a plane; beside them the page's text is as large again while it is read.
+pub const BYTES_MAX: usize = 2 << 30;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+/// The scripts, in the order in which they stand in the page.
+const SCRIPTS: [&str; 8] = [
+    include_str!("pixels.js"),
+    include_str!("stokes.js"),
+    include_str!("colors.js"),
+    include_str!("legend.js"),
+    include_str!("stage.js"),
+    include_str!("readout.js"),
+    include_str!("controls.js"),
+    include_str!("main.js"),
+];
+
+/// An image on a page, by the name that stands over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// Any text; the page shows it as it is.
+    pub name: &'a str,
+    /// The image.
+    pub image: &'a StokesImage,
+}
+
+/// Writes the page of one image, or of two with a divider between them, and returns its bytes.
+///
+/// # Errors
+/// When the images do not have the same size, one is not what it promises, they are larger
+/// together than [`BYTES_MAX`], or the file cannot be written.
+pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
+    check(images)?;
+    check_bytes(images).map_err(|reason| OutputError::unwritable(path, reason))?;
+    let mut bytes = 0;
+    atomic::write_with(path, |file| {
+        push_page(file, images)?;
+        bytes = file.stream_position()?;
+        Ok(())
+    })?;
+    Ok(bytes)
+}
+
+/// The text of the page.
+///
+/// # Errors
+/// When the images do not have the same size, or one is not what it promises.
+pub fn page(images: &[Named]) -> Result<String, OutputError> {
+    check(images)?;
+    let mut bytes = Vec::new();
+    push_page(&mut bytes, images).expect("memory takes what is written");
+    Ok(String::from_utf8(bytes).expect("a page is text"))
+}
+
+fn check(images: &[Named]) -> Result<(), OutputError> {
+    for named in images {
+        check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
+    }
+    let size = |named: &Named| (named.image.width, named.image.height);
+    match images {
+        [first, second, ..] if size(first) != size(second) => Err(mismatch(first, second)),
+        _ => Ok(()),
+    }
+}
+
+/// Says why a browser cannot hold the images.
+fn check_bytes(images: &[Named]) -> Result<(), String> {
+    let bytes: usize = images.iter().map(|named| bytes_of(named.image)).sum();
+    if bytes <= BYTES_MAX {
+        return Ok(());
+    }
+    let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
+    let has_variance = images.iter().any(|named| named.image.variance.is_some());
+    let without = if has_variance { ", or leave out variances (--no-variance)" } else { "" };
+    Err(format!(
+        "a browser would have to hold {:.1} GiB of values, and {:.0} are the most; view smaller \
+         images{without}",
+        gibibytes(bytes),
+        gibibytes(BYTES_MAX)
+    ))
+}
+
+/// Writes the page: `page.html` with its places filled.
+fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
+    let names: Vec<&str> = images.iter().map(|named| named.name).collect();
+    let mut rest = PAGE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let Some((what, after)) = after.split_once("}}") else { break };
+        out.write_all(before.as_bytes())?;
+        match what {
+            "title" => out.write_all(escaped_text(&names.join(" | ")).as_bytes())?,
+            "style" => out.write_all(STYLE.as_bytes())?,
+            "data" => out.write_all(data::json(images).as_bytes())?,
+            "pixels" => push_pixels(out, images)?,
+            "scripts" => SCRIPTS.iter().try_for_each(|text| out.write_all(text.as_bytes()))?,
+            _ => debug_assert!(false, "page.html has no place for {what}"),
+        }
+        rest = after;
+    }
+    out.write_all(rest.as_bytes())
+}
+
+/// What the values of an image take in memory.
+fn bytes_of(image: &StokesImage) -> usize {
+    let planes = image.planes.len() + image.variance.as_ref().map_or(0, Vec::len);
+    planes.saturating_mul(image.width).saturating_mul(image.height).saturating_mul(size_of::<f32>())
+}
+
+fn mismatch(first: &Named, second: &Named) -> OutputError {
+    let words =
+        |Named { name, image }: &Named| format!("{name} ({} x {})", image.width, image.height);
+    OutputError::Mismatch {
+        first: words(first),
+        second: words(second),
+        reason: "a page with a divider needs images of one size",
+    }
+}
+
+/// An element for every plane, from which the page takes the values.
+fn push_pixels(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
+    for (index, Named { image, .. }) in images.iter().enumerate() {
+        let values = image.planes.iter().map(|plane| ("values", plane)).enumerate();
+        let variances = image.variance.iter().flatten().map(|plane| ("variances", plane));
+        for (plane_index, (kind, plane)) in values.chain(variances.enumerate()) {
+            let id = format!("pixels-{index}-{kind}-{plane_index}");
+            write!(out, "<script type=\"application/octet-stream\" id=\"{id}\">")?;
+            pixels::push_packed(out, plane)?;
+            out.write_all(b"</script>\n")?;
+        }
+    }
+    Ok(())
+}
+
+/// Text as HTML.
+fn escaped_text(text: &str) -> String {
+    let escaped = |c: char| match c {
+        '&' => "&amp;".to_owned(),
+        '<' => "&lt;".to_owned(),
+        '>' => "&gt;".to_owned(),
+        '"' => "&quot;".to_owned(),
+        _ => c.to_string(),
+    };
+    text.chars().map(escaped).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Color;
+
+    #[test]
+    fn every_place_of_the_page_is_filled_once() {
+        for place in ["title", "style", "data", "pixels", "scripts"] {
+            assert_eq!(PAGE.matches(&format!("{{{{{place}}}}}")).count(), 1, "{place}");
+        }
+        assert_eq!(PAGE.matches("{{").count(), 5);
+    }
+
+    #[test]
+    fn what_no_browser_holds_is_refused_in_words() {
+        let small = StokesImage::new(1, 1, Color::Rgb, 4);
+        // Only the size is looked at.
+        let mut image = StokesImage { width: 4096, height: 4096, ..small };
+        let words = |images: &[&StokesImage]| {
+            let named: Vec<Named> = images.iter().map(|image| Named { name: "a", image }).collect();
+            check_bytes(&named).err()
+        };
+        assert_eq!(words(&[&image]), None);
+        assert_eq!(words(&[&image, &image]), None);
+        image.variance = Some(image.planes.clone());
+        let text = words(&[&image, &image]).expect("3 GiB are too many");
+        assert!(text.contains("3.0 GiB") && text.contains("--no-variance"), "{text}");
+        image = StokesImage { width: 8192, height: 8192, variance: None, ..image };
+        assert!(words(&[&image]).is_some_and(|text| !text.contains("--no-variance")));
+    }
+
+    #[test]
+    fn names_are_text() {
+        assert_eq!(escaped_text("a\"b <i>&"), "a&quot;b &lt;i&gt;&amp;");
+    }
+}
