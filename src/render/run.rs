@@ -123,7 +123,8 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
             }
         }
         let maps = photons.as_ref().map(|photons| &photons.maps);
-        wave(film, profile, pool, scene, settings, (first, count, seed), maps);
+        let is_wanted = || !limit.is_given_up();
+        wave((film, profile), pool, (scene, settings), (first, count, seed), maps, &is_wanted);
         self.done += count;
         self.of_replicate += count;
         self.of_block += count;
