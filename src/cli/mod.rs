@@ -6,7 +6,6 @@ mod files;
 mod images;
 mod interrupt;
 mod job;
-mod notes;
 pub mod processor;
 mod progress;
 mod render;
