@@ -247,15 +247,17 @@ def test_what_is_no_option_is_a_type_error(cornell: sunstone.Scene) -> None:
 
 
 def test_warnings_are_python_s(tmp_path: pathlib.Path, room: sunstone.World) -> None:
-    text = CORNELL.read_text().replace('"asset":', '"extensionsUsed": ["ACME_x"], "asset":', 1)
+    text = CORNELL.read_text().replace('"extensionsUsed": [', '"extensionsUsed": ["ACME_x", ', 1)
     (tmp_path / "odd.gltf").write_text(text)
     with pytest.warns(sunstone.SceneWarning, match="ACME_x") as caught:
         scene = sunstone.load(tmp_path / "odd.gltf", allow_outside=True)
     assert caught[0].filename == __file__
     assert any("ACME_x" in warning for warning in scene.warnings)
-    with pytest.warns(sunstone.RenderWarning, match="black") as caught:
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
         room.render(integrator="path", spp=1, max_path_length=1, width=1, height=1)
-    assert caught[0].filename == __file__
+    assert {(it.filename, it.category) for it in heard} == {(__file__, sunstone.RenderWarning)}
+    assert any("the image is black" in str(it.message) for it in heard)
     assert any("auto" in note or "chosen" in note for note in scene.notes())
 
 
@@ -360,6 +362,7 @@ def test_everything_pickles_and_copies(cornell: sunstone.Scene, room: sunstone.W
             same = pickle.loads(pickle.dumps(thing, protocol))
             assert np.array_equal(same.render(**SMALL).stokes, expected)
         assert np.array_equal(copy.deepcopy(thing).render(**SMALL).stokes, expected)
+    expected = fog.render(**SMALL).stokes
     other = copy.deepcopy(fog)
     other.add_sphere("s", 0.3, "plate")
     assert np.array_equal(fog.render(**SMALL).stokes, expected)
@@ -402,8 +405,9 @@ def test_several_threads_agree(cornell: sunstone.Scene) -> None:
 
 def test_the_interpreter_stays_free(cornell: sunstone.Scene) -> None:
     done = threading.Event()
+    options: Any = dict(integrator="path", time_limit=1.0, spp=10**6, width=32)
     worker = threading.Thread(
-        target=lambda: (cornell.render(integrator="path", time_limit=1.0, spp=10**6), done.set())
+        target=lambda: (cornell.render(**options), done.set())
     )
     worker.start()
     turns, longest, last = 0, 0.0, time.monotonic()
@@ -420,7 +424,7 @@ def test_what_progress_raises_ends_the_render(cornell: sunstone.Scene) -> None:
 
     start = time.monotonic()
     with pytest.raises(LookupError, match="of 1000000"):
-        cornell.render(integrator="path", spp=10**6, width=64, height=64, progress=progress)
+        cornell.render(integrator="path", spp=10**6, width=16, height=16, progress=progress)
     assert time.monotonic() - start < 10
 
 
@@ -460,11 +464,12 @@ def _in_child(scene: sunstone.Scene, results: Any) -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the system does not fork")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
-def test_other_processes_render(method: str, cornell: sunstone.Scene) -> None:
-    expected = cornell.render(**SMALL).stokes
+def test_other_processes_render(method: str) -> None:
+    scene = sunstone.load(CORNELL)
+    expected = scene.render(**SMALL).stokes
     context: Any = multiprocessing.get_context(method)
     results = context.Queue()
-    children = [context.Process(target=_in_child, args=(cornell, results)) for _ in range(3)]
+    children = [context.Process(target=_in_child, args=(scene, results)) for _ in range(3)]
     [child.start() for child in children]
     for _ in children:
         assert np.array_equal(results.get(timeout=60), expected)
@@ -484,7 +489,7 @@ def test_a_fork_amid_a_render_does_not_hang() -> None:
         begun.set()
         return not stop.is_set()
 
-    options = dict(integrator="path", width=64, height=64, spp=10**6, progress=progress)
+    options = dict(integrator="path", width=32, height=32, spp=10**6, progress=progress)
     worker = threading.Thread(target=lambda: scene.render(**options))  # type: ignore[arg-type]
     worker.start()
     assert begun.wait(30)
@@ -517,10 +522,11 @@ def test_a_fork_amid_a_render_does_not_hang() -> None:
 
 def test_memory_stays_where_it_is(cornell: sunstone.Scene) -> None:
     def resident() -> int:
-        for line in open("/proc/self/status"):
-            if line.startswith("VmRSS"):
-                return int(line.split()[1])
-        pytest.skip("the system does not tell")
+        status = pathlib.Path("/proc/self/status")
+        if not status.exists():
+            pytest.skip("the system does not tell")
+        lines = status.read_text().splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
 
     renders = int(os.environ.get("SUNSTONE_RENDERS", "1000"))
     seen = []
@@ -561,9 +567,19 @@ def test_an_old_processor_is_an_import_error() -> None:
     assert done.stdout == b"refused\n"
 
 
-def test_stubs_and_doctests() -> None:
+#: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
+ALLOWED = r"""
+sunstone\._scene\.(Color|Integrator|Mode|Sampling)
+sunstone\._sunstone\.__all__
+"""
+
+
+def test_stubs_and_types(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("mypy")
     stubtest = [sys.executable, "-m", "mypy.stubtest", "sunstone", "--ignore-disjoint-bases"]
+    allowed = tmp_path / "allowed"
+    allowed.write_text(ALLOWED)
+    stubtest += ["--allowlist", str(allowed)]
     done = subprocess.run(stubtest, capture_output=True, text=True, cwd="/")
     assert done.returncode == 0, done.stdout + done.stderr
     folder = os.path.dirname(sunstone.__file__)
