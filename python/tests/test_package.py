@@ -567,6 +567,17 @@ def test_an_old_processor_is_an_import_error() -> None:
     assert done.stdout == b"refused\n"
 
 
+def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "scenes").symlink_to(CORNELL.parent)
+    monkeypatch.chdir(tmp_path)
+    parts = (ROOT / "README.md").read_text().split("```python\n")[1:]
+    assert len(parts) == 2
+    for part in parts:
+        block = part.split("```")[0].replace("spp=64", "spp=1").replace("spp=16", "spp=1")
+        exec(block, {"sunstone": sunstone})
+    assert (tmp_path / "cornell.exr").exists()
+
+
 #: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
 ALLOWED = r"""
 sunstone\._scene\.(Color|Integrator|Mode|Sampling)
