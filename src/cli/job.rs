@@ -4,7 +4,9 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use crate::image::format::{Format, extension, extensions, named_by};
-use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_color, check_photons};
+use crate::render::settings::{
+    PATH_LENGTH_MAX, SAMPLES_MAX, WAVELENGTH_NM, check_color, check_photons,
+};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
 use crate::spectrum::Color;
@@ -16,8 +18,6 @@ use super::args::{ColorName, PhotonArguments, RenderArguments};
 pub(super) const PART: &str = "part";
 /// Samples per pixel where no number is given.
 const SPP: u32 = 64;
-/// Wavelength where none is named, in nanometers.
-const WAVELENGTH_NM: f32 = 550.0;
 
 /// Checks what was typed.
 pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError> {

@@ -8,7 +8,6 @@ mod images;
 mod interrupt;
 mod job;
 mod merge;
-mod notes;
 pub mod processor;
 mod progress;
 mod render;

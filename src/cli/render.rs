@@ -9,6 +9,7 @@ use crate::image::StokesImage;
 use crate::image::atomic::probe_writable;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
+use crate::render::doubts::doubts;
 use crate::render::statistics::{RenderStatistics, SAMPLES, peak_memory_bytes};
 use crate::render::threads::Threads;
 use crate::render::{PartError, PlacedWorld, Progress as SoFar, Renderer, system};
@@ -20,7 +21,7 @@ use super::checkpoint::{Checkpoints, say_how_to_go_on};
 use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
-use super::{job, notes, rescue};
+use super::{job, rescue};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
@@ -135,8 +136,7 @@ fn finish(
     seconds: f64,
 ) -> Result<(), CliError> {
     let settings = *renderer.settings();
-    let profile = renderer.profile();
-    let few = few_photons(&renderer, world, arguments.quiet);
+    let doubts = doubts(&renderer, world);
     let mut image = renderer.finish();
     if !arguments.variance {
         image.variance = None;
@@ -146,8 +146,10 @@ fn finish(
     if arguments.variance && image.variance.is_none() {
         say(why_no_variances(settings.replicates));
     }
-    let by = (&*settings, settings.integrator);
-    notes::doubts(&image, by, &profile).iter().chain(&few).for_each(say);
+    if !arguments.quiet {
+        doubts.note().iter().for_each(|note| say(format_args!("note: {note}")));
+    }
+    doubts.about(&image).iter().for_each(|doubt| say(format_args!("warning: {doubt}")));
     Ok(())
 }
 
@@ -180,21 +182,6 @@ fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<Plac
     let world = PlacedWorld::new(world)?;
     world.warnings().skip(said).for_each(warn);
     Ok(world)
-}
-
-/// What is to be said if photons are few.
-fn few_photons(renderer: &Renderer, world: &PlacedWorld, quiet: bool) -> Option<String> {
-    let settings = renderer.settings();
-    let iterations = renderer.samples() / settings.samples_per_iteration();
-    let radii = renderer.radii();
-    // Where no photons are merged, paths find what they would have.
-    radii.iter().flatten().next()?;
-    let photons = renderer.profile().photons as f64 / f64::from(iterations.max(1));
-    let lack = notes::lack_of_photons(photons);
-    if lack.is_some() || settings.photons.radius.is_some() {
-        return lack.filter(|_| !quiet);
-    }
-    notes::blur_of_photons(radii[0]? / world.radius())
 }
 
 /// What is needed to write the image of a render that is not waited for.

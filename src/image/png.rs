@@ -32,7 +32,7 @@ pub fn write_preview(
     write(&preview(image, exposure_ev), path)
 }
 
-/// Writes a picture, with one grey channel if all of it is grey.
+/// Writes a picture.
 pub fn write(picture: &Picture, path: &Path) -> Result<(), OutputError> {
     let bytes = encode(picture).map_err(|error| OutputError::unwritable(path, error))?;
     atomic::write(path, &bytes)
@@ -62,7 +62,8 @@ fn encode_raw(raw: &RawImage) -> Result<Vec<u8>, ::png::EncodingError> {
     Ok(bytes)
 }
 
-fn encode(picture: &Picture) -> Result<Vec<u8>, ::png::EncodingError> {
+/// A picture as the bytes of a file, with one grey channel if all of it is grey.
+pub fn encode(picture: &Picture) -> Result<Vec<u8>, ::png::EncodingError> {
     let size = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, size(picture.width), size(picture.height));

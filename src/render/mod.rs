@@ -2,6 +2,7 @@
 //! integrator over the tiles of a film of it, the one place where scalar or polarized, and how
 //! many wavelengths, is chosen.
 
+pub mod doubts;
 mod immersed;
 pub mod memory;
 mod photon_pass;

@@ -52,7 +52,14 @@ pub enum RenderError {
 
 /// Stops a render from elsewhere: from another thread, say. All clones are one.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub struct Stop(Arc<Asked>);
+
+/// What has been asked for.
+#[derive(Debug, Default)]
+struct Asked {
+    stop: AtomicBool,
+    give_up: AtomicBool,
+}
 
 impl Stop {
     /// Asks the render to stop when the current wave of samples is done: [`Renderer::run`] and
@@ -60,12 +67,24 @@ impl Stop {
     /// are no longer waited for: the first iteration takes those that are there, and any other is
     /// given up.
     pub fn stop(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.0.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether that has been asked for.
+    /// Asks the render to stop as soon as it can, within the wave in hand: what is left of its
+    /// pixels is missing from the image, which is of no use then.
+    pub fn give_up(&self) {
+        self.0.give_up.store(true, Ordering::Relaxed);
+        self.stop();
+    }
+
+    /// Whether either has been asked for.
     pub fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether the wave in hand is given up.
+    fn is_given_up(&self) -> bool {
+        self.0.give_up.load(Ordering::Relaxed)
     }
 }
 
@@ -87,6 +106,11 @@ impl Limit {
     /// Whether that is because somebody asks to stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.as_ref().is_some_and(Stop::is_set)
+    }
+
+    /// Whether nobody wants the image any more.
+    pub fn is_given_up(&self) -> bool {
+        self.stop.as_ref().is_some_and(Stop::is_given_up)
     }
 }
 
@@ -188,6 +212,14 @@ impl Renderer {
         self
     }
 
+    /// The same render, which listens to something that there is already, and so can be stopped
+    /// before it has begun.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        self
+    }
+
     /// Renders the next wave: 16 samples per pixel, or an iteration of photons with its samples,
     /// and less where what was asked for or a replicate ends. With one replicate, steps go on
     /// behind [`Renderer::is_done`], as long as anybody asks for them, unless a part was.
@@ -222,7 +254,7 @@ impl Renderer {
         let time_limit = self.settings.time_limit;
         let end = time_limit.and_then(|limit| start.checked_add(limit));
         let limit = Limit { end, stop: Some(self.stop.clone()) };
-        let is_over = |samples: u32| samples > 0 && limit.is_over();
+        let is_over = |samples: u32| limit.is_given_up() || samples > 0 && limit.is_over();
         let is_stopped = limit.is_stopped();
         while !(is_stopped || self.is_done() || is_over(self.samples())) {
             let most = match time_limit {

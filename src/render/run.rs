@@ -120,8 +120,11 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         let Self { scene, settings, film, pool, photons, profile, place, .. } = self;
         let seed = combine(settings.seed, place.replicate);
         let maps = photons.as_ref().map(|photons| &photons.maps);
-        wave(film, profile, pool, scene, settings, (place.of_replicate, count, seed), maps);
+        let is_wanted = || !limit.is_given_up();
+        let samples = (place.of_replicate, count, seed);
+        wave((film, profile), pool, (scene, settings), samples, maps, &is_wanted);
         self.place.advance(count);
+        self.is_unfinished |= limit.is_given_up();
     }
 
     fn done(&self) -> u32 {

@@ -23,6 +23,8 @@ pub const EDGE_MAX: u32 = 65_535;
 /// Most pixels of a film: they are counted in 32 bits.
 pub const PIXELS_MAX: u64 = 1 << 31;
 
+/// Wavelength of light of one wavelength where none is named, in nanometers.
+pub const WAVELENGTH_NM: f32 = 550.0;
 /// Wavelengths in nanometers that optics of rays and spectra can speak of.
 pub const WAVELENGTHS_NM: RangeInclusive<f32> = 1.0..=1e6;
 

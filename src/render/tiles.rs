@@ -54,15 +54,14 @@ struct TileResult<const N: usize> {
 }
 
 /// Renders `count` iterations from `first` on over all tiles and adds them to the film, tile by
-/// tile in a fixed order.
+/// tile in a fixed order; no tile is begun when it is not wanted any more.
 pub fn wave<const N: usize, M: LightModel<N>>(
-    film: &mut Film,
-    profile: &mut Profile,
+    (film, profile): (&mut Film, &mut Profile),
     pool: &Pool<N, M>,
-    scene: &Scene<N>,
-    settings: &Resolved,
+    (scene, settings): (&Scene<N>, &Resolved),
     (first, count, seed): (u32, u32, u32),
     maps: Option<&PhotonMaps<N>>,
+    is_wanted: &(impl Fn() -> bool + Sync),
 ) {
     let render = |[x, y, width, height]: [u32; 4]| {
         let chunk = |first_iteration: u32, iterations: u32| Chunk {
@@ -86,7 +85,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     // Every thread takes the next tile when it is done with one, so that none waits for others
     // before the end, and few results for those before them.
     let work = || {
-        while let Some((index, tile)) = take(&next, &tiles) {
+        while let Some((index, tile)) = take(&next, &tiles).filter(|_| is_wanted()) {
             let result = render(tile);
             let mut line = line.lock().expect("no thread panics while it holds the lock");
             line.add(index, result, &tiles);

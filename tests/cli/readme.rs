@@ -7,12 +7,14 @@ use crate::program::{folder, sunstone};
 
 const PROGRAM: &str = "cargo run --release -- ";
 /// Other commands that the README may print; they are not run here.
-const OTHERS: [&str; 5] = [
+const OTHERS: [&str; 7] = [
     "cargo build --release",
     "cargo test --release",
     "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release",
     ".ci/run",
     ".ci/view/run",
+    "maturin build --release --zig --out wheels",
+    "pip install wheels/sunstone-*.whl",
 ];
 /// What makes a printed render small: the last of equal options counts.
 const SMALL: [&str; 6] = ["--spp", "16", "--width", "24", "--height", "16"];

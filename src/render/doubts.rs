@@ -3,9 +3,10 @@
 use crate::image::StokesImage;
 use crate::integrators::Integrator;
 use crate::integrators::profile::{Cut, Profile};
-use crate::render::Settings;
-use crate::render::settings::PATH_LENGTH_MAX;
 use crate::transport::Sampling;
+
+use super::settings::PATH_LENGTH_MAX;
+use super::{PlacedWorld, Renderer, Resolved, Settings};
 
 /// The share of the paths' throughput that may be cut off without a word.
 const CUT_MAX: f64 = 0.01;
@@ -16,12 +17,49 @@ const PHOTONS_MIN: f64 = 100.0;
 /// of different places.
 const SHARE_MAX: f32 = 0.2;
 
+/// What a render says of itself before it becomes an image.
+pub struct Doubts {
+    settings: Resolved,
+    profile: Profile,
+    /// Few photons: mostly as it should be.
+    note: Option<String>,
+    /// So few that the image is blurred.
+    warning: Option<String>,
+}
+
+/// What a render of a world says of itself.
+pub fn doubts(renderer: &Renderer, world: &PlacedWorld) -> Doubts {
+    let (settings, profile, radii) = (*renderer.settings(), renderer.profile(), renderer.radii());
+    let iterations = renderer.samples() / settings.samples_per_iteration();
+    let photons = profile.photons as f64 / f64::from(iterations.max(1));
+    // Where no photons are merged, paths find what they would have.
+    let note = radii.iter().flatten().next().and_then(|_| lack_of_photons(photons));
+    let kernel = radii.first().copied().flatten();
+    let is_chosen = note.is_none() && settings.photons.radius.is_none();
+    let share = kernel.filter(|_| is_chosen).map(|radius| radius / world.radius());
+    Doubts { settings, profile, note, warning: share.and_then(blur_of_photons) }
+}
+
+impl Doubts {
+    /// What light may be missing, of which mostly there is none.
+    pub fn note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    /// What there is to doubt about the image of the render, a sentence each.
+    pub fn about(self, image: &StokesImage) -> Vec<String> {
+        let Self { settings, profile, warning, .. } = self;
+        let doubts = about(image, (&*settings, settings.integrator), &profile);
+        doubts.into_iter().chain(warning).collect()
+    }
+}
+
 /// What is to be known of an image for which so many photons an iteration were stored. Where no
 /// light comes to anything by way of others, that is as it should be.
-pub(super) fn lack_of_photons(photons: f64) -> Option<String> {
+fn lack_of_photons(photons: f64) -> Option<String> {
     (photons < PHOTONS_MIN).then(|| {
         format!(
-            "note: {photons:.0} photons an iteration were stored: light that comes to diffuse \
+            "{photons:.0} photons an iteration were stored: light that comes to diffuse \
              surfaces or media by way of others, if there is any, is missing or in the wrong \
              places; more --photons find it"
         )
@@ -30,10 +68,10 @@ pub(super) fn lack_of_photons(photons: f64) -> Option<String> {
 
 /// What there is to doubt about an image whose kernel has a radius of so large a share of the
 /// scene's.
-pub(super) fn blur_of_photons(share: f32) -> Option<String> {
+fn blur_of_photons(share: f32) -> Option<String> {
     (share > SHARE_MAX).then(|| {
         format!(
-            "warning: photons are so few that their kernel has a radius of {:.0} % of the scene's: \
+            "photons are so few that their kernel has a radius of {:.0} % of the scene's: \
              the image is blurred by that, and dark near edges; give more --photons",
             100.0 * share
         )
@@ -41,7 +79,7 @@ pub(super) fn blur_of_photons(share: f32) -> Option<String> {
 }
 
 /// What there is to doubt about an image, by what its render says.
-pub(super) fn doubts(
+fn about(
     image: &StokesImage,
     (settings, integrator): (&Settings, Integrator),
     profile: &Profile,
@@ -51,7 +89,7 @@ pub(super) fn doubts(
     let mut doubts = Vec::new();
     if cut > CUT_MAX {
         doubts.push(format!(
-            "warning: paths were cut off after {} segments with {:.0} % of what they carried at \
+            "paths were cut off after {} segments with {:.0} % of what they carried at \
              first: the image may be too dark; {}",
             settings.path_length_max,
             100.0 * cut,
@@ -65,7 +103,7 @@ pub(super) fn doubts(
     }
     if profile.not_finite > 0 {
         doubts.push(format!(
-            "warning: {} samples are left out, which are too large or too small to be numbers: \
+            "{} samples are left out, which are too large or too small to be numbers: \
              the image lacks what they stand for{}",
             profile.not_finite,
             match settings.sampling {
@@ -77,7 +115,7 @@ pub(super) fn doubts(
     if is_black {
         let name = integrator.name();
         doubts.push(format!(
-            "warning: the image is black: `{name}` has found no light. The camera may be inside \
+            "the image is black: `{name}` has found no light. The camera may be inside \
              something, face away or see only what nothing lights{}",
             match integrator.shoots_photons() {
                 true => "",
@@ -98,7 +136,7 @@ mod tests {
 
     #[test]
     fn few_photons_are_told() {
-        assert!(lack_of_photons(31.0).is_some_and(|it| it.contains("note: 31 photons")));
+        assert!(lack_of_photons(31.0).is_some_and(|it| it.contains("31 photons an")));
         assert_eq!(lack_of_photons(1000.0), None);
         assert!(blur_of_photons(0.35).is_some_and(|it| it.contains("35 % of the scene")));
         assert_eq!(blur_of_photons(0.1), None);
@@ -115,16 +153,16 @@ mod tests {
         let settings = (&settings, Integrator::Path);
         let endless = (&endless, Integrator::Path);
         let of_cut = |cut| Profile { cut: [Cut { started: 1.0, cut }; 2], ..Profile::default() };
-        assert_eq!(doubts(&image, settings, &of_cut(0.0)).len(), 1);
+        assert_eq!(about(&image, settings, &of_cut(0.0)).len(), 1);
         image.planes[0][3] = 0.5;
-        assert!(doubts(&image, settings, &of_cut(0.001)).is_empty());
-        let [cut] = &doubts(&image, settings, &of_cut(0.285))[..] else { panic!("one doubt") };
+        assert!(about(&image, settings, &of_cut(0.001)).is_empty());
+        let [cut] = &about(&image, settings, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("16 segments with 28 %"), "{cut}");
         assert!(cut.contains("--max-path-length, or none"), "{cut}");
-        let [cut] = &doubts(&image, endless, &of_cut(0.285))[..] else { panic!("one doubt") };
+        let [cut] = &about(&image, endless, &of_cut(0.285))[..] else { panic!("one doubt") };
         assert!(cut.contains("light can hardly leave"), "{cut}");
         let not_finite = Profile { not_finite: 3, ..Profile::default() };
-        let [lost] = &doubts(&image, settings, &not_finite)[..] else { panic!("one doubt") };
+        let [lost] = &about(&image, settings, &not_finite)[..] else { panic!("one doubt") };
         assert!(lost.contains("3 samples are left out"), "{lost}");
     }
 }

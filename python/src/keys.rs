@@ -1,0 +1,122 @@
+//! Keyword arguments of something that is made: each is used, or refused by name.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sunstone::Spectrum;
+
+use crate::errors::SCENE_ERROR;
+
+/// What is left of the keyword arguments of an object.
+pub struct Keys<'py> {
+    /// What errors call the object.
+    place: String,
+    left: Bound<'py, PyDict>,
+}
+
+impl<'py> Keys<'py> {
+    /// Those of an object that errors call so.
+    pub fn of(place: impl Into<String>, keys: &Bound<'py, PyDict>) -> PyResult<Self> {
+        Ok(Self { place: place.into(), left: keys.copy()? })
+    }
+
+    /// Takes the value of a key, if it is there.
+    pub fn take<T>(&self, key: &str) -> PyResult<Option<T>>
+    where
+        T: for<'a> FromPyObject<'a, 'py>,
+    {
+        let Some(value) = self.left.get_item(key)? else { return Ok(None) };
+        self.left.del_item(key)?;
+        if value.is_none() {
+            return Ok(None);
+        }
+        extract(&self.place_of(key), &value).map(Some)
+    }
+
+    /// Takes the value of a key that must be there.
+    pub fn need<T>(&self, key: &str, remedy: &str) -> PyResult<T>
+    where
+        T: for<'a> FromPyObject<'a, 'py>,
+    {
+        self.take(key)?.ok_or_else(|| self.refuse(key, "is missing", remedy))
+    }
+
+    /// Takes a spectrum.
+    pub fn spectrum(&self, key: &str) -> PyResult<Option<Spectrum>> {
+        let value: Option<Bound<PyAny>> = self.take(key)?;
+        value.map(|value| spectrum(&self.place_of(key), &value)).transpose()
+    }
+
+    /// Takes a spectrum that must be there.
+    pub fn need_spectrum(&self, key: &str, remedy: &str) -> PyResult<Spectrum> {
+        self.spectrum(key)?.ok_or_else(|| self.refuse(key, "is missing", remedy))
+    }
+
+    /// What errors call a part of the object.
+    pub fn place_of(&self, part: &str) -> String {
+        format!("{}, {part}", self.place)
+    }
+
+    /// Takes an object within this one.
+    pub fn part(&self, key: &str) -> PyResult<Option<Keys<'py>>> {
+        let part: Option<Bound<PyDict>> = self.take(key)?;
+        part.map(|part| Keys::of(self.place_of(key), &part)).transpose()
+    }
+
+    /// Refuses what nothing has taken.
+    pub fn finish(self, what: &str) -> PyResult<()> {
+        match self.left.keys().iter().next() {
+            Some(key) => {
+                Err(self.refuse(&key.str()?.to_string(), &format!("means nothing for {what}"), ""))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses the value of a key, or the whole if the key is empty.
+    pub fn refuse(&self, key: &str, problem: &str, remedy: &str) -> PyErr {
+        let separator = if key.is_empty() { "" } else { ", " };
+        let help = match remedy {
+            "" => String::new(),
+            remedy => format!("\n  help: {remedy}"),
+        };
+        SCENE_ERROR.says(format!("{}{separator}{key}: {problem}{help}", self.place))
+    }
+
+    /// The error of the library for a part of this object that it has refused to make.
+    pub fn fault(&self, fault: &sunstone::particles::Fault) -> PyErr {
+        self.refuse(&fault.field, &fault.problem, &fault.remedy)
+    }
+}
+
+/// A value as what is wanted; if it is none, the error says where it stands.
+pub fn extract<'py, T>(place: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    value.extract::<T>().map_err(|error| {
+        let error = Into::<PyErr>::into(error);
+        let text = format!("{place}: {}", error.value(value.py()));
+        PyErr::from_type(error.get_type(value.py()), text)
+    })
+}
+
+/// A number, red, green and blue, or {"nm": [...], "value": [...]}.
+pub fn spectrum(place: &str, value: &Bound<PyAny>) -> PyResult<Spectrum> {
+    const FORMS: &str =
+        "a spectrum is a number, [red, green, blue] or {\"nm\": [...], \"value\": [...]}";
+    let refuse = |problem: &str| SCENE_ERROR.says(format!("{place}: {problem}"));
+    if let Ok(table) = value.cast::<PyDict>() {
+        let keys = Keys::of(place, table)?;
+        let nm: Vec<f32> = keys.need("nm", "give the wavelengths in nanometers")?;
+        let values: Vec<f32> = keys.need("value", "give as many values as wavelengths")?;
+        keys.finish("a spectrum")?;
+        return Spectrum::table(&nm, &values).map_err(refuse);
+    }
+    if let Ok(constant) = value.extract::<f32>() {
+        return Ok(constant.into());
+    }
+    match value.extract::<Vec<f32>>().as_deref() {
+        Ok(&[red, green, blue]) => Ok([red, green, blue].into()),
+        _ => Err(refuse(FORMS)),
+    }
+}

@@ -1,0 +1,74 @@
+//! Materials of keyword arguments, which are those of the scene files.
+
+use pyo3::prelude::*;
+use sunstone::world::{Bsdf, Material, Sides};
+
+use crate::errors::of_any;
+use crate::keys::Keys;
+
+/// Index of refraction that glTF gives to dielectrics.
+const IOR: f32 = 1.5;
+/// Reflectance of what does not state one.
+const REFLECTANCE: f32 = 0.8;
+
+/// Values of `bsdf`.
+const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, polarizer, \
+                      retarder, thin_dielectric";
+
+/// A material.
+pub fn material(keys: Keys) -> PyResult<Material> {
+    let model: String = keys.need("bsdf", MODELS)?;
+    let two_sided = keys.take("two_sided")?.unwrap_or(false);
+    let emission = keys.spectrum("emission")?;
+    let bsdf = bsdf(&keys, &model)?;
+    keys.finish(&format!("a material of bsdf \"{model}\""))?;
+    let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
+    Ok(match emission {
+        Some(radiance) => material.emitting(radiance),
+        None => material,
+    })
+}
+
+fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
+    let axis_deg = || Ok::<f64, PyErr>(keys.take("axis_deg")?.unwrap_or(0.0));
+    Ok(match model {
+        "absorber" => Bsdf::Absorber,
+        "conductor" => conductor(keys)?,
+        "dielectric" => {
+            let [ior, exterior_ior] = indices(keys)?;
+            Bsdf::Dielectric { ior, exterior_ior }
+        }
+        "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
+        "null" => Bsdf::Null,
+        "polarizer" => Bsdf::Polarizer {
+            axis_deg: axis_deg()?,
+            extinction_ratio: keys.take("extinction_ratio")?.unwrap_or(f64::INFINITY),
+        },
+        "retarder" => Bsdf::Retarder {
+            axis_deg: axis_deg()?,
+            retardance_deg: keys
+                .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
+        },
+        "thin_dielectric" => {
+            let [ior, exterior_ior] = indices(keys)?;
+            Bsdf::ThinDielectric { ior, exterior_ior }
+        }
+        model => return Err(keys.refuse("bsdf", &format!("`{model}` is not a model"), MODELS)),
+    })
+}
+
+fn indices(keys: &Keys) -> PyResult<[f32; 2]> {
+    Ok([keys.take("ior")?.unwrap_or(IOR), keys.take("exterior_ior")?.unwrap_or(1.0)])
+}
+
+fn conductor(keys: &Keys) -> PyResult<Bsdf> {
+    let metal: Option<String> = keys.take("metal")?;
+    match (metal, keys.spectrum("eta")?, keys.spectrum("k")?) {
+        (Some(symbol), None, None) => Bsdf::metal(&symbol).map_err(of_any),
+        (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
+        _ => {
+            let problem = "a conductor takes either `metal` or both `eta` and `k`";
+            Err(keys.refuse("", problem, "with `metal` one of Al, Au, Cu"))
+        }
+    }
+}

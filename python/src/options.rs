@@ -1,0 +1,148 @@
+//! What `render` is asked for: the command line's options by name, as Python's values.
+
+use std::fmt::Display;
+use std::time::Duration;
+
+use pyo3::exceptions::PyOverflowError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX, WAVELENGTH_NM};
+use sunstone::{Color, Integrator, Mode, Options, Photons, Sampling, Settings};
+
+use crate::errors::{RENDER_ERROR, of_settings};
+use crate::keys::extract;
+
+/// Options that only photons have.
+const OF_PHOTONS: [&str; 4] = ["photons", "samples_per_iteration", "radius", "alpha"];
+
+/// Checked settings of options by name; those that are not there are the command line's.
+pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
+    let integrator = integrator(options)?;
+    let photons = photons(options, integrator)?;
+    let (spp, iterations) = (option(options, "spp")?, option(options, "iterations")?);
+    if spp.is_some() && iterations.is_some() {
+        return Err(RENDER_ERROR.says("spp and iterations cannot both be given: leave one out"));
+    }
+    let default = Options::default();
+    let variance = option(options, "variance")?.unwrap_or(default.variance);
+    let of_photons = photons.samples.unwrap_or(1).max(1);
+    let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
+    let options = Options {
+        integrator,
+        mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
+        color: color(options)?,
+        width: option(options, "width")?,
+        height: option(options, "height")?,
+        samples,
+        iterations,
+        replicates: replicates(options, variance, iterations.unwrap_or(samples / of_photons))?,
+        variance,
+        path_length_max: option(options, "max_path_length")?.unwrap_or(PATH_LENGTH_MAX),
+        roulette_after: option(options, "roulette_after")?,
+        sampling: named(options, "sampling", &Sampling::ALL, Sampling::name)?
+            .unwrap_or(default.sampling),
+        seed: option(options, "seed")?.unwrap_or(default.seed),
+        photons,
+        time_limit: time_limit(options)?,
+    };
+    Settings::new(options).map_err(of_settings)
+}
+
+/// An option, if it is there; a number that does not fit is refused in words.
+pub fn option<'py, T>(options: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    let Some(value) = options.get_item(name)?.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    extract(name, &value).map(Some).map_err(|error: PyErr| {
+        if !error.is_instance_of::<PyOverflowError>(options.py()) {
+            return error;
+        }
+        let most = u32::MAX;
+        RENDER_ERROR.says(format!("{name} must be a whole number from 0 to {most}, not {value}"))
+    })
+}
+
+fn integrator(options: &Bound<PyDict>) -> PyResult<Option<Integrator>> {
+    let all: Vec<_> =
+        std::iter::once(None).chain(Integrator::ALL.iter().copied().map(Some)).collect();
+    let name = |it: Option<Integrator>| it.map_or(AUTO, Integrator::name);
+    Ok(named(options, "integrator", &all, name)?.flatten())
+}
+
+/// The value of a name, if it is there.
+fn named<T: Copy>(
+    options: &Bound<PyDict>,
+    option_name: &str,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> PyResult<Option<T>> {
+    let Some(word) = option::<String>(options, option_name)? else { return Ok(None) };
+    match all.iter().find(|value| name(**value) == word) {
+        Some(value) => Ok(Some(*value)),
+        None => {
+            let names: Vec<&str> = all.iter().map(|value| name(*value)).collect();
+            let names = names.join(", ");
+            Err(RENDER_ERROR.says(format!("{option_name} must be one of {names}, not {word:?}")))
+        }
+    }
+}
+
+fn color(options: &Bound<PyDict>) -> PyResult<Color> {
+    let wavelength = option(options, "wavelength")?;
+    let is_mono = named(options, "color", &[false, true], |it| if it { "mono" } else { "rgb" })?;
+    match (is_mono.unwrap_or(false), wavelength) {
+        (false, None) => Ok(Color::Rgb),
+        (false, Some(_)) => Err(RENDER_ERROR
+            .says("wavelength goes with color=\"mono\"; RGB has three wavelengths of its own")),
+        (true, wavelength) => {
+            Ok(Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) })
+        }
+    }
+}
+
+fn photons(options: &Bound<PyDict>, integrator: Option<Integrator>) -> PyResult<Photons> {
+    if integrator.is_some_and(|it| !it.shoots_photons()) {
+        for name in OF_PHOTONS {
+            if options.get_item(name)?.is_some_and(|value| !value.is_none()) {
+                return Err(RENDER_ERROR.says(format!("{name} goes with integrator=\"ppm\"")));
+            }
+        }
+    }
+    let default = Photons::default();
+    Ok(Photons {
+        per_iteration: option(options, "photons")?,
+        samples: option(options, "samples_per_iteration")?,
+        alpha: option(options, "alpha")?.unwrap_or(default.alpha),
+        radius: option(options, "radius")?,
+    })
+}
+
+/// Their number, for which there must be iterations enough where variances are to come of them.
+fn replicates(options: &Bound<PyDict>, variance: bool, iterations: u32) -> PyResult<u32> {
+    let refuse = |text: &dyn Display| Err(RENDER_ERROR.says(text));
+    match option(options, "replicates")? {
+        None if variance && iterations < 2 => refuse(&"variance needs two iterations or more"),
+        None => Ok(1),
+        Some(replicates) => {
+            let least = if variance { 2 } else { 1 };
+            match (least..=iterations).contains(&replicates) {
+                true => Ok(replicates),
+                false => refuse(&format_args!(
+                    "replicates must be from {least} to the number of iterations, which is \
+                     {iterations}, not {replicates}"
+                )),
+            }
+        }
+    }
+}
+
+fn time_limit(options: &Bound<PyDict>) -> PyResult<Option<Duration>> {
+    let Some(seconds) = option::<f64>(options, "time_limit")? else { return Ok(None) };
+    let limit = Duration::try_from_secs_f64(seconds);
+    limit.map(Some).map_err(|_| {
+        RENDER_ERROR.says(format!("time_limit must be a number of seconds, not {seconds}"))
+    })
+}

@@ -1,0 +1,238 @@
+//! A placed world: what is loaded or made, described and rendered.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sunstone::internals::render::doubts::doubts;
+use sunstone::{
+    PlacedWorld, Reading, RenderError, Renderer, SceneError, Settings, StokesImage, Stop,
+};
+
+use crate::errors::{RENDER_ERROR, of_render, of_scene, of_settings, of_system};
+use crate::image::{Parts, parts};
+use crate::options::{option, settings};
+use crate::wait::wait_for;
+
+/// A world in its place, with its tree; it never changes.
+#[pyclass(frozen, module = "sunstone._sunstone")]
+pub struct Scene {
+    placed: PlacedWorld,
+    users: Arc<Users>,
+}
+
+/// Who works with a scene. What they lock while they do is locked for ever in a process that is
+/// forked meanwhile, where they do not exist.
+#[derive(Default)]
+struct Users {
+    count: AtomicU32,
+    process: AtomicU32,
+}
+
+/// One of them.
+struct User(Arc<Users>);
+
+impl User {
+    /// Comes in, unless one is in who has been left behind in another process. The caller holds the
+    /// interpreter's lock, as whoever forks does.
+    fn enter(users: &Arc<Users>, _attached: Python) -> PyResult<Self> {
+        let process = process::id();
+        let is_inherited = users.count.load(Ordering::SeqCst) > 0
+            && users.process.load(Ordering::SeqCst) != process;
+        if is_inherited {
+            return Err(RENDER_ERROR.says(
+                "this process was forked while another thread rendered this scene, which is \
+                 locked here since: load it anew",
+            ));
+        }
+        users.process.store(process, Ordering::SeqCst);
+        users.count.fetch_add(1, Ordering::SeqCst);
+        Ok(Self(Arc::clone(users)))
+    }
+}
+
+impl Drop for User {
+    fn drop(&mut self) {
+        self.0.count.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// What a render brings: an image with what there is to doubt about it.
+struct Rendered {
+    image: StokesImage,
+    doubts: Vec<String>,
+}
+
+/// Loads a .gltf or .glb file.
+#[pyfunction]
+pub fn load(
+    py: Python,
+    path: PathBuf,
+    camera: Option<String>,
+    allow_outside: bool,
+) -> PyResult<Scene> {
+    // The system's own word for a file that is not there, or may not be read.
+    if let Err(error) = std::fs::File::open(&path) {
+        return Err(of_system(&path, &error, format!("cannot read {}: {error}", path.display())));
+    }
+    let placed = wait_for(
+        py,
+        None,
+        &Stop::default(),
+        |_| Ok(()),
+        move |pool, _| {
+            pool.threads.run(|| {
+                let reading = Reading { camera: camera.as_deref(), allow_outside };
+                PlacedWorld::new(sunstone::load_with(&path, reading)?)
+            })
+        },
+    )?;
+    placed.map(Scene::of).map_err(of_render)
+}
+
+#[pymethods]
+impl Scene {
+    /// What it is called.
+    #[getter]
+    fn name(&self) -> &str {
+        self.placed.world().name()
+    }
+
+    /// The files it was read from.
+    #[getter]
+    fn files(&self) -> Vec<PathBuf> {
+        self.placed.world().files().to_vec()
+    }
+
+    /// What of it is not rendered as it was described.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.placed.warnings().map(str::to_owned).collect()
+    }
+
+    /// What is in it, in words.
+    fn describe(&self, py: Python) -> PyResult<String> {
+        let described = self.ask(py, None, |placed| {
+            Ok::<_, SceneError>(placed.world().describe() + &placed.describe()?)
+        })?;
+        described.map_err(of_scene)
+    }
+
+    /// Width and height of the film in pixels.
+    fn film_size(&self, options: &Bound<PyDict>) -> PyResult<[u32; 2]> {
+        self.placed.film_size(&settings(options)?.options()).map_err(of_settings)
+    }
+
+    /// What is to be known of a render before it begins.
+    fn notes(&self, py: Python, options: &Bound<PyDict>) -> PyResult<Vec<String>> {
+        let (settings, threads) = (settings(options)?, option(options, "threads")?);
+        self.ask(py, threads, move |placed| placed.notes(&settings))?.map_err(of_render)
+    }
+
+    /// Renders; returns the parts of the image and the doubts about it.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        options: &Bound<'py, PyDict>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<(Parts<'py>, Vec<String>)> {
+        let (settings, threads) = (settings(options)?, option(options, "threads")?);
+        let (placed, stop) = (self.placed.clone(), Stop::default());
+        let user = User::enter(&self.users, py)?;
+        let is_heard = progress.is_some();
+        let hear = |[done, total]: [u32; 2]| {
+            let Some(progress) = &progress else { return Ok(()) };
+            let answer = progress.call1((done, total))?;
+            if answer.extract::<bool>().is_ok_and(|goes_on| !goes_on) {
+                stop.stop();
+            }
+            Ok(())
+        };
+        let asked = stop.clone();
+        let rendered = wait_for(py, threads, &stop, hear, move |pool, teller| {
+            let _user = user;
+            let renderer = pool.threads.run(|| Renderer::new(&placed, &settings))?;
+            let renderer = renderer.on(&pool.threads).stopped_by(&asked);
+            let tell = |progress| {
+                if is_heard {
+                    teller.tell(progress)
+                }
+            };
+            Ok(render(renderer, &placed, &settings, tell))
+        })?;
+        let Rendered { image, doubts } = rendered.map_err(of_render)?;
+        Ok((parts(py, image)?, doubts))
+    }
+}
+
+impl Scene {
+    /// A world in its place.
+    pub fn of(placed: PlacedWorld) -> Self {
+        Self { placed, users: Arc::default() }
+    }
+
+    /// Asks the placed world something that takes threads.
+    fn ask<T: Send + 'static>(
+        &self,
+        py: Python,
+        threads: Option<usize>,
+        question: impl FnOnce(&PlacedWorld) -> T + Send + 'static,
+    ) -> PyResult<T> {
+        let (placed, user) = (self.placed.clone(), User::enter(&self.users, py)?);
+        wait_for(
+            py,
+            threads,
+            &Stop::default(),
+            |_| Ok(()),
+            move |pool, _| {
+                let _user = user;
+                pool.threads.run(|| question(&placed))
+            },
+        )
+    }
+}
+
+fn render(
+    mut renderer: Renderer,
+    placed: &PlacedWorld,
+    settings: &Settings,
+    tell: impl Fn([u32; 2]),
+) -> Rendered {
+    let start = Instant::now();
+    renderer.run(|so_far| {
+        tell([so_far.samples, so_far.total]);
+        ControlFlow::Continue(())
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    let judged = doubts(&renderer, placed);
+    let mut image = renderer.finish();
+    if !settings.variance {
+        image.variance = None;
+    }
+    let doubts = judged.about(&image);
+    let world = placed.world();
+    let scene = match world.files().first() {
+        Some(file) => file.display().to_string(),
+        None => world.name().to_owned(),
+    };
+    let facts = [("scene", scene), ("seconds", format!("{seconds:.3}"))];
+    image.metadata.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
+    Rendered { image, doubts }
+}
+
+/// A world that is made in code, placed.
+pub fn place(py: Python, world: sunstone::World) -> PyResult<Scene> {
+    let placed: Result<PlacedWorld, RenderError> = wait_for(
+        py,
+        None,
+        &Stop::default(),
+        |_| Ok(()),
+        move |pool, _| pool.threads.run(|| PlacedWorld::new(world)),
+    )?;
+    placed.map(Scene::of).map_err(of_render)
+}

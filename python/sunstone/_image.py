@@ -1,0 +1,196 @@
+"""Images: arrays of Stokes vectors, with what is known of their error and origin."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _sunstone
+from ._errors import Error
+
+Array = npt.NDArray[np.float32]
+
+
+class Image:
+    """A Stokes image.
+
+    `Scene.render` returns them, `Image.load` reads them, and arrays become one:
+
+    >>> image = sunstone.Image(np.ones((480, 640, 3, 1)))
+
+    Images pickle and copy with all that they hold.
+    """
+
+    __slots__ = ("_metadata", "_stokes", "_variance", "_wavelength_nm")
+
+    def __init__(
+        self,
+        stokes: npt.ArrayLike,
+        *,
+        variance: npt.ArrayLike | None = None,
+        wavelength_nm: float | None = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> None:
+        """An image of arrays, which are copied only where they have to be.
+
+        Args:
+            stokes: values of shape (height, width, channels, components): 3 channels, or 1 with
+                `wavelength_nm`; 4 Stokes components, or 1 for the intensity alone.
+            variance: squared standard errors of the same shape.
+            wavelength_nm: wavelength in vacuum in nanometers of an image of one channel.
+            metadata: facts about the image, names to texts.
+        """
+        self._stokes = _checked("stokes", stokes, 1 if wavelength_nm is not None else 3)
+        self._variance = None
+        if variance is not None:
+            self._variance = _checked("variance", variance, self._stokes.shape[2])
+            if self._variance.shape != self._stokes.shape:
+                shapes = f"{self._variance.shape}, and the values {self._stokes.shape}"
+                raise Error(f"variance has the shape {shapes}: give one to each value")
+        self._wavelength_nm = wavelength_nm
+        self._metadata = dict(metadata or {})
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Image:
+        """Reads an image: .exr, .hdr (the set of files of the paper) or .npy.
+
+        Raises:
+            OSError: if the file cannot be read.
+            Error: if it is not what its name promises.
+        """
+        return cls._of(_sunstone.load_image(os.fspath(path)))
+
+    @classmethod
+    def _of(
+        cls, parts: tuple[Array, Array | None, float | None, list[tuple[str, str]]]
+    ) -> Image:
+        stokes, variance, wavelength_nm, metadata = parts
+        return cls(
+            stokes, variance=variance, wavelength_nm=wavelength_nm, metadata=dict(metadata)
+        )
+
+    @property
+    def stokes(self) -> Array:
+        """Stokes vectors: float32, C-contiguous, of shape (height, width, channels, components).
+
+        Rows from the top, pixels from the left; channels as `channels` says; S0 to S3, or S0 alone
+        in the modes "scalar" and "intensity". Radiance in W/(m^2 sr), or S0 linear in sRGB
+        primaries. It is the image's own, and may be written to.
+        """
+        return self._stokes
+
+    @property
+    def variance(self) -> Array | None:
+        """Squared standard errors in the shape of `stokes`, if they were asked for."""
+        return self._variance
+
+    @property
+    def dop(self) -> Array:
+        """Degree of polarization, 0 to 1, of shape (height, width, channels).
+
+        sqrt(S1^2 + S2^2 + S3^2) / S0; 0 where there is no light, and of intensities alone.
+        """
+        if self._stokes.shape[3] == 1:
+            return np.zeros(self._stokes.shape[:3], np.float32)
+        s0, s1, s2, s3 = np.moveaxis(self._stokes, 3, 0)
+        polarized = np.hypot(np.hypot(s1, s2), s3)
+        degree: Array = np.divide(polarized, s0, out=np.zeros_like(s0), where=s0 > 0)
+        return degree
+
+    @property
+    def aolp(self) -> Array:
+        """Angle of linear polarization in radians, in [0, pi), of shape (height, width, channels).
+
+        Counterclockwise from the right of the image as one looks at it: atan2(S2, S1) / 2 modulo
+        pi; 0 where nothing is linearly polarized.
+        """
+        if self._stokes.shape[3] == 1:
+            return np.zeros(self._stokes.shape[:3], np.float32)
+        pi = np.float32(np.pi)
+        angle = np.mod(np.float32(0.5) * np.arctan2(self._stokes[..., 2], self._stokes[..., 1]), pi)
+        # A tiny negative angle rounds up to pi itself.
+        return np.where(angle < pi, angle, np.float32(0))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What the channels are called: ("R", "G", "B"), or the wavelength, as ("550 nm",)."""
+        if self._wavelength_nm is None:
+            return ("R", "G", "B")
+        return (f"{self._wavelength_nm:g} nm",)
+
+    @property
+    def wavelength_nm(self) -> float | None:
+        """Wavelength in vacuum in nanometers, if there is one channel."""
+        return self._wavelength_nm
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Facts about the render: integrator, seed, iterations and so on; what `save` stores."""
+        return self._metadata
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the image as the extension says: .exr (everything), .hdr or .png (a preview).
+
+        The file appears when it is complete, and never as half a file.
+
+        Raises:
+            OSError: if it cannot be written.
+            Error: if the extension is another.
+        """
+        _sunstone.save_image(
+            os.fspath(path),
+            self._stokes,
+            self._variance,
+            self._wavelength_nm,
+            [(str(name), str(text)) for name, text in self._metadata.items()],
+        )
+
+    def png(
+        self, map: str | None = None, *, exposure: float = 0.0, full_scale: bool = False
+    ) -> bytes:
+        """A picture with its legend, as the bytes of a PNG.
+
+        Args:
+            map: one of the maps of `sunstone visualize`: "intensity", "dop", "linear-circular",
+                "aolp", "aolp-dark", "chirality", "stokes", "stokes-relative", "dop-red", "type",
+                "orientation" or "panels", which are the first three side by side. By default the
+                panels, or the intensity where there is nothing else.
+            exposure: of intensities, in stops.
+            full_scale: scales end at full polarization, and not where the image's does.
+        """
+        if map is None:
+            map = "panels" if self._stokes.shape[3] == 4 else "intensity"
+        which = None if map == "panels" else map
+        return _sunstone.picture(self._stokes, self._wavelength_nm, which, exposure, full_scale)
+
+    def _repr_png_(self) -> bytes:
+        return self.png()
+
+    def __repr__(self) -> str:
+        height, width, _, components = self._stokes.shape
+        what = "Stokes vectors" if components == 4 else "intensities"
+        channels = ", ".join(self.channels)
+        variance = ", with variances" if self._variance is not None else ""
+        return f"<sunstone.Image: {what} of {width} x {height} pixels, {channels}{variance}>"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _image, (self._stokes, self._variance, self._wavelength_nm, self._metadata)
+
+
+def _image(
+    stokes: Array, variance: Array | None, wavelength_nm: float | None, metadata: dict[str, str]
+) -> Image:
+    return Image(stokes, variance=variance, wavelength_nm=wavelength_nm, metadata=metadata)
+
+
+def _checked(name: str, values: npt.ArrayLike, channels: int) -> Array:
+    array = np.require(values, np.float32, ("C", "W", "A"))
+    if array.ndim != 4 or array.shape[2] != channels or array.shape[3] not in (1, 4):
+        raise Error(
+            f"{name} has the shape {array.shape}: must be (height, width, {channels}, 1 or 4), as "
+            f"an image {'of one wavelength' if channels == 1 else 'in RGB'} has"
+        )
+    return array

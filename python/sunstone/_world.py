@@ -1,0 +1,435 @@
+"""Worlds made in code."""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _sunstone
+from ._errors import SceneWarning
+from ._image import Image
+from ._scene import Scene, _complete
+from ._sunstone import Geometry
+
+#: The same at every wavelength; red, green and blue; or values at wavelengths in nanometers:
+#: {"nm": [...], "value": [...]}.
+Spectrum = Union[float, Sequence[float], Mapping[str, Sequence[float]]]
+#: Three numbers.
+Vector = Union[Sequence[float], npt.NDArray[Any]]
+
+
+class World:
+    """A scene in the making: materials, media, shapes, lights and a camera, added one by one.
+
+    >>> world = sunstone.World("room")
+    >>> world.add_material("white", "diffuse", reflectance=0.7, two_sided=True)
+    >>> world.add_material("glow", "absorber", emission=[20, 18, 15])
+    >>> world.add_mesh("walls", sunstone.Geometry.cuboid((-1, -1, -1), (1, 1, 1)), "white")
+    >>> world.add_sphere("lamp", 0.2, "glow", position=(0, 0.7, 0))
+    >>> world.set_camera("eye", yfov=1.2, position=(0, 0, 0.9), target=(0, 0, 0))
+    >>> image = world.render(width=64, height=64, spp=16)
+
+    Keys, units and ranges are those of the scene files. What is not physical raises a SceneError
+    with the name of the object and the field, and is not added. Materials and media are referred to
+    by their names, each of which there is once.
+
+    Worlds pickle and copy as all that they are made of.
+    """
+
+    def __init__(self, name: str = "world") -> None:
+        """An empty one, of a name."""
+        self._name = name
+        #: All that was added: the name of the function and its arguments.
+        self._steps: list[tuple[str, tuple[Any, ...]]] = []
+        self._native: _sunstone.World | None = _sunstone.World(name)
+        self._scene: Scene | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self._name
+
+    def add_material(
+        self,
+        name: str,
+        bsdf: Literal[
+            "absorber",
+            "conductor",
+            "dielectric",
+            "diffuse",
+            "null",
+            "polarizer",
+            "retarder",
+            "thin_dielectric",
+        ],
+        *,
+        reflectance: Spectrum | None = None,
+        metal: Literal["Al", "Au", "Cu"] | None = None,
+        eta: Spectrum | None = None,
+        k: Spectrum | None = None,
+        ior: float | None = None,
+        exterior_ior: float | None = None,
+        axis_deg: float | None = None,
+        extinction_ratio: float | None = None,
+        retardance_deg: float | None = None,
+        emission: Spectrum | None = None,
+        two_sided: bool = False,
+    ) -> None:
+        """Adds a material.
+
+        Args:
+            name: what shapes call it.
+            bsdf: how it scatters.
+            reflectance: of "diffuse", from 0 to 1; 0.8 by default.
+            metal: of "conductor", or else `eta` and `k`.
+            eta: of "conductor": real part of the index of refraction n - i k.
+            k: of "conductor": its extinction coefficient.
+            ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default.
+            exterior_ior: of these: index of refraction outside; 1 by default.
+            axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
+                the x axis of the shape, counterclockwise about the normal; 0 by default.
+            extinction_ratio: of "polarizer": greatest over least transmittance; infinite by
+                default.
+            retardance_deg: of "retarder", in degrees.
+            emission: radiance in W/(m^2 sr) that it emits besides.
+            two_sided: the back is like the front; else it is black and dark.
+        """
+        self._add(
+            "add_material",
+            name,
+            _given(
+                bsdf=bsdf,
+                reflectance=reflectance,
+                metal=metal,
+                eta=eta,
+                k=k,
+                ior=ior,
+                exterior_ior=exterior_ior,
+                axis_deg=axis_deg,
+                extinction_ratio=extinction_ratio,
+                retardance_deg=retardance_deg,
+                emission=emission,
+                two_sided=two_sided,
+            ),
+        )
+
+    def add_medium(
+        self,
+        name: str,
+        phase: Literal["hg", "isotropic", "mie", "mueller_table", "rayleigh"],
+        *,
+        sigma_a: Spectrum | None = None,
+        sigma_s: Spectrum | None = None,
+        g: Spectrum | None = None,
+        depolarization: float | None = None,
+        particles: Sequence[Mapping[str, Any]] | None = None,
+        host: Mapping[str, Any] | None = None,
+        milk: Mapping[str, float] | None = None,
+        table: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
+        """Adds a participating medium, which fills nothing yet.
+
+        Args:
+            name: what shapes call it.
+            phase: how it scatters.
+            sigma_a: absorption coefficient in 1/m; by default that of the particles, by "mie".
+            sigma_s: scattering coefficient in 1/m; likewise.
+            g: of "hg": mean cosine of the scattering angle, within (-1, 1).
+            depolarization: of "rayleigh", from 0 to 0.5; 0 by default.
+            particles: of "mie": each {"distribution": {"kind": "log_normal", "mean_um": 0.5,
+                "sd_um": 0.1, "of": "number"}, "eta": 1.59, "k": 0, "volume_fraction": 1e-4}; kinds
+                are gamma, log_normal, monodisperse ("radius_um") and table ("radii_um", "density").
+            host: of "mie": {"eta": 1.33, "k": 0}, in which the particles are.
+            milk: of "mie", in place of these: {"fat_percent": 3.5, "protein_percent": 3.4,
+                "dilution": 0.01}.
+            table: of "mueller_table": columns theta_deg, m00, m01, m22, m23, and perhaps m11, m33
+                and lambda_nm.
+        """
+        self._add(
+            "add_medium",
+            name,
+            _given(
+                phase=phase,
+                sigma_a=sigma_a,
+                sigma_s=sigma_s,
+                g=g,
+                depolarization=depolarization,
+                particles=None if particles is None else [dict(part) for part in particles],
+                host=None if host is None else dict(host),
+                milk=None if milk is None else dict(milk),
+                table=None if table is None else dict(table),
+            ),
+        )
+
+    def add_mesh(
+        self,
+        name: str,
+        geometry: Geometry,
+        material: str,
+        *,
+        position: Vector | None = None,
+        transform: npt.ArrayLike | None = None,
+        interior: str | None = None,
+        exterior: str | None = None,
+        priority: int = 0,
+    ) -> None:
+        """Adds a mesh in a place. Meshes of one geometry keep it once.
+
+        Args:
+            name: what errors call it.
+            geometry: its triangles.
+            material: the name of its material.
+            position: where its origin is, in meters.
+            transform: or else a (4, 4) matrix from its space to the world's, of column vectors.
+            interior: the name of the medium behind its surfaces, against their normals, or "none".
+            exterior: of that before them.
+            priority: where closed bodies overlap, that of the highest counts.
+        """
+        self._add(
+            "add_mesh",
+            name,
+            geometry,
+            _given(
+                material=material,
+                position=_numbers(position),
+                transform=_numbers(transform),
+                interior=interior,
+                exterior=exterior,
+                priority=priority,
+            ),
+        )
+
+    def add_sphere(
+        self,
+        name: str,
+        radius: float,
+        material: str,
+        *,
+        position: Vector | None = None,
+        transform: npt.ArrayLike | None = None,
+        interior: str | None = None,
+        exterior: str | None = None,
+        priority: int = 0,
+    ) -> None:
+        """Adds an exact sphere about the origin of its place.
+
+        Args:
+            name: what errors call it.
+            radius: in meters.
+            material: the name of its material.
+            position: where its center is, in meters.
+            transform: or else a (4, 4) matrix, which may scale all axes alike.
+            interior: the name of the medium within, or "none".
+            exterior: of that outside.
+            priority: where closed bodies overlap, that of the highest counts.
+        """
+        self._add(
+            "add_sphere",
+            name,
+            radius,
+            _given(
+                material=material,
+                position=_numbers(position),
+                transform=_numbers(transform),
+                interior=interior,
+                exterior=exterior,
+                priority=priority,
+            ),
+        )
+
+    def add_light(
+        self,
+        name: str,
+        kind: Literal["directional", "point", "spot"],
+        intensity: Spectrum,
+        *,
+        inner: float | None = None,
+        outer: float | None = None,
+        position: Vector | None = None,
+        direction: Vector | None = None,
+        target: Vector | None = None,
+        transform: npt.ArrayLike | None = None,
+    ) -> None:
+        """Adds a light without extent.
+
+        Args:
+            name: what errors call it.
+            kind: its shape.
+            intensity: radiant intensity in W/sr, or of "directional" irradiance in W/m^2 on what
+                faces it.
+            inner: of "spot": half angle of full intensity in radians; 0 by default.
+            outer: of "spot": half angle of the cone in radians, at most pi/2.
+            position: where it is, in meters.
+            direction: where it shines.
+            target: or else what it shines on.
+            transform: or else a (4, 4) matrix; it shines along the -z axis.
+        """
+        self._add(
+            "add_light",
+            name,
+            _given(
+                kind=kind,
+                intensity=intensity,
+                inner=inner,
+                outer=outer,
+                position=_numbers(position),
+                direction=_numbers(direction),
+                target=_numbers(target),
+                transform=_numbers(transform),
+            ),
+        )
+
+    def set_camera(
+        self,
+        name: str = "camera",
+        *,
+        yfov: float | None = None,
+        aspect: float | None = None,
+        aperture_radius: float | None = None,
+        focus_distance: float | None = None,
+        half_width: float | None = None,
+        half_height: float | None = None,
+        position: Vector | None = None,
+        target: Vector | None = None,
+        direction: Vector | None = None,
+        up: Vector | None = None,
+        transform: npt.ArrayLike | None = None,
+        resolution: tuple[int, int] | None = None,
+    ) -> None:
+        """Sets the camera, in place of another.
+
+        Args:
+            name: what errors call it.
+            yfov: vertical angle of view in radians; without it the projection is parallel.
+            aspect: width over height, where no film says it.
+            aperture_radius: radius of a thin lens in meters; 0 by default, a pinhole.
+            focus_distance: distance of the plane in focus in meters.
+            half_width: of a parallel projection, half the width of the picture in meters.
+            half_height: half its height.
+            position: where it is, in meters.
+            target: what it looks at.
+            direction: or else where it looks.
+            up: what is up in the image; y by default.
+            transform: or else a (4, 4) matrix; it looks along the -z axis, y up.
+            resolution: width and height in pixels that renders have by default.
+        """
+        self._add(
+            "set_camera",
+            name,
+            _given(
+                yfov=yfov,
+                aspect=aspect,
+                aperture_radius=aperture_radius,
+                focus_distance=focus_distance,
+                half_width=half_width,
+                half_height=half_height,
+                position=_numbers(position),
+                target=_numbers(target),
+                direction=_numbers(direction),
+                up=_numbers(up),
+                transform=_numbers(transform),
+                resolution=resolution,
+            ),
+        )
+
+    def set_environment(self, radiance: Spectrum) -> None:
+        """Has light of a radiance in W/(m^2 sr) come from everywhere outside."""
+        self._add("set_environment", _plain(radiance))
+
+    def set_scene_medium(self, name: str | None) -> None:
+        """Fills what is outside all boundaries with a medium, or with none."""
+        self._add("set_scene_medium", name)
+
+    def place(self) -> Scene:
+        """The scene as it is now, ready to be rendered; the world may go on.
+
+        Raises:
+            SceneError: if there is no camera, or things do not go together.
+
+        Warns:
+            SceneWarning: of what is not rendered as it was described.
+        """
+        return self._warned(self._scene, self._placed())
+
+    def render(self, **options: Any) -> Image:
+        """Renders the world as it is now: `Scene.render` of `place`, with its options."""
+        complete = _complete(options)
+        return self._warned(self._scene, self._placed())._rendered(complete)
+
+    def _placed(self) -> Scene:
+        if self._scene is None:
+            native, self._native = self._filled(), None
+            placed = native.place()
+            # The world may go on, and what the scene is made of may not.
+            self._scene = Scene._of(placed, (_placed, (self._name, list(self._steps))))
+        return self._scene
+
+    def _warned(self, known: Scene | None, scene: Scene) -> Scene:
+        """The scene, of which is told what has not been told when it was known already."""
+        for text in scene.warnings if known is None else []:
+            warnings.warn(text, SceneWarning, stacklevel=3)
+        return scene
+
+    def _filled(self) -> _sunstone.World:
+        """The native world of all steps."""
+        if self._native is None:
+            native = _sunstone.World(self._name)
+            for function, arguments in self._steps:
+                getattr(native, function)(*arguments)
+            self._native = native
+        return self._native
+
+    def _add(self, function: str, *arguments: Any) -> None:
+        # What was given may change later, and the world does not with it.
+        arguments = copy.deepcopy(arguments)
+        getattr(self._filled(), function)(*arguments)
+        self._steps.append((function, arguments))
+        self._scene = None
+
+    def __repr__(self) -> str:
+        return f"<sunstone.World {self._name!r} of {len(self._steps)} things>"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _world, (self._name, list(self._steps))
+
+    def __copy__(self) -> World:
+        return _world(self._name, self._steps)
+
+    def __deepcopy__(self, memo: object) -> World:
+        return self.__copy__()
+
+
+
+def _world(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> World:
+    world = World(name)
+    for function, arguments in steps:
+        world._add(function, *arguments)
+    return world
+
+
+def _placed(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> Scene:
+    return _world(name, steps)._placed()
+
+
+def _given(**keys: Any) -> dict[str, Any]:
+    """The keys that have a value, as plain numbers, lists and dictionaries."""
+    return {key: _plain(value) for key, value in keys.items() if value is not None}
+
+
+def _numbers(values: npt.ArrayLike | None) -> Any:
+    """Nested lists of an array."""
+    return None if values is None else np.asarray(values, np.float64).tolist()
+
+
+def _plain(value: Any) -> Any:
+    """What is an array as lists."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    return value

@@ -1,0 +1,603 @@
+"""The package from outside: bits, arrays, errors, files, copies, processes, signals, memory."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import inspect
+import math
+import multiprocessing
+import os
+import pathlib
+import pickle
+import signal
+import stat
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sunstone
+from conftest import CORNELL, ROOT
+
+SMALL: dict[str, Any] = dict(integrator="path", spp=2, width=16, height=16)
+
+CASES: list[dict[str, Any]] = [
+    {},
+    dict(mode="scalar"),
+    dict(mode="intensity", variance=True),
+    dict(integrator="bdpt", seed=7, max_path_length=3, roulette_after=2),
+    dict(integrator="light", color="mono"),
+    dict(integrator="ppm", photons=2000, samples_per_iteration=2, spp=4, alpha=0.5, radius=0.1),
+    dict(integrator="ppm", photons=1000, iterations=3, samples_per_iteration=3),
+    dict(color="mono", wavelength=633.5, variance=True, replicates=2, spp=4),
+    dict(sampling="intensity", replicates=2, threads=1),
+    dict(integrator="auto", variance=True, spp=32, height=9, width=33),
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: " ".join(case) or "defaults")
+def test_bits_are_the_program_s(
+    case: dict[str, Any],
+    cornell: sunstone.Scene,
+    program: Callable[..., None],
+    tmp_path: pathlib.Path,
+) -> None:
+    OpenEXR = pytest.importorskip("OpenEXR")
+    options = {**SMALL, **case}
+    if "iterations" in options:
+        del options["spp"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sunstone.RenderWarning)
+        image = cornell.render(**options)
+    words = []
+    for name, value in options.items():
+        words.append("--" + name.replace("_", "-"))
+        words += [] if value is True else [value]
+    program("render", CORNELL, "-o", tmp_path / "a.exr", *words)
+    image.save(tmp_path / "b.exr")
+    channels = {}
+    for name in "a", "b":
+        file = OpenEXR.File(str(tmp_path / f"{name}.exr"), separate_channels=True)
+        channels[name] = {key: value.pixels for key, value in file.channels().items()}
+    assert channels["a"].keys() == channels["b"].keys()
+    for key, pixels in channels["a"].items():
+        assert np.array_equal(pixels, channels["b"][key]), key
+    # And where they stand in the arrays, by a stranger's reading of the file.
+    mono, components = len(image.channels) == 1, image.stokes.shape[3]
+    for array, prefix in (image.stokes, ""), (image.variance, "variance."):
+        for channel, color in enumerate([""] if mono else [".R", ".G", ".B"]):
+            for component in range(components):
+                key = f"{prefix}S{component}{color}"
+                if components == 1 and not mono and not prefix:
+                    key = color[1:]
+                if array is None:
+                    assert key not in channels["a"]
+                else:
+                    assert np.array_equal(channels["a"][key], array[:, :, channel, component]), key
+
+
+def test_defaults_are_the_program_s(
+    cornell: sunstone.Scene, program: Callable[..., None], tmp_path: pathlib.Path
+) -> None:
+    program("render", CORNELL, "-o", tmp_path / "a.exr", "--width", 12)
+    image = cornell.render(width=12)
+    again = sunstone.Image.load(tmp_path / "a.exr")
+    assert np.array_equal(again.stokes, image.stokes) and again.variance is None
+    own = {"scene", "seconds", "command"}
+    facts = {key: text for key, text in again.metadata.items() if key not in own}
+    assert facts == {key: text for key, text in image.metadata.items() if key not in own}
+    names = list(inspect.signature(sunstone.Scene.render).parameters)
+    assert len(names) == len(set(names)) == 22
+
+
+def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
+    image = cornell.render(**SMALL, variance=True)
+    for array in (image.stokes, image.variance):
+        assert array is not None and array.dtype == np.float32 and array.shape == (16, 16, 3, 4)
+        assert array.flags.c_contiguous and array.flags.writeable and array.flags.owndata
+    assert image.stokes is image.stokes
+    assert cornell.render(**SMALL, mode="scalar").stokes.shape == (16, 16, 3, 1)
+    assert cornell.render(**SMALL, color="mono", mode="intensity").stokes.shape == (16, 16, 1, 1)
+    assert cornell.render(integrator="path", spp=1, width=5, height=3).stokes.shape == (3, 5, 3, 4)
+
+
+def test_maps_follow_their_formulas() -> None:
+    stokes = np.zeros((1, 6, 1, 4), np.float32)
+    stokes[0, :, 0] = [
+        [1, 0.5, 0, 0],
+        [2, 0, 1, 0],
+        [2, 0, 0, -2],
+        [1, -0.3, 0, 0.4],
+        [0, 0, 0, 0],
+        [1, 0, -1, 0],
+    ]
+    image = sunstone.Image(stokes, wavelength_nm=550)
+    np.testing.assert_allclose(image.dop[0, :, 0], [0.5, 0.5, 1, 0.5, 0, 1], rtol=1e-6)
+    angles = np.array([0, 45, 0, 90, 0, 135])
+    np.testing.assert_allclose(np.degrees(image.aolp[0, :, 0]) % 180, angles, atol=1e-4)
+    assert image.dop.dtype == image.aolp.dtype == np.float32
+    assert image.channels == ("550 nm",) and image.wavelength_nm == 550
+    almost = np.array([1, 1, -1e-30, 0], np.float32).reshape(1, 1, 1, 4)
+    assert sunstone.Image(almost, wavelength_nm=550).aolp[0, 0, 0] < math.pi
+
+
+def test_pictures_have_their_legends(cornell: sunstone.Scene) -> None:
+    def size(png: bytes) -> tuple[int, int]:
+        assert png.startswith(b"\x89PNG\r\n\x1a\n")
+        return int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")
+
+    image = cornell.render(**SMALL)
+    panels, one = size(image._repr_png_()), size(image.png("dop"))
+    assert panels[0] > 2 * one[0] and one[0] >= 16 and one[1] > 16
+    scalar = cornell.render(**SMALL, mode="scalar")
+    assert scalar._repr_png_() == scalar.png("intensity")
+    with pytest.raises(sunstone.Error, match="polarized"):
+        scalar.png("dop")
+    with pytest.raises(sunstone.Error, match="there is no map \"hue\"; known are"):
+        image.png("hue")
+
+
+def test_files_keep_what_is_written_to_the_array(
+    cornell: sunstone.Scene, tmp_path: pathlib.Path
+) -> None:
+    image = cornell.render(**SMALL, variance=True)
+    image.stokes[3, 4, 1, 2] = 7.5
+    image.metadata["note"] = "edited"
+    image.save(tmp_path / "a name with spaces.exr")
+    again = sunstone.Image.load(tmp_path / "a name with spaces.exr")
+    assert again.stokes[3, 4, 1, 2] == 7.5 and again.metadata["note"] == "edited"
+    assert image.variance is not None and again.variance is not None
+    assert np.array_equal(again.variance, image.variance)
+    assert list(again.metadata) == list(image.metadata)
+    image.save(str(tmp_path / "b.hdr"))
+    image.save(tmp_path / "c.png")
+    names = [f"b.S{component}.hdr" for component in range(4)]
+    assert sorted(os.listdir(tmp_path)) == ["a name with spaces.exr", *names, "c.png"]
+
+
+def test_errors_have_their_classes(cornell: sunstone.Scene, tmp_path: pathlib.Path) -> None:
+    assert issubclass(sunstone.SceneError, (sunstone.Error, ValueError))
+    assert issubclass(sunstone.RenderError, sunstone.Error)
+    assert not issubclass(sunstone.RenderError, ValueError)
+    with pytest.raises(FileNotFoundError, match="none.gltf") as found:
+        sunstone.load(tmp_path / "none.gltf")
+    assert found.value.filename == str(tmp_path / "none.gltf")
+    (tmp_path / "bad.gltf").write_text("{")
+    with pytest.raises(sunstone.SceneError, match="bad.gltf"):
+        sunstone.load(tmp_path / "bad.gltf")
+    with pytest.raises(sunstone.SceneError, match="camera"):
+        sunstone.load(CORNELL, camera="nobody's")
+    image = cornell.render(**SMALL)
+    with pytest.raises(FileNotFoundError, match="create the folder"):
+        image.save(tmp_path / "no" / "a.exr")
+    with pytest.raises(IsADirectoryError):
+        (tmp_path / "folder.exr").mkdir()
+        image.save(tmp_path / "folder.exr")
+    with pytest.raises(sunstone.Error, match="extension must be one of"):
+        image.save(tmp_path / "a.tiff")
+    with pytest.raises(FileNotFoundError):
+        sunstone.Image.load(tmp_path / "none.exr")
+    (tmp_path / "bad.exr").write_bytes(b"no image")
+    with pytest.raises(sunstone.Error, match="bad.exr"):
+        sunstone.Image.load(tmp_path / "bad.exr")
+    (tmp_path / "kept.exr").write_bytes(b"")
+    (tmp_path / "kept.exr").chmod(stat.S_IRUSR)
+    with pytest.raises(PermissionError, match="read-only"):
+        image.save(tmp_path / "kept.exr")
+    assert os.path.getsize(tmp_path / "kept.exr") == 0
+    pickled = pickle.loads(pickle.dumps(sunstone.SceneError("text")))
+    assert isinstance(pickled, sunstone.SceneError) and str(pickled) == "text"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the system has no full device")
+def test_a_device_is_not_replaced(cornell: sunstone.Scene, tmp_path: pathlib.Path) -> None:
+    (tmp_path / "full.exr").symlink_to("/dev/full")
+    with pytest.raises(OSError, match="a device or pipe"):
+        cornell.render(**SMALL).save(tmp_path / "full.exr")
+
+
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    (dict(spp=0), r"spp must be from 1 to 1073741824, not 0"),
+    (dict(spp=-1), r"spp must be a whole number from 0 to 4294967295, not -1"),
+    (dict(seed=2**32), r"seed must be a whole number"),
+    (dict(width=0), r"width must be from 1 to 65535, not 0"),
+    (dict(width=65535, height=65535), r"too large: a film has|memory"),
+    (dict(max_path_length=0), r"max_path_length must be from 1 to"),
+    (dict(integrator="magic"), r'integrator must be one of auto, .*path.*, not "magic"'),
+    (dict(mode="Polarized"), r"mode must be one of scalar, intensity, polarized, not"),
+    (dict(color="rgb", wavelength=500), r"wavelength goes with color=\"mono\""),
+    (dict(color="mono", wavelength=math.nan), r"wavelength must be from 1 to 1000000 nanometers"),
+    (dict(integrator="path", photons=10), r"photons goes with integrator=\"ppm\""),
+    (dict(integrator="ppm", alpha=0), r"alpha must be greater than 0 and at most 1, not 0"),
+    (dict(spp=4, iterations=4), r"spp and iterations cannot both be given"),
+    (dict(spp=3, replicates=4), r"replicates must be from 1 to the number of iterations"),
+    (dict(spp=1, variance=True), r"variance needs two iterations or more"),
+    (dict(time_limit=-1), r"time_limit must be a number of seconds, not -1"),
+    (dict(time_limit=math.nan), r"time_limit must be a number of seconds, not NaN"),
+    (dict(threads=0), r"threads must be from 1 to 4096, not 0"),
+    (dict(threads=10**6), r"threads must be from 1 to 4096, not 1000000"),
+]
+
+
+@pytest.mark.parametrize(("options", "text"), REFUSED, ids=lambda value: str(value)[:30])
+def test_options_are_refused_by_name(
+    options: dict[str, Any], text: str, cornell: sunstone.Scene
+) -> None:
+    with pytest.raises(sunstone.RenderError, match=text):
+        cornell.render(**options)
+
+
+def test_what_is_no_option_is_a_type_error(cornell: sunstone.Scene) -> None:
+    with pytest.raises(TypeError, match="sppp"):
+        cornell.render(sppp=3)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="'sppp' is not an option of render; these are: integr"):
+        cornell.notes(sppp=3)
+    with pytest.raises(TypeError, match="spp"):
+        cornell.render(spp="many")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="spp"):
+        cornell.render(spp=1.5)  # type: ignore[arg-type]
+    assert cornell.render(**{**SMALL, "spp": np.int64(2)}).stokes.shape == (16, 16, 3, 4)
+
+
+def test_warnings_are_python_s(tmp_path: pathlib.Path, room: sunstone.World) -> None:
+    text = CORNELL.read_text().replace('"extensionsUsed": [', '"extensionsUsed": ["ACME_x", ', 1)
+    (tmp_path / "odd.gltf").write_text(text)
+    with pytest.warns(sunstone.SceneWarning, match="ACME_x") as caught:
+        scene = sunstone.load(tmp_path / "odd.gltf", allow_outside=True)
+    assert caught[0].filename == __file__
+    assert any("ACME_x" in warning for warning in scene.warnings)
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        room.render(integrator="path", spp=1, max_path_length=1, width=1, height=1)
+    assert {(it.filename, it.category) for it in heard} == {(__file__, sunstone.RenderWarning)}
+    assert any("the image is black" in str(it.message) for it in heard)
+    assert any("auto" in note or "chosen" in note for note in scene.notes())
+
+
+def test_nothing_is_printed() -> None:
+    code = (
+        "import sunstone, warnings; warnings.simplefilter('ignore')\n"
+        f"s = sunstone.load({str(CORNELL)!r}); s.render(spp=1, width=8); s.notes()\n"
+        "try: s.render(spp=0)\nexcept sunstone.Error: pass"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stdout == b"" and done.stderr == b""
+
+
+def test_worlds_go_on_after_a_render(room: sunstone.World) -> None:
+    before = room.render(**SMALL)
+    assert np.array_equal(room.render(**SMALL).stokes, before.stokes)
+    room.add_sphere("other", 0.2, "plate", position=(-0.4, -0.8, 0.2))
+    after = room.render(**SMALL)
+    assert not np.array_equal(after.stokes, before.stokes)
+    assert room.place() is room.place()
+
+
+def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
+    def refused(text: str) -> Any:
+        return pytest.raises(sunstone.SceneError, match=text)
+
+    quad = sunstone.Geometry.quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    with refused("material `wall`: there is one of this name already"):
+        room.add_material("wall", "diffuse")
+    with refused("material `x`, ior: means nothing for a material of bsdf \"diffuse\""):
+        room.add_material("x", "diffuse", ior=1.5)
+    with refused("material `x`, bsdf: `velvet` is not a model"):
+        room.add_material("x", "velvet")  # type: ignore[arg-type]
+    with refused("`Fe` is not tabulated"):
+        room.add_material("x", "conductor", metal="Fe")  # type: ignore[arg-type]
+    with refused("material `x`, reflectance: a spectrum is a number"):
+        room.add_material("x", "diffuse", reflectance=[1, 2])
+    with refused("material `x`, reflectance: 1.5 must be within"):
+        room.add_material("x", "diffuse", reflectance={"nm": [400, 700], "value": [0.5, 1.5]})
+    with refused("mesh `m`, material: there is no material `gold`; there are: glass, glow"):
+        room.add_mesh("m", quad, "gold")
+    with refused("an opaque surface has nothing behind it"):
+        room.add_mesh("m", quad, "wall", interior="none")
+    with refused("transform is singular"):
+        room.add_mesh("m", quad, "wall", transform=np.zeros((4, 4)) + np.diag([0, 0, 0, 1]))
+    with refused("last row of the matrix"):
+        room.add_mesh("m", quad, "wall", transform=np.eye(4).T + np.eye(4, k=-3))
+    with refused("its place is given twice"):
+        room.add_mesh("m", quad, "wall", transform=np.eye(4), position=(0, 0, 0))
+    with refused("sphere `s`, radius: -1 must be"):
+        room.add_sphere("s", -1.0, "wall")
+    with refused("triangle 0 has no area"):
+        line = sunstone.Geometry(np.zeros((3, 3), np.float32), np.array([[0, 1, 2]], np.uint32))
+        room.add_mesh("m", line, "wall")
+    with refused("takes either `yfov` or both"):
+        room.set_camera("c")
+    with refused("singular or not finite"):
+        room.set_camera("c", yfov=1.0, position=(1, 1, 1), target=(1, 1, 1))
+    with refused("medium `fog`, sigma_a: is missing"):
+        room.add_medium("fog", "isotropic", sigma_s=1.0)
+    with refused("medium `fog`, particles\\[0\\], distribution, of: is missing"):
+        beads = {"kind": "gamma", "mean_um": 1, "sd_um": 0.1}
+        part = {"distribution": beads, "eta": 1.5, "volume_fraction": 0.1}
+        room.add_medium("fog", "mie", particles=[part], host={"eta": 1.33})
+    with refused("environment"):
+        room.set_environment(-1.0)
+    with refused("spot"):
+        room.add_light("l", "spot", 1.0, outer=3.0)
+    with refused("the world has no camera"):
+        sunstone.World("empty").place()
+    assert room.render(**SMALL).stokes.shape == (16, 16, 3, 4)
+
+
+def test_geometries_are_refused_by_shape() -> None:
+    with pytest.raises(sunstone.SceneError, match=r"positions: must have the shape \(count, 3\)"):
+        sunstone.Geometry(np.zeros((3, 2)), np.zeros((1, 3)))
+    with pytest.raises(sunstone.SceneError, match="triangles: 7 is not one of the 3"):
+        world = sunstone.World()
+        world.add_material("m", "diffuse")
+        corners = np.eye(3)
+        world.add_mesh("m", sunstone.Geometry(corners, [[0, 1, 7]]), "m")
+    with pytest.raises(sunstone.SceneError, match="triangles: .*whole numbers"):
+        sunstone.Geometry(np.eye(3), [[0, 1, -1]])
+    with pytest.raises(sunstone.SceneError, match="triangles: .*whole numbers"):
+        sunstone.Geometry(np.eye(3), [[0, 1, 1.5]])
+    mesh = sunstone.Geometry(np.eye(3)[::-1], np.array([[0, 1, 2]]), normals=np.ones((3, 3)))
+    assert np.array_equal(mesh.positions, np.eye(3)[::-1]) and mesh.triangles.dtype == np.uint32
+    assert mesh.normals is not None and mesh.normals.shape == (3, 3)
+
+
+def test_everything_pickles_and_copies(cornell: sunstone.Scene, room: sunstone.World) -> None:
+    fog = room  # with a medium, a light and a shared mesh besides
+    fog.add_medium("fog", "hg", sigma_a=0.1, sigma_s=[0.1, 0.2, 0.3], g=0.5)
+    fog.set_scene_medium("fog")
+    fog.add_light("spot", "spot", 1.0, outer=0.5, position=(0, 0.9, 0), direction=(0, -1, 0))
+    pane = sunstone.Geometry([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+    fog.add_mesh("a", pane, "wall")
+    fog.add_mesh("b", pane, "wall", position=np.array([0.2, 0, 0]))
+    for thing in (cornell, fog, fog.place(), copy.deepcopy(fog), copy.copy(cornell)):
+        expected = thing.render(**SMALL).stokes
+        for protocol in (2, pickle.HIGHEST_PROTOCOL):
+            same = pickle.loads(pickle.dumps(thing, protocol))
+            assert np.array_equal(same.render(**SMALL).stokes, expected)
+        assert np.array_equal(copy.deepcopy(thing).render(**SMALL).stokes, expected)
+    expected = fog.render(**SMALL).stokes
+    other = copy.deepcopy(fog)
+    other.add_sphere("s", 0.3, "plate")
+    assert np.array_equal(fog.render(**SMALL).stokes, expected)
+    image = cornell.render(**SMALL, variance=True, color="mono")
+    for same in (pickle.loads(pickle.dumps(image)), copy.deepcopy(image)):
+        assert np.array_equal(same.stokes, image.stokes) and same.channels == image.channels
+        assert same.stokes is not image.stokes and same.metadata == image.metadata
+        assert same.variance is not None and image.variance is not None
+        assert np.array_equal(same.variance, image.variance)
+
+
+def test_what_was_given_may_change(room: sunstone.World) -> None:
+    color = [0.5, 0.5, 0.5]
+    room.add_material("grey", "diffuse", reflectance=color)
+    color[0] = 7
+    place = np.eye(4)
+    room.add_sphere("s", 0.1, "grey", transform=place)
+    place[:] = 0
+    room.render(**SMALL)
+    room.add_sphere("t", 0.1, "grey", position=(0.5, 0, 0))
+    room.render(**SMALL)
+
+
+def test_several_threads_agree(cornell: sunstone.Scene) -> None:
+    expected = [cornell.render(**SMALL, seed=seed).stokes for seed in range(4)]
+    scene = sunstone.load(CORNELL)
+    wrong: list[int] = []
+
+    def work(seed: int) -> None:
+        for threads in (None, 1, 2):
+            image = scene.render(**SMALL, seed=seed, threads=threads)
+            if not np.array_equal(image.stokes, expected[seed]):
+                wrong.append(seed)
+
+    workers = [threading.Thread(target=work, args=(index % 4,)) for index in range(8)]
+    [worker.start() for worker in workers]
+    [worker.join(60) for worker in workers]
+    assert not wrong and not any(worker.is_alive() for worker in workers)
+
+
+def test_the_interpreter_stays_free(cornell: sunstone.Scene) -> None:
+    done = threading.Event()
+    options: Any = dict(integrator="path", time_limit=1.0, spp=10**6, width=32)
+    worker = threading.Thread(
+        target=lambda: (cornell.render(**options), done.set())
+    )
+    worker.start()
+    turns, longest, last = 0, 0.0, time.monotonic()
+    while not done.is_set():
+        time.sleep(0.005)
+        turns, longest, last = turns + 1, max(longest, time.monotonic() - last), time.monotonic()
+    worker.join()
+    assert turns > 20 and longest < 0.5
+
+
+def test_what_progress_raises_ends_the_render(cornell: sunstone.Scene) -> None:
+    def progress(done: int, total: int) -> None:
+        raise LookupError(f"{done} of {total}")
+
+    start = time.monotonic()
+    with pytest.raises(LookupError, match="of 1000000"):
+        cornell.render(integrator="path", spp=10**6, width=16, height=16, progress=progress)
+    assert time.monotonic() - start < 10
+
+
+@pytest.mark.parametrize("integrator", ["path", "ppm"])
+def test_ctrl_c_ends_a_render_within_a_second(integrator: str) -> None:
+    code = (
+        "import sunstone, time\n"
+        f"s = sunstone.load({str(CORNELL)!r})\n"
+        f"s.render(integrator={integrator!r}, spp=4, width=16, height=16)\n"
+        "print('ready', flush=True)\n"
+        "try:\n"
+        f"    s.render(integrator={integrator!r}, spp=10**6, width=2000, height=2000)\n"
+        "except KeyboardInterrupt:\n"
+        "    stopped = time.monotonic(); cpu = time.process_time()\n"
+        "    s.render(integrator='path', spp=1, width=4, height=4)\n"
+        "    time.sleep(0.5); print(stopped, time.process_time() - cpu)\n"
+    )
+    command = [sys.executable, "-c", code]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        time.sleep(1.5)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    stopped, busy = map(float, out.split())
+    assert stopped - sent < 1.0
+    # Nothing goes on behind one's back.
+    assert busy < 0.6
+
+
+def _in_child(scene: sunstone.Scene, results: Any) -> None:
+    results.put(scene.render(**SMALL).stokes)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system does not fork")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_other_processes_render(method: str) -> None:
+    scene = sunstone.load(CORNELL)
+    expected = scene.render(**SMALL).stokes
+    context: Any = multiprocessing.get_context(method)
+    results = context.Queue()
+    children = [context.Process(target=_in_child, args=(scene, results)) for _ in range(3)]
+    [child.start() for child in children]
+    for _ in children:
+        assert np.array_equal(results.get(timeout=60), expected)
+    [child.join(10) for child in children]
+    assert all(child.exitcode == 0 for child in children)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system does not fork")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
+def test_a_fork_amid_a_render_does_not_hang() -> None:
+    scene = sunstone.load(CORNELL)
+    other = sunstone.load(CORNELL)
+    stop = threading.Event()
+    begun = threading.Event()
+
+    def progress(done: int, total: int) -> bool:
+        begun.set()
+        return not stop.is_set()
+
+    options = dict(integrator="path", width=32, height=32, spp=10**6, progress=progress)
+    worker = threading.Thread(target=lambda: scene.render(**options))  # type: ignore[arg-type]
+    worker.start()
+    assert begun.wait(30)
+    for _ in range(5):
+        reader, writer = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                scene.render(**SMALL)
+                os.write(writer, b"rendered ")
+            except sunstone.RenderError as error:
+                os.write(writer, b"raised " if "forked" in str(error) else b"wrong ")
+            other.render(**SMALL)
+            os.write(writer, b"other")
+            os._exit(0)
+        os.close(writer)
+        end = time.monotonic() + 60
+        while os.waitpid(child, os.WNOHANG)[0] == 0:
+            if time.monotonic() > end:
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+                pytest.fail("the child hangs")
+            time.sleep(0.01)
+        assert os.read(reader, 100) in (b"raised other", b"rendered other")
+        os.close(reader)
+    stop.set()
+    worker.join(30)
+    assert not worker.is_alive()
+
+
+def test_memory_stays_where_it_is(cornell: sunstone.Scene) -> None:
+    def resident() -> int:
+        status = pathlib.Path("/proc/self/status")
+        if not status.exists():
+            pytest.skip("the system does not tell")
+        lines = status.read_text().splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
+
+    renders = int(os.environ.get("SUNSTONE_RENDERS", "1000"))
+    seen = []
+    for index in range(renders):
+        cornell.render(integrator="path", spp=1, width=8, height=8, seed=index)
+        if index in (renders // 10 - 1, renders - 1):
+            gc.collect()
+            seen.append(resident())
+    assert seen[-1] - seen[0] <= 2048, seen
+
+
+def test_an_old_processor_is_an_import_error() -> None:
+    from sunstone import _processor
+
+    old = "processor : 0\nflags\t\t: fpu sse sse2 ssse3 sse4_1 sse4_2 popcnt\n\nprocessor : 1\n"
+    flags = _processor.flags_of(old)
+    assert flags is not None and "popcnt" in flags
+    text = _processor.refusal(flags, {})
+    assert text is not None and "lacks avx, avx2, bmi1, bmi2, f16c, fma, movbe" in text
+    assert _processor.refusal(None, {"AVX2": False}) is not None
+    assert _processor.refusal(frozenset(_processor.FLAGS), {"AVX2": True}) is None
+    assert _processor.refusal(None, {}) is None
+    code = (
+        "import numpy, os, sys\n"
+        "real = os.read\n"
+        f"os.read = lambda file, size: {old.encode()!r}\n"
+        "import importlib.util as u, pathlib\n"
+        "try:\n"
+        "    import sunstone\n"
+        "except ImportError as error:\n"
+        "    assert 'AVX2' in str(error), error\n"
+        "    assert 'sunstone._sunstone' not in sys.modules\n"
+        "    print('refused')\n"
+    )
+    if not _processor._is_needed():
+        pytest.skip("this build runs on any processor")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stdout == b"refused\n"
+
+
+def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "scenes").symlink_to(CORNELL.parent)
+    monkeypatch.chdir(tmp_path)
+    parts = (ROOT / "README.md").read_text().split("```python\n")[1:]
+    assert len(parts) == 2
+    for part in parts:
+        block = part.split("```")[0].replace("spp=64", "spp=1").replace("spp=16", "spp=1")
+        exec(block, {"sunstone": sunstone})
+    assert (tmp_path / "cornell.exr").exists()
+
+
+#: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
+ALLOWED = r"""
+sunstone\._scene\.(Color|Integrator|Mode|Sampling)
+sunstone\._sunstone\.__all__
+"""
+
+
+def test_stubs_and_types(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("mypy")
+    stubtest = [sys.executable, "-m", "mypy.stubtest", "sunstone", "--ignore-disjoint-bases"]
+    allowed = tmp_path / "allowed"
+    allowed.write_text(ALLOWED)
+    stubtest += ["--allowlist", str(allowed)]
+    done = subprocess.run(stubtest, capture_output=True, text=True, cwd="/")
+    assert done.returncode == 0, done.stdout + done.stderr
+    folder = os.path.dirname(sunstone.__file__)
+    strict = [sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", folder]
+    done = subprocess.run(strict, capture_output=True, text=True, cwd="/")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert os.path.exists(os.path.join(folder, "py.typed"))
+    for name in sunstone.__all__:
+        assert getattr(sunstone, name).__doc__, name
+    assert ROOT.exists()
