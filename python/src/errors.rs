@@ -73,6 +73,7 @@ pub fn of_any(error: impl Into<Error>) -> PyErr {
         Error::Settings(error) => of_settings(error),
         Error::Threads(error) => of_threads(error),
         Error::Image(error) => of_image(error),
+        Error::Part(error) => RENDER_ERROR.says(error),
         Error::Memory(error) => RENDER_ERROR.says(error),
     }
 }
@@ -94,6 +95,7 @@ pub fn of_image(error: ImageError) -> PyErr {
         | ImageError::Extension { .. }
         | ImageError::OneWay { .. }
         | ImageError::Image { .. }
+        | ImageError::Sensor(_)
         | ImageError::Mismatch { .. } => ERROR.says(text),
     }
 }

@@ -44,6 +44,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         seed: option(options, "seed")?.unwrap_or(default.seed),
         photons,
         time_limit: time_limit(options)?,
+        part: None,
     };
     Settings::new(options).map_err(of_settings)
 }

@@ -402,7 +402,7 @@ pub struct SensorArguments {
     /// With a Bayer mosaic of squares of four pixels, or without [default: as the image is]
     #[arg(long, value_enum, value_name = "KIND")]
     pub sensor: Option<SensorName>,
-    /// Bits of its numbers: 8, or 12 or 16 in a PNG of 16, those of 12 in the lower ones [default: 8]
+    /// Bits of its numbers: 8, or 12 or 16 in a PNG of 16, where 12 are the lower ones [default: 8]
     #[arg(long, value_name = "N")]
     pub bits: Option<u32>,
     /// Electrons that a pixel holds; without it there is no noise

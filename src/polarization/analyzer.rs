@@ -8,9 +8,9 @@ use crate::math::{Fault, Range};
 
 /// An ideal analyzer, in the frame `(x, y, k)` of the light that it is held into.
 ///
-/// With `p` the Stokes vector of intensity one that passes whole, its Mueller matrix is `p p^T / 2`:
-/// of rank one. What lies behind it measures one number, `p^T S / 2`, and all four Stokes
-/// components are that number times those of `p`.
+/// With `p` the Stokes vector of intensity one that passes whole, its Mueller matrix is
+/// `p p^T / 2`: of rank one. What lies behind it measures one number, `p^T S / 2`, and all four
+/// Stokes components are that number times those of `p`.
 ///
 /// ```
 /// use sunstone::Analyzer;

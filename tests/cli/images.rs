@@ -55,8 +55,8 @@ fn scales_fit_the_image_unless_told_otherwise() {
     assert_eq!(full != fitted, is_weakly_polarized(&here.join("a.exr")));
 }
 
-/// What a scene's analyzer lets pass is what `visualize` lets pass of the image without: by the same
-/// paths, and as a file.
+/// What a scene's analyzer lets pass is what `visualize` lets pass of the image without: by the
+/// same paths, and as a file.
 #[test]
 fn analyzers_show_what_a_film_behind_them_measures() {
     let here = folder("analyzers");

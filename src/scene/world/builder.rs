@@ -159,9 +159,9 @@ impl World {
         Ok(())
     }
 
-    /// Puts an ideal analyzer before the film, in the film's frame, in place of that which was there;
-    /// or none: the image is then of the light as it comes. In scalar mode it lets half of all light
-    /// pass.
+    /// Puts an ideal analyzer before the film, in the film's frame, in place of that which was
+    /// there; or none: the image is then of the light as it comes. In scalar mode it lets half of
+    /// all light pass.
     ///
     /// # Errors
     /// When there is no camera, or an axis is not finite.
