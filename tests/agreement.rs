@@ -201,7 +201,17 @@ fn integrators_agree_on_reference_scenes() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_on_small_scenes() {
-    check(SCENES.into_iter().map(|(name, build)| (name.to_owned(), build())), ITERATIONS);
+    check(small_scenes(), ITERATIONS / 4);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_small_scenes_closely() {
+    check(small_scenes(), 2 * ITERATIONS);
+}
+
+fn small_scenes() -> impl Iterator<Item = (String, World)> {
+    SCENES.into_iter().map(|(name, build)| (name.to_owned(), build()))
 }
 
 #[test]
