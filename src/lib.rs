@@ -62,7 +62,8 @@
 //! | 8 | `integrators` | schedules of stages: `path`, `light`, `bdpt`, `ppm` |
 //! | 9 | `render` | schedules over a film: tiles, photon passes, threads |
 //! | 10 | `bench` | what measures and reports |
-//! | 11 | `cli` | arguments, jobs, verbs |
+//! | 11 | `batch` | many renders from one job file |
+//! | 12 | `cli` | arguments, verbs |
 //!
 //! A film develops into an image, hence the order of these two; both lie below the scene, which
 //! reads images.
@@ -71,6 +72,7 @@
 //! vertices and film samples are structure-of-arrays tables of their own and the systems that
 //! advance them are free functions, so do not look for a `World` there.
 
+mod batch;
 mod bench;
 mod cli;
 mod files;
@@ -95,7 +97,7 @@ pub use crate::render::{
     Mode, Options, Part, PartError, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer,
     Resolved, Rule, Settings, SettingsError, Stop, merge,
 };
-pub use crate::scene::{Reading, SceneError, World, load, load_with, world};
+pub use crate::scene::{Edit, Reading, SceneError, SceneFile, World, load, load_with, world};
 pub use crate::spectrum::{Color, Spectrum};
 pub use crate::transport::Sampling;
 pub use {glam, hecs};
@@ -194,6 +196,9 @@ pub mod mosaic {
 /// is promised to stay.
 #[doc(hidden)]
 pub mod internals {
+    pub mod batch {
+        pub use crate::batch::*;
+    }
     pub mod bench {
         pub use crate::bench::*;
     }

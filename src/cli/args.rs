@@ -45,6 +45,8 @@ Examples:
       errors per Stokes component, and z-scores where the images hold variances
   sunstone inspect scenes/cornell.gltf
       what is in a scene (or an image), in words
+  sunstone batch scenes/malus.toml
+      many renders from one job file: sweeps over materials, lights, media, cameras and options
   sunstone bench table1
       what polarization costs: the paper's Table 1, measured on this machine
   sunstone bench overhead scenes/cornell.gltf --integrator path,bdpt
@@ -84,6 +86,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Say in words what is in a scene or an image
     Inspect(InspectArguments),
+    /// Render all that a job file asks for: sweeps, data sets
+    Batch(BatchArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
 }
@@ -203,7 +207,7 @@ static OUTPUT_HELP: LazyLock<String> = LazyLock::new(|| {
 });
 
 /// `render` as typed.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_long_help = RENDER_NOTES, args_override_self = true)]
 pub struct RenderArguments {
     /// The scene: .gltf or .glb
@@ -303,7 +307,7 @@ pub struct RenderArguments {
 }
 
 /// How a render can be taken up again.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct CheckpointArguments {
     /// Keep what is needed to go on in this file while the render runs; it is removed when the
     /// output is written
@@ -318,7 +322,7 @@ pub struct CheckpointArguments {
 }
 
 /// What scenes may read.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct FileArguments {
     /// Let scenes read files outside their folders: only for scenes that you trust
     #[arg(long, help_heading = RUN)]
@@ -326,7 +330,7 @@ pub struct FileArguments {
 }
 
 /// Options of photon mapping.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = PHOTONS)]
 pub struct PhotonArguments {
     /// Light paths an iteration [default: 4 for every pixel, from 10000 to 4000000]
@@ -341,6 +345,57 @@ pub struct PhotonArguments {
     /// How the kernel shrinks, from 0 (fast, noisy) to 1 (not at all, biased) [default: 2/3]
     #[arg(long, value_name = "ALPHA")]
     pub alpha: Option<f32>,
+}
+
+const BATCH_NOTES: &str = "\
+A job file is TOML with defaults and jobs, or has the table of a job in every line as JSON (.jsonl):
+
+  version = 1
+  [defaults]                  # long options of `render`, with _ for -
+  scene = \"lab.gltf\"         # paths are relative to the job file
+  spp = 64
+  [[jobs]]
+  name = \"still\"
+  output = \"out/{name}.exr\"
+  set = { \"materials/analyzer/axis_deg\" = 30 }
+  [[jobs]]                    # 36 x 3 jobs, the last axis fastest
+  name = \"malus\"
+  output = \"out/{name}-{angle:05.1}-{ior}.exr\"   # also {index:04}, {seed}
+  sweep = [
+    { name = \"angle\", key = \"materials/analyzer/axis_deg\", from = 0, to = 175, count = 36 },
+    { name = \"ior\", key = \"materials/glass/ior\", values = [1.33, 1.5, 1.7] },
+  ]                           # step_with = \"ior\" walks in step instead
+
+Edits are KIND/NAME/KEY: materials, nodes, lights, cameras or media, a name or #0, #1, ... by the \
+order in the file, and a key of the scene file (dots lead inwards). Axes may sweep options too, by \
+bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each its index.
+
+A batch that is started again does what is left, and again what has failed or whose scene, \
+options, program or image has changed. Exit codes: 0 all done, 1 some jobs failed, 2 the job file \
+is wrong and nothing was rendered, 128 + N signal N ended it.";
+
+/// `batch` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = BATCH_NOTES, args_override_self = true)]
+pub struct BatchArguments {
+    /// The job file: .toml or .jsonl
+    #[arg(value_name = "JOBS")]
+    pub jobs: PathBuf,
+    /// List the jobs on standard output, and which are done, and render nothing
+    #[arg(long, help_heading = RUN)]
+    pub dry_run: bool,
+    /// Where it is noted what has been done [default: results.jsonl beside the job file]
+    #[arg(long, value_name = "FILE", help_heading = RUN)]
+    pub results: Option<PathBuf>,
+    /// Let scenes read, and jobs write, files outside their folders: only for those that you trust
+    #[arg(long, help_heading = RUN)]
+    pub allow_outside: bool,
+    /// Threads for all jobs together [default: all processors]
+    #[arg(long, value_name = "N", help_heading = RUN)]
+    pub threads: Option<usize>,
+    /// No progress and no closing line; warnings and errors remain
+    #[arg(short, long, help_heading = RUN)]
+    pub quiet: bool,
 }
 
 const PHOTONS: &str = "Photons (ppm)";

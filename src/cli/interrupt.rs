@@ -38,6 +38,18 @@ impl Signal {
     }
 }
 
+/// Listens to signals where nothing has to be written when they come. From now on, the first
+/// signal of its kind is no longer the end, but the second is. The function tells which has come.
+///
+/// # Errors
+/// When the system refuses.
+pub fn signals() -> Result<impl Fn() -> Option<Signal>, CliError> {
+    let number = Arc::new(AtomicUsize::new(0));
+    register(&number)
+        .map_err(|error| CliError::System(format!("cannot listen to signals: {error}")))?;
+    Ok(move || signal_of(&number))
+}
+
 /// Listens to signals for as long as a render runs.
 pub struct Interrupt {
     /// The number of the signal that has come; zero if none has.

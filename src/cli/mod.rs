@@ -1,6 +1,7 @@
-//! Floor 11: the command line. Arguments as typed become a validated job; verbs run it.
+//! Floor 12: the command line. Arguments as typed become a validated job; verbs run it.
 
 mod args;
+mod batch;
 mod bench;
 mod checkpoint;
 mod files;
@@ -65,6 +66,17 @@ enum CliError {
         /// Whether it is a part, which is not written before it is done.
         is_part: bool,
     },
+    /// A signal ended a batch.
+    #[error("{}: {text}", .signal.name())]
+    BatchInterrupted {
+        /// What came.
+        signal: Signal,
+        /// What has been done, and how to go on.
+        text: String,
+    },
+    /// What a file asks for does not go together.
+    #[error("{0}")]
+    Refused(String),
     /// The system refused something.
     #[error("{0}")]
     System(String),
@@ -132,6 +144,7 @@ fn run_command() -> ExitCode {
         Command::View(arguments) => images::view(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
+        Command::Batch(arguments) => batch::batch(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };
     match result {
@@ -145,15 +158,16 @@ fn run_command() -> ExitCode {
 
 impl CliError {
     fn say(&self) {
-        let head = if let Self::Interrupted { .. } = self { "" } else { "error: " };
+        let is_signal = matches!(self, Self::Interrupted { .. } | Self::BatchInterrupted { .. });
+        let head = if is_signal { "" } else { "error: " };
         files::say(format_args!("{head}{self}"));
     }
 
     /// What the program ends with.
     fn exit_code(&self) -> u8 {
-        if let Self::Interrupted { signal, .. } = self {
+        if let Self::Interrupted { signal, .. } | Self::BatchInterrupted { signal, .. } = self {
             return signal.exit_code();
         }
-        if let Self::Usage(_) = self { 2 } else { 1 }
+        if let Self::Usage(_) | Self::Refused(_) = self { 2 } else { 1 }
     }
 }

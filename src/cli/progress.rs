@@ -1,7 +1,7 @@
 //! How far the work is, for whoever looks: a bar on a terminal, and now and then a line where the
 //! words go into a file.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -25,6 +25,8 @@ struct Lines {
     total: u64,
     start: Instant,
     latest: Cell<Instant>,
+    /// What is said in place of the steps, if they are nothing to be counted.
+    told: RefCell<Option<String>>,
 }
 
 impl Progress {
@@ -39,12 +41,21 @@ impl Progress {
             let (start, latest) = (Instant::now(), Cell::new(Instant::now()));
             let bar = ProgressBar::hidden();
             bar.set_length(total);
-            return Self { bar, lines: Some(Lines { unit, total, start, latest }) };
+            let told = RefCell::default();
+            return Self { bar, lines: Some(Lines { unit, total, start, latest, told }) };
         }
         let bar = ProgressBar::new(total);
         let style = ProgressStyle::with_template(template);
         bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
         Self { bar, lines: None }
+    }
+
+    /// What is to be said of what is done in place of the steps; `{msg}` on a terminal.
+    pub fn tell(&self, text: String) {
+        if let Some(lines) = &self.lines {
+            *lines.told.borrow_mut() = Some(text.clone());
+        }
+        self.bar.set_message(text);
     }
 
     /// So many steps are done.
@@ -55,6 +66,11 @@ impl Progress {
             lines.latest.set(Instant::now());
             say(lines.text(done, lines.start.elapsed()));
         }
+    }
+
+    /// Says something else while the bar stands aside.
+    pub fn aside(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
     }
 
     /// Takes the bar away.
@@ -73,7 +89,9 @@ impl Lines {
             Err(_) => String::new(),
         };
         let percent = 100.0 * share;
-        format!("{percent:.1} %: {done} of {total} {unit} in {}{left}", HumanDuration(since))
+        let told = self.told.borrow().clone();
+        let told = told.unwrap_or_else(|| format!("{done} of {total} {unit}"));
+        format!("{percent:.1} %: {told} in {}{left}", HumanDuration(since))
     }
 }
 
@@ -94,9 +112,12 @@ mod tests {
     #[test]
     fn lines_tell_what_is_left() {
         let (start, latest) = (Instant::now(), Cell::new(Instant::now()));
-        let lines = Lines { unit: "iterations", total: 400, start, latest };
+        let told = RefCell::default();
+        let lines = Lines { unit: "iterations", total: 400, start, latest, told };
         let text = lines.text(100, Duration::from_secs(120));
         assert_eq!(text, "25.0 %: 100 of 400 iterations in 2 minutes, about 6 minutes left");
         assert_eq!(lines.text(0, INTERVAL), "0.0 %: 0 of 400 iterations in 60 seconds");
+        *lines.told.borrow_mut() = Some("3 of 4 jobs".to_owned());
+        assert_eq!(lines.text(0, INTERVAL), "0.0 %: 3 of 4 jobs in 60 seconds");
     }
 }

@@ -314,7 +314,7 @@ fn add_metadata(image: &mut StokesImage, scene: &Path, seconds: f64, signal: Opt
 }
 
 /// The command line as a shell takes it.
-fn command() -> String {
+pub(super) fn command() -> String {
     let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
     let quoted = |word: String| match shlex::try_quote(&word) {
         Ok(quoted) => quoted.into_owned(),

@@ -1,11 +1,13 @@
 //! Temporary files: named after the process that writes them, so that those of the dead are found
 //! and removed by whoever writes into the folder next.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// What the names of all temporary files begin with.
 const PREFIX: &str = ".sunstone-";
@@ -37,9 +39,25 @@ fn name(process: u32, number: u64) -> String {
     format!("{PREFIX}{}-{process}-{number}{SUFFIX}", *PLACE)
 }
 
-/// Removes the temporary files of processes that were ended as they wrote. Whatever cannot be
-/// listed or removed stays.
+/// Time between two looks at a folder.
+const INTERVAL: Duration = Duration::from_secs(10);
+/// Most folders of which it is known when that was.
+const FOLDERS_MAX: usize = 1000;
+
+/// Removes the temporary files of processes that were ended as they wrote, unless that has just
+/// been done: a folder may hold a hundred thousand images. Whatever cannot be listed or removed
+/// stays.
 fn remove_dead(folder: &Path) {
+    static LATEST: Mutex<BTreeMap<PathBuf, Instant>> = Mutex::new(BTreeMap::new());
+    let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
+    if latest.get(folder).is_some_and(|latest| latest.elapsed() < INTERVAL) {
+        return;
+    }
+    if latest.len() == FOLDERS_MAX {
+        latest.clear();
+    }
+    latest.insert(folder.to_owned(), Instant::now());
+    drop(latest);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let writer = entry.file_name().to_str().and_then(process_of);
         if writer.is_some_and(is_dead) {

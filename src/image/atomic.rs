@@ -46,6 +46,11 @@ pub fn probe_writable(path: &Path) -> Result<(), OutputError> {
     Staged::new(path, |_| Ok(())).map(drop)
 }
 
+/// Checks that `path` is the name of nothing that could not be replaced. Nothing is written.
+pub fn probe_name(path: &Path) -> Result<(), OutputError> {
+    resolve(path).map(drop)
+}
+
 /// The folder in which `path` lies; `.` where the name has none.
 pub fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {

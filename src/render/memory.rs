@@ -57,11 +57,16 @@ pub fn check_memory(options: &Options, film: [u32; 2]) -> Result<(), MemoryError
 /// Refuses a world of which the shapes and their tree do not fit. Meshes are counted once: which
 /// will be copied is not known yet.
 pub fn check_world(world: &World) -> Result<(), MemoryError> {
+    check_triangles(triangles_of(world), BYTES_OF_TRIANGLE)
+}
+
+/// The triangles of all meshes, each counted once.
+pub fn triangles_of(world: &World) -> usize {
     let mut meshes = BTreeMap::new();
     for mesh in world.entities().query::<&Mesh>().iter() {
         meshes.insert(Arc::as_ptr(&mesh.0).addr(), mesh.0.triangles.len());
     }
-    check_triangles(meshes.values().sum(), BYTES_OF_TRIANGLE)
+    meshes.values().sum()
 }
 
 /// Refuses shapes of which the tree does not fit.

@@ -12,7 +12,7 @@ use crate::scattering::emitter::glimpse::pixels_seen;
 use crate::scattering::shut_in::Wanderer;
 use crate::scene::baked::{Camera, Shapes};
 use crate::scene::warnings::Warnings;
-use crate::scene::{SceneError, World, bake_optics, bake_shapes};
+use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
 use crate::spectrum::Color;
 
 use super::RenderError;
@@ -33,10 +33,17 @@ pub struct PlacedWorld(Arc<Placed>);
 
 struct Placed {
     world: World,
-    shapes: Arc<Shapes>,
-    accelerator: Arc<Accelerator>,
+    ground: Arc<Ground>,
+    camera: Camera,
     rgb: Latest<3>,
     mono: Latest<1>,
+}
+
+/// The shapes of a world in their tree, with what they were made of.
+struct Ground {
+    plan: Plan,
+    shapes: Arc<Shapes>,
+    accelerator: Arc<Accelerator>,
 }
 
 /// Scenes that are kept for every number of wavelengths.
@@ -55,19 +62,39 @@ impl PlacedWorld {
     /// When the world is not as it should be ([`World::check`]), or does not fit into the numbers
     /// of the renderer or into the memory.
     pub fn new(world: World) -> Result<Self, RenderError> {
-        check_world(&world)?;
-        let mut shapes = bake_shapes(&world)?;
-        check_tree(&shapes)?;
-        let accelerator = Accelerator::of_shapes(&shapes);
-        let doubts = settle(&mut shapes, &accelerator);
-        shapes.warnings.extend(sentences(&world, &doubts));
-        Ok(Self(Arc::new(Placed {
-            world,
-            shapes: Arc::new(shapes),
-            accelerator: Arc::new(accelerator),
-            rgb: Mutex::default(),
-            mono: Mutex::default(),
-        })))
+        let ground = Arc::new(Ground::new(&world, plan_shapes(&world)?)?);
+        Self::on(world, ground)
+    }
+
+    /// Places another world, mostly this one after an edit, with the shapes and the tree of this
+    /// one where its own would be the same: where materials and lights have other numbers, say, or
+    /// the camera stands elsewhere. The images are those of [`PlacedWorld::new`], bit for bit.
+    ///
+    /// Meshes are the same if they are the same in memory.
+    ///
+    /// # Errors
+    /// Those of [`PlacedWorld::new`].
+    pub fn beside(&self, world: World) -> Result<Self, RenderError> {
+        let plan = plan_shapes(&world)?;
+        let ground = match plan == self.0.ground.plan {
+            true => Arc::clone(&self.0.ground),
+            false => Arc::new(Ground::new(&world, plan)?),
+        };
+        Self::on(world, ground)
+    }
+
+    /// Whether another world would share the shapes and the tree of this one.
+    ///
+    /// # Errors
+    /// When the world is not as it should be ([`World::check`]).
+    pub fn shares_shapes(&self, world: &World) -> Result<bool, RenderError> {
+        Ok(plan_shapes(world)? == self.0.ground.plan)
+    }
+
+    fn on(world: World, ground: Arc<Ground>) -> Result<Self, RenderError> {
+        let camera = bake_camera(&world, &ground.shapes)?;
+        let (rgb, mono) = (Mutex::default(), Mutex::default());
+        Ok(Self(Arc::new(Placed { world, ground, camera, rgb, mono })))
     }
 
     /// What has been placed.
@@ -78,13 +105,13 @@ impl PlacedWorld {
     /// What of the world is not rendered as it was described, one sentence each: what its file asks
     /// for and the renderer ignores, and what its place has made of it.
     pub fn warnings(&self) -> impl Iterator<Item = &str> {
-        let Placed { world, shapes, .. } = &*self.0;
-        world.warnings().iter().chain(&shapes.warnings).map(String::as_str)
+        let Placed { world, ground, .. } = &*self.0;
+        world.warnings().iter().chain(&ground.shapes.warnings).map(String::as_str)
     }
 
     /// The radius of a ball about all that has a place, in scene units.
     pub fn radius(&self) -> f32 {
-        self.0.shapes.bounds.radius
+        self.0.ground.shapes.bounds.radius
     }
 
     /// Width and height of the film: what the options ask for, else what the camera does, else
@@ -93,7 +120,7 @@ impl PlacedWorld {
     /// # Errors
     /// When such a film could not be counted or stored.
     pub fn film_size(&self, options: &Options) -> Result<[u32; 2], SettingsError> {
-        film_size(options, &self.0.shapes.camera)
+        film_size(options, &self.0.camera)
     }
 
     /// In words: what of the world is not rendered as it was described, the coefficients that its
@@ -103,8 +130,8 @@ impl PlacedWorld {
     /// # Errors
     /// When the world cannot be seen in RGB.
     pub fn describe(&self) -> Result<String, SceneError> {
-        let Placed { world, shapes, .. } = &*self.0;
-        let warnings = shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
+        let Placed { world, ground, .. } = &*self.0;
+        let warnings = ground.shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
         let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
         let film = self.film_size(&options).unwrap_or([1, 1]);
         let scene = self.rgb(Color::Rgb, film)?;
@@ -162,10 +189,11 @@ impl PlacedWorld {
         }
         // Without the lock: a thread that waits for parts of this work may take up another render
         // of its pool meanwhile, which comes here, too.
-        let Placed { world, shapes, accelerator, .. } = &*self.0;
+        let Placed { world, ground, camera, .. } = &*self.0;
+        let Ground { shapes, accelerator, .. } = &**ground;
         let optics = bake_optics(world, shapes, color)?;
-        let (shapes, accelerator) = (Arc::clone(shapes), Arc::clone(accelerator));
-        let scene = Arc::new(Scene::with_tree(shapes, accelerator, optics, width, height));
+        let tree = (Arc::clone(shapes), Arc::clone(accelerator));
+        let scene = Arc::new(Scene::with_tree(tree, *camera, optics, [width, height]));
         let mut latest = lock();
         if let Some(scene) = find(&latest) {
             return Ok(scene);
@@ -175,6 +203,19 @@ impl PlacedWorld {
         }
         latest.push((color, [width, height], Arc::clone(&scene)));
         Ok(scene)
+    }
+}
+
+impl Ground {
+    /// Bakes the plan of a world.
+    fn new(world: &World, plan: Plan) -> Result<Self, RenderError> {
+        check_world(world)?;
+        let mut shapes = bake_shapes(&plan)?;
+        check_tree(&shapes)?;
+        let accelerator = Accelerator::of_shapes(&shapes);
+        let doubts = settle(&mut shapes, &accelerator);
+        shapes.warnings.extend(sentences(world, &doubts));
+        Ok(Self { plan, shapes: Arc::new(shapes), accelerator: Arc::new(accelerator) })
     }
 }
 

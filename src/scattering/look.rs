@@ -61,7 +61,7 @@ pub struct Look {
 impl Look {
     /// Looks at a scene.
     pub fn at<const N: usize>(scene: &Scene<N>) -> Self {
-        let camera = &scene.shapes.camera;
+        let camera = &scene.camera;
         // The film's own edges are not of the scene.
         let [width, height] = [camera.aspect().unwrap_or(1.0) * EDGE, EDGE].map(|it| it as u32);
         let sensor = Sensor::new(camera, width.max(1), height);

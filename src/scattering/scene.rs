@@ -10,7 +10,7 @@ use crate::geometry::{
     Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
 use crate::math::{LANES, Vector, lanes};
-use crate::scene::baked::{BakedScene, KEEP, NONE, Optics, SOUGHT, Shapes};
+use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::Emitter;
 
 use super::Sensor;
@@ -37,6 +37,8 @@ const SMALL_LAMP: f64 = 1e-3;
 pub struct Scene<const N: usize> {
     /// Where everything is.
     pub shapes: Arc<Shapes>,
+    /// The camera without its film.
+    pub camera: Camera,
     /// The tree over the primitives.
     pub accelerator: Arc<Accelerator>,
     /// What everything does to light.
@@ -90,17 +92,17 @@ impl<const N: usize> Scene<N> {
     pub fn new(mut baked: BakedScene<N>, width: u32, height: u32) -> Self {
         let accelerator = Accelerator::of_shapes(&baked.shapes);
         settle(&mut baked.shapes, &accelerator);
-        Self::with_tree(Arc::new(baked.shapes), Arc::new(accelerator), baked.optics, width, height)
+        let placed = (Arc::new(baked.shapes), Arc::new(accelerator));
+        Self::with_tree(placed, baked.camera, baked.optics, [width, height])
     }
 
-    /// Builds the look-ups for shapes whose tree there is already: that of other wavelengths, or
-    /// of another film.
+    /// Builds the look-ups for shapes whose tree there is already: that of other wavelengths, of
+    /// another film or camera, or of other materials on the same shapes.
     pub fn with_tree(
-        shapes: Arc<Shapes>,
-        accelerator: Arc<Accelerator>,
+        (shapes, accelerator): (Arc<Shapes>, Arc<Accelerator>),
+        camera: Camera,
         optics: Optics<N>,
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
     ) -> Self {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
         let material_of_primitive: Vec<u32> =
@@ -120,7 +122,7 @@ impl<const N: usize> Scene<N> {
         let has_media = !optics.media.is_empty();
         let immersion = Immersion::new(&shapes, &accelerator, has_media);
         let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
-        let sensor = Sensor::new(&shapes.camera, width, height);
+        let sensor = Sensor::new(&camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
         let emitter_media: Vec<_> = optics.emitters.par_iter().map(media_of).collect();
         let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media);
@@ -155,6 +157,7 @@ impl<const N: usize> Scene<N> {
             media,
             accelerator,
             shapes,
+            camera,
             optics,
             material_of_primitive,
             event_of_hit,

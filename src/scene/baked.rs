@@ -33,11 +33,13 @@ pub const RELATIVE_OFFSET: f64 = 32.0 / (1 << 24) as f64;
 pub struct BakedScene<const N: usize> {
     /// Where everything is.
     pub shapes: Shapes,
+    /// What sees it.
+    pub camera: Camera,
     /// What it does to light.
     pub optics: Optics<N>,
 }
 
-/// Where everything is: what rays meet, and the camera. The same for all wavelengths.
+/// Where everything is that rays meet. The same for all wavelengths.
 ///
 /// Primitive `p` is triangle `p` while `p < triangles.len()`, then sphere `p - triangles.len()`,
 /// and behind the spheres a triangle of an instance.
@@ -72,10 +74,8 @@ pub struct Shapes {
     pub around_solids: u32,
     /// The row in the media of what fills the scene outside all boundaries, or [`NONE`]: clear.
     pub scene_medium: u32,
-    /// The camera.
-    pub camera: Camera,
-    /// Where the scene's own space has the origin of these tables, which are centered on what the
-    /// camera sees.
+    /// Where the scene's own space has the origin of these tables and of the camera: they are
+    /// centered on what that sees.
     pub origin: DVec3,
     /// What of the scene is not rendered as it stands there, one sentence each.
     pub warnings: Vec<String>,

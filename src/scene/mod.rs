@@ -14,7 +14,9 @@ pub mod instanced;
 pub mod warnings;
 pub mod world;
 
-pub use self::bake::{bake, bake_optics, bake_shapes};
+pub use self::bake::{Plan, bake, bake_camera, bake_optics, bake_shapes, plan_shapes};
 pub use self::error::SceneError;
-pub use self::gltf::{Reading, extension_keys, load, load_from_memory, load_with};
+pub use self::gltf::{
+    Edit, Editable, Reading, SceneFile, extension_keys, load, load_from_memory, load_with,
+};
 pub use self::world::World;

@@ -1,5 +1,6 @@
 //! The program from outside: the binary is run, its files, words and exit codes are looked at.
 
+mod batch;
 mod bench;
 mod bench_more;
 mod bench_record;

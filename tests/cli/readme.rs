@@ -74,7 +74,8 @@ fn the_commands_run_as_printed() {
     }
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
-    let rest = ["render", "merge", "visualize", "view", "compare", "inspect"].map(str::to_owned);
+    let rest = ["render", "merge", "batch", "visualize", "view", "compare", "inspect"];
+    let rest = rest.map(str::to_owned);
     for verb in benches.iter().chain(&rest) {
         assert!(verbs.contains(verb), "the README does not show `{verb}`");
     }

@@ -42,7 +42,7 @@ fn assert_each_breaks_one(cases: &[(&str, &str, &str)]) {
 fn imports_that_climb_are_found() {
     assert_each_breaks_one(&[
         ("src/math/a.rs", "use crate::film::Film;", "upward import: math (0) uses film (3)"),
-        ("src/film/a.rs", "use crate::{math::F32s, cli::{run, x}};", "film (3) uses cli (11)"),
+        ("src/film/a.rs", "use crate::{math::F32s, cli::{run, x}};", "film (3) uses cli (12)"),
         ("src/spectrum/a.rs", "use crate::polarization::Stokes;", "sideways import"),
         ("src/scene/a/b.rs", "fn f() { super::super::super::render::save() }", "uses render (9)"),
         ("src/geometry/mod.rs", "use super::transport::Chunk;", "uses transport (7)"),

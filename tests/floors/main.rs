@@ -37,7 +37,7 @@ const OUTSIDE: [&str; 4] = ["trace_closest", "resolve_surfaces", "the photon map
 const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 /// Outside crates that only some modules may know.
-const CONFINED: [(&str, &[&str]); 8] = [
+const CONFINED: [(&str, &[&str]); 10] = [
     ("hecs", &["scene"]),
     ("gltf", &["scene"]),
     ("obvhs", &["geometry", "scene"]),
@@ -45,6 +45,8 @@ const CONFINED: [(&str, &[&str]); 8] = [
     ("exr", &["image"]),
     ("plotters", &["bench"]),
     ("clap", &["cli"]),
+    ("sha2", &["batch"]),
+    ("toml", &["batch"]),
     ("rayon", &["polarization", "scene", "geometry", "scattering", "transport", "film", "render"]),
 ];
 

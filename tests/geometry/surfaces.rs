@@ -4,9 +4,7 @@ use glam::{DVec3, Vec3};
 use sunstone::internals::geometry::{
     Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
-use sunstone::internals::scene::baked::{
-    Bounds, Camera, KEEP, NONE, Projection, Shapes, Sphere, Surface, Triangle,
-};
+use sunstone::internals::scene::baked::{Bounds, KEEP, NONE, Shapes, Sphere, Surface, Triangle};
 use sunstone::internals::scene::instanced::Instanced;
 
 use super::fixtures::{Random, columns, no_hits, soup};
@@ -48,15 +46,6 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         solids: Vec::new(),
         around_solids: NONE,
         scene_medium: NONE,
-        camera: Camera {
-            projection: Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
-            position: Vec3::ZERO,
-            right: Vec3::X,
-            up: Vec3::Y,
-            forward: -Vec3::Z,
-            resolution: None,
-            analyzer: None,
-        },
         origin: DVec3::ZERO,
         warnings: Vec::new(),
         bounds: Bounds { center: (low + high) / 2.0, radius: (high - low).length() / 2.0 },

@@ -74,7 +74,7 @@ fn cameras_have_analyzers() {
         (json!({"kind": "right_circular"}), Analyzer::RightCircular),
         (json!({"kind": "left_circular"}), Analyzer::LeftCircular),
     ];
-    let of = |world: &World| bake::<3>(world, Color::Rgb).unwrap().shapes.camera.analyzer;
+    let of = |world: &World| bake::<3>(world, Color::Rgb).unwrap().camera.analyzer;
     for (body, analyzer) in cases {
         let mut document = room_file();
         document["cameras"][0]["extras"]["sunstone_film"]["analyzer"] = body;
@@ -105,7 +105,7 @@ fn what_is_set_replaces_what_was_there() {
     world.set_camera("other", Lens::pinhole(1.0), DVec3::Z).unwrap();
     world.set_environment([0.0, 0.0, 1.0]).unwrap();
     let scene = bake::<3>(&world, Color::Rgb).unwrap();
-    assert_eq!(scene.shapes.camera.resolution, None, "it was the other camera's");
+    assert_eq!(scene.camera.resolution, None, "it was the other camera's");
     assert_eq!(scene.optics.emitters.last().unwrap().radiance, [0.0, 0.0, 1.0]);
     assert!(world.find("eye").is_none());
 

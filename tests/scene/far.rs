@@ -29,14 +29,14 @@ fn baked(document: &Value) -> BakedScene<3> {
 
 /// All positions in the tables, about the camera.
 fn positions(scene: &BakedScene<3>) -> Vec<Vec3> {
-    let Shapes { triangles, spheres, camera, bounds, .. } = &scene.shapes;
+    let Shapes { triangles, spheres, bounds, .. } = &scene.shapes;
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let lights = scene.optics.emitters.iter().filter_map(|emitter| match emitter.model {
         EmitterModel::Point(point) => Some(point.position),
         _ => None,
     });
     let all = corners.chain(spheres.iter().map(|sphere| sphere.center)).chain(lights);
-    all.chain([bounds.center]).map(|position| position - camera.position).collect()
+    all.chain([bounds.center]).map(|position| position - scene.camera.position).collect()
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_scene_far_away_is_the_same_scene() {
     let far = moved(DVec3::new(131_072.0, -1_048_576.0, 65_536.0));
     assert_eq!(far.shapes.triangles, near.shapes.triangles);
     assert_eq!(far.shapes.spheres, near.shapes.spheres);
-    assert_eq!(far.shapes.camera, near.shapes.camera);
+    assert_eq!(far.camera, near.camera);
     assert_eq!(far.optics.emitters, near.optics.emitters);
 }
 
@@ -101,8 +101,7 @@ fn worlds_in_code_are_centered_too() {
     };
     let near = seen_at(DVec3::ZERO);
     let far = seen_at(DVec3::new(3e5, 2e3, -5e6 / 3.0));
-    let camera =
-        |scene: &BakedScene<3>| scene.shapes.spheres[0].center - scene.shapes.camera.position;
+    let camera = |scene: &BakedScene<3>| scene.shapes.spheres[0].center - scene.camera.position;
     assert!((camera(&near) - camera(&far)).length() < 1e-6);
     let sun = far.shapes.spheres[1].center - far.shapes.spheres[0].center;
     assert!((sun - (1e4 - 0.1) * Vec3::Y).length() < 2e-3, "{sun}");

@@ -289,7 +289,7 @@ fn an_environment_alone_is_a_scene() {
     let scene = baked(&document);
     assert_eq!((scene.optics.environment, scene.optics.emitters[0].probability), (0, 1.0));
     assert_eq!(scene.optics.emitters[0].radiance, [1.0, 2.0, 3.0]);
-    assert_eq!((scene.optics.materials.len(), scene.shapes.camera.resolution), (1, None));
+    assert_eq!((scene.optics.materials.len(), scene.camera.resolution), (1, None));
     assert!(scene.shapes.bounds.radius > 0.0);
     assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Environment(_)));
 }

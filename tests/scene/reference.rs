@@ -85,12 +85,12 @@ fn cornell() {
     }
     assert!((scene.shapes.bounds.radius - 3f32.sqrt()).abs() < 1e-3);
 
-    assert_near(scene.shapes.camera.position, Vec3::new(0.0, 0.0, 3.9));
-    assert_eq!(scene.shapes.camera.forward, Vec3::NEG_Z);
-    assert_eq!((scene.shapes.camera.right, scene.shapes.camera.up), (Vec3::X, Vec3::Y));
-    assert_eq!(scene.shapes.camera.resolution, Some([64, 64]));
+    assert_near(scene.camera.position, Vec3::new(0.0, 0.0, 3.9));
+    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
+    assert_eq!((scene.camera.right, scene.camera.up), (Vec3::X, Vec3::Y));
+    assert_eq!(scene.camera.resolution, Some([64, 64]));
     let Projection::Perspective { tan_half_y, aspect, aperture_radius, .. } =
-        scene.shapes.camera.projection
+        scene.camera.projection
     else {
         panic!("not a perspective camera");
     };
@@ -126,9 +126,9 @@ fn mirror() {
         assert!((corner.y - 6.0).abs() < 1e-6 && (3.0..=7.0).contains(&corner.z));
     }
     let forward = Vec3::new(0.0, -0.5, -6.5).normalize();
-    assert_near(scene.shapes.camera.forward, forward);
-    assert_near(scene.shapes.camera.right, Vec3::X);
-    assert_near(scene.shapes.camera.up, Vec3::X.cross(forward));
+    assert_near(scene.camera.forward, forward);
+    assert_near(scene.camera.right, Vec3::X);
+    assert_near(scene.camera.up, Vec3::X.cross(forward));
 }
 
 #[test]
@@ -140,22 +140,21 @@ fn brewster() {
     assert_near(normal(&scene, 2), -origin.normalize());
     let middle = emitting_corners(&scene).iter().sum::<Vec3>() / 6.0;
     assert!((middle - origin).length() < 5.0);
-    let tangent = scene.shapes.camera.position.z / scene.shapes.camera.position.y;
+    let tangent = scene.camera.position.z / scene.camera.position.y;
     assert!((tangent - 1.5).abs() < 1e-6, "the camera sits at Brewster's angle");
-    assert_near(scene.shapes.camera.forward, -scene.shapes.camera.position.normalize());
+    assert_near(scene.camera.forward, -scene.camera.position.normalize());
 }
 
 #[test]
 fn polarizers() {
     let scene = baked("reference/polarizers.gltf");
     assert_eq!(scene.shapes.triangles.len(), 2 * (1 + 3 + 2 + 3 + 2 + 3 + 2 + 2));
-    let Projection::Orthographic { half_width, half_height } = scene.shapes.camera.projection
-    else {
+    let Projection::Orthographic { half_width, half_height } = scene.camera.projection else {
         panic!("not an orthographic camera");
     };
     assert_eq!((half_width, half_height), (1.5, 1.5));
-    assert_eq!(scene.shapes.camera.forward, Vec3::NEG_Z);
-    assert_eq!(scene.shapes.camera.resolution, Some([128, 128]));
+    assert_eq!(scene.camera.forward, Vec3::NEG_Z);
+    assert_eq!(scene.camera.resolution, Some([128, 128]));
     let surface = |triangle: usize| {
         scene.shapes.surfaces[scene.shapes.surface_of_primitive[triangle] as usize]
     };
@@ -201,8 +200,8 @@ fn rayleigh() {
     assert!(emitting_corners(&scene).iter().all(|corner| (corner.x + 3.0).abs() < 1e-6));
     assert_eq!(scene.optics.emitters[0].radiance, [10.0]);
     let eye = Vec3::new(0.8, 0.9, 4.0);
-    assert_near(scene.shapes.camera.position, eye);
-    assert_near(scene.shapes.camera.forward, -eye.normalize());
+    assert_near(scene.camera.position, eye);
+    assert_near(scene.camera.forward, -eye.normalize());
 }
 
 #[test]
@@ -254,7 +253,7 @@ fn mirror_to_look_at() {
     assert_eq!((scene.shapes.spheres.len(), scene.optics.emitters.len()), (3, 1));
     assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Point(_)));
     assert_eq!(scene.optics.emitters[0].radiance, [46.0, 43.0, 37.0]);
-    assert_eq!((world.warnings(), scene.shapes.camera.resolution), (&[][..], Some([512, 512])));
+    assert_eq!((world.warnings(), scene.camera.resolution), (&[][..], Some([512, 512])));
 }
 
 #[test]
@@ -300,7 +299,7 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
         assert_eq!(world.warnings(), [] as [String; 0]);
         let rgb = bake::<3>(&world, Color::Rgb).unwrap();
         assert!(rgb.shapes.shading_normals.is_empty());
-        assert_eq!(rgb.shapes.camera.resolution, Some([512, 512]));
+        assert_eq!(rgb.camera.resolution, Some([512, 512]));
         let radiance = rgb.optics.emitters[0].radiance;
         assert!(radiance[0] > radiance[1] && radiance[1] > radiance[2]);
         let mono = bake::<1>(&world, GREEN).unwrap();

@@ -11,6 +11,10 @@ use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use super::apart::{CLEARANCE, bounds};
 use crate::scene::baked::{Shapes, Sphere, Triangle};
 
+/// Most points whose neighborhoods are looked through one by one: a tree over all that light goes
+/// through takes longer than a render of few samples.
+const POINTS: usize = 16;
+
 /// Triangles and spheres that light goes through, but for those of instances.
 pub struct Passable<'a> {
     shapes: &'a Shapes,
@@ -20,29 +24,35 @@ pub struct Passable<'a> {
 }
 
 impl<'a> Passable<'a> {
-    /// Those of a scene.
-    pub fn new(shapes: &'a Shapes) -> Self {
+    /// Those of a scene that some points may lie on.
+    pub fn at(points: &[Vec3], shapes: &'a Shapes) -> Self {
+        let places: Vec<Aabb> = points.iter().map(|point| around(*point)).collect();
         let count = shapes.triangles.len() + shapes.spheres.len();
         let passes = |row: &usize| {
             let surface = shapes.surface_of_primitive[*row];
             !shapes.surfaces[surface as usize].is_opaque
         };
-        let rows: Vec<usize> = (0..count).filter(passes).collect();
-        let boxes: Vec<Aabb> =
-            rows.iter().map(|&row| bounds((&shapes.triangles, &shapes.spheres), row)).collect();
+        let box_of = |row: usize| bounds((&shapes.triangles, &shapes.spheres), row);
+        let may_touch = |row: &usize| match points.len() {
+            0..=POINTS => {
+                let own = box_of(*row);
+                places.iter().any(|place| own.intersect_aabb(place))
+            }
+            _ => true,
+        };
+        let rows: Vec<usize> = (0..count).filter(passes).filter(may_touch).collect();
+        let boxes: Vec<Aabb> = rows.iter().map(|&row| box_of(row)).collect();
         let params = BvhBuildParams::fast_build();
         let tree = || build_bvh2(&boxes, params, &mut Duration::default());
         let tree = (!rows.is_empty()).then(tree);
         Self { shapes, rows, tree }
     }
 
-    /// A point, or the nearest before all that it lies on.
+    /// One of these points, or the nearest before all that it lies on.
     pub fn before(&self, point: Vec3) -> Vec3 {
         let Some(tree) = &self.tree else { return point };
         let mut moved = point.as_dvec3();
-        let room = 2.0 * CLEARANCE as f32 * point.abs().max_element();
-        let around = Aabb::new(Vec3A::from(point) - room, Vec3A::from(point) + room);
-        tree.aabb_traverse(around, |tree, node| {
+        tree.aabb_traverse(around(point), |tree, node| {
             let node = &tree.nodes[node as usize];
             let first = node.first_index as usize;
             for &index in &tree.primitive_indices[first..first + node.prim_count as usize] {
@@ -70,6 +80,12 @@ impl<'a> Passable<'a> {
         };
         (height.abs() < clearance).then(|| normal * (clearance - height))
     }
+}
+
+/// What lies within reach of a point.
+fn around(point: Vec3) -> Aabb {
+    let room = 2.0 * CLEARANCE as f32 * point.abs().max_element();
+    Aabb::new(Vec3A::from(point) - room, Vec3A::from(point) + room)
 }
 
 /// The height of a point over the front of a triangle, the normal there, and what height is no

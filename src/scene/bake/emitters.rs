@@ -51,7 +51,7 @@ pub fn emitters<const N: usize>(
         powers: Vec::new(),
     };
     table.add_primitives(materials, shapes);
-    let passable = Passable::new(shapes);
+    let passable = Passable::at(&positions(world, shapes.origin), shapes);
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
         let intensity = light.intensity.sample(color);
         intensity
@@ -76,14 +76,15 @@ pub fn emitters<const N: usize>(
 }
 
 fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> EmitterModel {
-    let position = passable.before(place.translation.as_vec3());
+    let position = || passable.before(place.translation.as_vec3());
     let direction = (-place.matrix3.z_axis.normalize()).as_vec3();
     match kind {
-        PunctualKind::Point => emitter::Point { position }.into(),
+        PunctualKind::Point => emitter::Point { position: position() }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),
         PunctualKind::Spot { inner, outer } => {
             let cos_inner = inner.cos() as f32;
             let cos_outer = (outer.cos() as f32).min(cos_inner - LEAST_CONE);
+            let position = position();
             emitter::Spot { position, direction, cos_inner, cos_outer }.into()
         }
     }

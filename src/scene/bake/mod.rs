@@ -18,6 +18,7 @@ mod primitives;
 mod sharing;
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 use hecs::Entity;
@@ -33,23 +34,59 @@ use crate::polarization::Analyzer;
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
 use self::beside::Passable;
+use self::origin::Center;
+use self::primitives::Placed;
 
 /// Shapes and optics in one.
 ///
 /// # Errors
 /// Those of [`bake_shapes`] and [`bake_optics`].
 pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
-    let shapes = bake_shapes(world)?;
+    let shapes = bake_shapes(&plan_shapes(world)?)?;
+    let camera = bake_camera(world, &shapes)?;
     let optics = bake_optics(world, &shapes, color)?;
-    Ok(BakedScene { shapes, optics })
+    Ok(BakedScene { shapes, camera, optics })
 }
 
-/// Places all shapes and the camera in world space. Wavelengths have no part in it.
+/// All that the shapes of a world are baked from: worlds whose plans are equal have the same
+/// shapes, to the last bit. What a material does to light has no part in it, but for whether it
+/// emits and what it lets through.
+#[derive(Clone, PartialEq)]
+pub struct Plan {
+    center: Center,
+    placed: Placed,
+    /// Lights that have a place.
+    lights: Vec<Vec3>,
+    scene_medium: u32,
+    /// For errors.
+    file: PathBuf,
+}
+
+/// Gathers what shapes are baked from.
 ///
 /// # Errors
 /// When the world is not as it should be ([`World::check`]), or coordinates are out of range.
-pub fn bake_shapes(world: &World) -> Result<Shapes, SceneError> {
-    shapes(world).map_err(|error| error.in_file(&world.file))
+pub fn plan_shapes(world: &World) -> Result<Plan, SceneError> {
+    plan(world).map_err(|error| error.in_file(&world.file))
+}
+
+/// Places all shapes in world space. Wavelengths have no part in it, nor has the camera, but for
+/// where world space has its origin.
+///
+/// # Errors
+/// When coordinates are out of range.
+pub fn bake_shapes(plan: &Plan) -> Result<Shapes, SceneError> {
+    shapes(plan).map_err(|error| error.in_file(&plan.file))
+}
+
+/// Places the camera among the shapes of the same world.
+///
+/// # Errors
+/// When there is none.
+pub fn bake_camera(world: &World, shapes: &Shapes) -> Result<Camera, SceneError> {
+    let camera = camera(world, shapes.origin).map_err(|error| error.in_file(&world.file))?;
+    let passable = Passable::at(&[camera.position], shapes);
+    Ok(Camera { position: passable.before(camera.position), ..camera })
 }
 
 /// Evaluates materials, media and emitters at the wavelengths of `color`. `N` is the number of
@@ -66,15 +103,24 @@ pub fn bake_optics<const N: usize>(
     optics_of(world, shapes, color).map_err(|error| error.in_file(&world.file))
 }
 
-fn shapes(world: &World) -> Result<Shapes, SceneError> {
+fn plan(world: &World) -> Result<Plan, SceneError> {
     world.check()?;
     let rows = Rows::of(world);
     let center = origin::center(world)?;
-    let origin = center.origin;
+    Ok(Plan {
+        center,
+        placed: Placed::of(world, &rows, center.origin),
+        lights: emitters::positions(world, center.origin),
+        scene_medium: rows.scene_medium,
+        file: world.file.clone(),
+    })
+}
+
+fn shapes(plan: &Plan) -> Result<Shapes, SceneError> {
     let mut warnings = Warnings::default();
-    let primitives = primitives::primitives(world, &rows, center, &mut warnings)?;
-    let bounds = bounds(world, origin, &primitives)?;
-    let mut shapes = Shapes {
+    let primitives = primitives::primitives(&plan.placed, plan.center.near, &mut warnings)?;
+    let bounds = bounds(&plan.lights, &primitives)?;
+    Ok(Shapes {
         triangles: primitives.triangles,
         shading_normals: primitives.shading_normals,
         spheres: primitives.spheres,
@@ -86,14 +132,11 @@ fn shapes(world: &World) -> Result<Shapes, SceneError> {
         are_bodies_all: false,
         solids: Vec::new(),
         around_solids: KEEP,
-        scene_medium: rows.scene_medium,
-        camera: camera(world, origin)?,
-        origin,
+        scene_medium: plan.scene_medium,
+        origin: plan.center.origin,
         warnings: warnings.sentences(),
         bounds,
-    };
-    shapes.camera.position = Passable::new(&shapes).before(shapes.camera.position);
-    Ok(shapes)
+    })
 }
 
 fn optics_of<const N: usize>(
@@ -206,11 +249,7 @@ fn check_range(low: DVec3, high: DVec3, place: &str) -> Result<(), SceneError> {
 
 /// Sphere about the box of all primitives and of the lights that have a place. Its radius is a
 /// little larger than half the diagonal, so that rounding leaves nothing outside.
-fn bounds(
-    world: &World,
-    origin: DVec3,
-    primitives: &primitives::Primitives,
-) -> Result<Bounds, SceneError> {
+fn bounds(lights: &[Vec3], primitives: &primitives::Primitives) -> Result<Bounds, SceneError> {
     const MARGIN: f64 = 1.0 + 1e-5;
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
@@ -225,7 +264,7 @@ fn bounds(
     for instance in primitives.instanced.instances() {
         instance.bounds.iter().for_each(|corner| add(*corner, 0.0));
     }
-    emitters::positions(world, origin).into_iter().for_each(|position| add(position, 0.0));
+    lights.iter().for_each(|position| add(*position, 0.0));
     if low.x > high.x {
         // Nothing but an environment or directional light.
         return Ok(Bounds { center: Vec3::ZERO, radius: 1.0 });

@@ -30,7 +30,7 @@ const LOOKS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.6, -0.6], [0.6, -0.6], [-0.6, 0.6]
 const TRIED_MAX: usize = 1 << 20;
 
 /// What world space is centered on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Center {
     /// The new origin.
     pub origin: DVec3,

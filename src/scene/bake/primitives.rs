@@ -7,7 +7,6 @@ use hecs::Entity;
 
 use super::apart::{Yields, set_apart};
 use super::divide::divide;
-use super::origin::Center;
 use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
 use crate::scene::baked::{KEEP, LEAST_COSINE, NONE, Sphere, Surface, Triangle};
@@ -38,13 +37,40 @@ pub struct Primitives {
     yields: Vec<Yields>,
 }
 
+/// All meshes and spheres in their places, before their triangles are.
+#[derive(Clone, PartialEq)]
+pub struct Placed {
+    parts: Vec<Part>,
+    balls: Vec<PlacedBall>,
+}
+
+/// A sphere in its place.
+#[derive(Clone, PartialEq)]
+struct PlacedBall {
+    name: String,
+    radius: f64,
+    to_world: DAffine3,
+    surface: (Surface, Yields),
+}
+
 /// The part of a mesh that has one material, in one place.
+#[derive(Clone)]
 pub struct Part {
     pub name: String,
     pub geometry: Arc<Geometry>,
     pub to_world: DAffine3,
     pub surface: (Surface, Yields),
     pub emits: bool,
+}
+
+impl PartialEq for Part {
+    /// Geometries are the same if they are one: which of them are decides what is instanced.
+    fn eq(&self, other: &Self) -> bool {
+        let Self { name, geometry, to_world, surface, emits } = self;
+        Arc::ptr_eq(geometry, &other.geometry)
+            && (name, to_world, surface, emits)
+                == (&other.name, &other.to_world, &other.surface, &other.emits)
+    }
 }
 
 /// Triangles and the shading normals of their corners.
@@ -55,33 +81,41 @@ pub struct Triangles {
     pub shading_normals: Vec<[Vec3; 3]>,
 }
 
-/// Places all meshes and spheres about the origin.
+impl Placed {
+    /// Those of a world about an origin.
+    pub fn of(world: &World, rows: &Rows, origin: DVec3) -> Self {
+        type Shown<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
+        let parts = world.in_order::<Shown<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
+            let surface = surface(world, rows, of.0, &at.0, boundary);
+            let emits = world.entities().satisfies::<&Emission>(of.0);
+            let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
+            Part { name, geometry, to_world: at.about(origin), surface, emits }
+        });
+        let balls = world.in_order::<Shown<&Ball>, _>(|(name, at, ball, (of, boundary))| {
+            let surface = surface(world, rows, of.0, &at.0, boundary);
+            let (name, radius) = (name.0.clone(), ball.radius);
+            PlacedBall { name, radius, to_world: at.about(origin), surface }
+        });
+        Self { parts, balls }
+    }
+}
+
+/// The tables of all meshes and spheres; `near` are coordinates up to which triangles stay whole.
 pub fn primitives(
-    world: &World,
-    rows: &Rows,
-    center: Center,
+    placed: &Placed,
+    near: f32,
     warnings: &mut Warnings,
 ) -> Result<Primitives, SceneError> {
-    let Center { origin, near } = center;
-    type Placed<'a, Shape> = (&'a Name, &'a Transform, Shape, (&'a MadeOf, &'a Boundary));
+    let Placed { parts, balls } = placed.clone();
     let mut tables = Primitives::default();
-    let parts = world.in_order::<Placed<&Mesh>, _>(|(name, at, mesh, (of, boundary))| {
-        let surface = surface(world, rows, of.0, &at.0, boundary);
-        let emits = world.entities().satisfies::<&Emission>(of.0);
-        let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
-        Part { name, geometry, to_world: at.about(origin), surface, emits }
-    });
     let instances = tables.add_parts(parts, near, warnings)?;
-    let balls = world.in_order::<Placed<&Ball>, _>(|(name, at, ball, (of, boundary))| {
-        (name.clone(), ball.radius, at.about(origin), surface(world, rows, of.0, &at.0, boundary))
-    });
-    for (name, radius, to_world, surface) in balls {
+    for PlacedBall { name, radius, to_world, surface } in balls {
         let surface = tables.add_surface(surface);
         tables.surface_of_primitive.push(surface);
         let radius = (radius * to_world.matrix3.x_axis.length()) as f32;
         if !(radius >= f32::MIN_POSITIVE && radius.is_finite()) {
             let problem = format!("a radius of {radius} is out of range");
-            return Err(SceneError::new(name.0, problem, "check its scale"));
+            return Err(SceneError::new(name, problem, "check its scale"));
         }
         tables.spheres.push(Sphere { center: to_world.translation.as_vec3(), radius });
     }

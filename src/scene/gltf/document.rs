@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
+use std::sync::Arc;
 
 use base64::Engine;
 use gltf::json;
@@ -10,6 +11,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use super::edit::{self, Edit};
 use super::files::Files;
 use super::validate;
 use crate::image::read_bytes;
@@ -22,7 +24,7 @@ pub struct Document {
     /// The same, typed. Every index in it that the loader follows is within range.
     pub root: json::Root,
     /// The buffers, each at least as long as its `byteLength`.
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Arc<Vec<Vec<u8>>>,
     /// What else it may read, and has.
     pub files: Files,
 }
@@ -30,28 +32,12 @@ pub struct Document {
 impl Document {
     /// Reads and validates a .gltf or .glb file and everything that it refers to.
     pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
-        let bytes = read_bytes(path, u64::MAX).map_err(|error| {
-            let problem = format!("cannot read {}: {error}", path.display());
-            let remedy = match error.kind() {
-                ErrorKind::OutOfMemory => "use a smaller file",
-                _ => "is the path right?",
-            };
-            SceneError::new("", problem, remedy)
-        })?;
-        Self::parse(&bytes, Files::of_scene(path, allow_outside))
+        Self::parse(&bytes_of(path)?, Files::of_scene(path, allow_outside))
     }
 
     /// Validates the bytes of a scene, and reads everything that it refers to.
     pub fn parse(bytes: &[u8], files: Files) -> Result<Self, SceneError> {
-        let (text, binary) =
-            if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-        let value: Value = serde_json::from_slice(without_mark(text)).map_err(|error| {
-            let remedy = match text {
-                [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "it is text in UTF-16: save it as UTF-8",
-                _ => "a scene is a glTF 2.0 file, .gltf or .glb",
-            };
-            SceneError::new("", format!("is not glTF: {error}"), remedy)
-        })?;
+        let (value, binary) = json_of(bytes)?;
         validate::check(&value)?;
         let root = typed(&value)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
@@ -59,7 +45,16 @@ impl Document {
             let label = validate::label(&value, "buffers", index);
             buffers.push(read_buffer(buffer, index, &label, &files, binary)?);
         }
-        Ok(Self { value, root, buffers, files })
+        Ok(Self { value, root, buffers: Arc::new(buffers), files })
+    }
+
+    /// The same document after edits, with the same buffers.
+    pub fn edited(&self, edits: &[Edit]) -> Result<Self, SceneError> {
+        let mut value = self.value.clone();
+        edit::apply(&mut value, edits)?;
+        validate::check(&value)?;
+        let root = typed(&value)?;
+        Ok(Self { value, root, buffers: Arc::clone(&self.buffers), files: self.files.again() })
     }
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.
@@ -81,6 +76,35 @@ impl Document {
     pub fn label(&self, array: &str, index: usize) -> String {
         validate::label(&self.value, array, index)
     }
+}
+
+/// The JSON of a .gltf or .glb file, not validated, without what it refers to.
+pub fn read_json(path: &Path) -> Result<Value, SceneError> {
+    Ok(json_of(&bytes_of(path)?)?.0)
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
+    read_bytes(path, u64::MAX).map_err(|error| {
+        let problem = format!("cannot read {}: {error}", path.display());
+        let remedy = match error.kind() {
+            ErrorKind::OutOfMemory => "use a smaller file",
+            _ => "is the path right?",
+        };
+        SceneError::new("", problem, remedy)
+    })
+}
+
+/// The JSON of a file, and its binary chunk if it has one.
+fn json_of(bytes: &[u8]) -> Result<(Value, Option<&[u8]>), SceneError> {
+    let (text, binary) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
+    let value: Value = serde_json::from_slice(without_mark(text)).map_err(|error| {
+        let remedy = match text {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "it is text in UTF-16: save it as UTF-8",
+            _ => "a scene is a glTF 2.0 file, .gltf or .glb",
+        };
+        SceneError::new("", format!("is not glTF: {error}"), remedy)
+    })?;
+    Ok((value, binary))
 }
 
 /// Text without the mark that some editors put before UTF-8.

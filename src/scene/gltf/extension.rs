@@ -138,6 +138,25 @@ pub const ALL: [&Keys; 15] = [
     &SPECTRUM,
 ];
 
+/// The keys of what stands under a key of an object, if it is an object or a list of these: of a
+/// table where a spectrum may stand.
+pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
+    match (keys.definition, name) {
+        ("camera", "film") => Some(&FILM),
+        ("scene", "environment") => Some(&ENVIRONMENT),
+        ("medium", "host") => Some(&HOST),
+        ("medium", "milk") => Some(&MILK),
+        ("medium", "particles") => Some(&PARTICLES),
+        ("medium", "table") => Some(&MATRIX),
+        ("particles", "distribution") => Some(&DISTRIBUTION),
+        ("environment", "radiance")
+        | ("host" | "material" | "particles", "eta" | "k")
+        | ("material", "reflectance")
+        | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
+        _ => None,
+    }
+}
+
 /// The extension's keys of one object of the file.
 pub struct Body<'a> {
     /// The object's name in errors.

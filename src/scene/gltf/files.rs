@@ -1,8 +1,8 @@
 //! The files that a scene refers to: beside it or below, unless the user allows others. Whoever
 //! opens the scene of a stranger does not mean to open his own files with it.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::{fs, io};
 
 use crate::image::read_bytes;
@@ -17,7 +17,7 @@ pub struct Files {
     /// Where relative paths start.
     folder: PathBuf,
     allow_outside: bool,
-    read: RefCell<Vec<PathBuf>>,
+    read: Mutex<Vec<PathBuf>>,
 }
 
 impl Files {
@@ -27,12 +27,19 @@ impl Files {
             Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
             _ => PathBuf::from("."),
         };
-        Self { folder, allow_outside, read: RefCell::new(vec![path.to_owned()]) }
+        Self { folder, allow_outside, read: Mutex::new(vec![path.to_owned()]) }
     }
 
     /// The scene and all that has been read for it.
     pub fn read(&self) -> Vec<PathBuf> {
-        self.read.borrow().clone()
+        self.read.lock().expect("no thread panics while it holds the lock").clone()
+    }
+
+    /// The same scene, which has read so much, and goes on by itself.
+    pub fn again(&self) -> Self {
+        let Self { folder, allow_outside, .. } = self;
+        let (folder, allow_outside) = (folder.clone(), *allow_outside);
+        Self { folder, allow_outside, read: Mutex::new(self.read()) }
     }
 
     /// The first bytes of what a URI refers to, `limit` at most; `place` is where it stands.
@@ -56,7 +63,7 @@ impl Files {
             return Err(refuse(problem, remedy));
         }
         let bytes = read_bytes(&path, limit).map_err(failed)?;
-        self.read.borrow_mut().push(path);
+        self.read.lock().expect("no thread panics while it holds the lock").push(path);
         Ok(bytes)
     }
 }

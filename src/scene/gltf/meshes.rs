@@ -1,8 +1,12 @@
 //! Meshes: from primitives of any triangle mode to checked, indexed triangles.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
+use gltf::json::{Accessor, Index};
 
 use super::extension::{Body, MESH};
 use super::{Import, Part, accessors};
@@ -15,6 +19,31 @@ use crate::scene::world::{Boundary, Geometry, Mesh, Name, Transform};
 const ELEMENTS_MAX: u64 = 1 << 27;
 /// What a part of a mesh instance counts for beside its vertices and corners.
 const ELEMENTS_OF_PART: u64 = 1 << 8;
+
+/// What has been read of a primitive, with what is to be said about it.
+#[derive(Clone)]
+pub struct ReadGeometry {
+    geometry: Arc<Geometry>,
+    /// Triangles without area, which are left out.
+    dropped: usize,
+    /// Corners whose normal is on the back.
+    behind: usize,
+}
+
+/// What has been read of all meshes of a file, by mesh and primitive.
+#[derive(Default)]
+pub struct ReadGeometries(Mutex<BTreeMap<(usize, usize), ReadGeometry>>);
+
+impl ReadGeometries {
+    fn get(&self, key: (usize, usize)) -> Option<ReadGeometry> {
+        self.0.lock().expect("no thread panics while it holds the lock").get(&key).cloned()
+    }
+
+    fn keep(&self, key: (usize, usize), read: &ReadGeometry) {
+        let mut all = self.0.lock().expect("no thread panics while it holds the lock");
+        all.insert(key, read.clone());
+    }
+}
 
 impl Import<'_> {
     /// Adds the parts of a mesh instance, all with the same media on their two sides.
@@ -61,7 +90,7 @@ impl Import<'_> {
             return known.clone();
         }
         let geometry = match is_of_triangles(primitive.mode, place) {
-            Ok(true) => self.read_geometry(primitive, place),
+            Ok(true) => self.read_geometry(key, primitive, place),
             Ok(false) => {
                 self.warnings.add(place, "points and lines have no surface and are skipped");
                 Ok(None)
@@ -87,7 +116,12 @@ impl Import<'_> {
         self.elements > ELEMENTS_MAX
     }
 
-    fn read_geometry(&mut self, primitive: &Primitive, place: &str) -> Result<Part, SceneError> {
+    fn read_geometry(
+        &mut self,
+        key: (usize, usize),
+        primitive: &Primitive,
+        place: &str,
+    ) -> Result<Part, SceneError> {
         let Some(positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
             let remedy = "export the mesh with vertex positions";
             return Err(SceneError::new(place, "has no POSITION", remedy));
@@ -96,6 +130,28 @@ impl Import<'_> {
         let corners = primitive.indices.unwrap_or(*positions).value();
         let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
         self.count_elements(claims[0].saturating_add(claims[1]), place)?;
+        let read = match self.shared.get(key) {
+            Some(read) => {
+                self.world.keep_in_mind(&read.geometry);
+                read
+            }
+            None => {
+                let read = self.cleaned(primitive, *positions, place)?;
+                self.shared.keep(key, &read);
+                read
+            }
+        };
+        self.warn_about(primitive, &read, place);
+        Ok((!read.geometry.triangles.is_empty()).then_some(read.geometry))
+    }
+
+    /// The triangles of a primitive as they stand in the buffers, but for those without area.
+    fn cleaned(
+        &mut self,
+        primitive: &Primitive,
+        positions: Index<Accessor>,
+        place: &str,
+    ) -> Result<ReadGeometry, SceneError> {
         let positions = self.vectors(positions.value(), &format!("{place}, POSITION"))?;
         let corners = match primitive.indices {
             Some(accessor) => {
@@ -118,8 +174,8 @@ impl Import<'_> {
                 "normals" => SceneError::at(place, fault.of("NORMAL")),
                 _ => SceneError::at(place, fault),
             })?;
-        self.warn_about(primitive, &geometry, dropped, place);
-        Ok((!geometry.triangles.is_empty()).then_some(geometry))
+        let behind = geometry.corners_behind();
+        Ok(ReadGeometry { geometry, dropped, behind })
     }
 
     fn vectors(&self, accessor: usize, place: &str) -> Result<Vec<Vec3>, SceneError> {
@@ -128,15 +184,15 @@ impl Import<'_> {
     }
 
     /// Says what is not rendered as it stands in the file.
-    fn warn_about(&mut self, primitive: &Primitive, geometry: &Geometry, dropped: usize, at: &str) {
+    fn warn_about(&mut self, primitive: &Primitive, read: &ReadGeometry, at: &str) {
         const TRIANGLES: [&str; 2] = ["triangle without area", "triangles without area"];
         const CORNERS: [&str; 2] = ["corner", "corners"];
+        let &ReadGeometry { ref geometry, dropped, behind } = read;
         if geometry.triangles.is_empty() {
             self.warnings.add(at, "has no triangle with an area and is skipped");
         } else if primitive.mode == Checked::Valid(Mode::Triangles) {
             self.warnings.add_counted(at, dropped, TRIANGLES, "dropped");
         }
-        let behind = geometry.corners_behind();
         let text = "with a normal on the back of the triangle (or none): mirrored to the front";
         self.warnings.add_counted(at, behind, CORNERS, text);
         let mut semantics = primitive.attributes.keys();

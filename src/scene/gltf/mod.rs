@@ -6,6 +6,7 @@
 mod accessors;
 mod cameras;
 mod document;
+mod edit;
 mod extension;
 mod files;
 mod hierarchy;
@@ -19,15 +20,17 @@ mod validate;
 mod volume;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hecs::Entity;
 
 use self::document::Document;
+pub use self::edit::{Edit, Editable};
 use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
+use self::meshes::ReadGeometries;
 use super::error::{Findings, SceneError};
 use super::warnings::Warnings;
 use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
@@ -57,7 +60,7 @@ pub fn load(path: &Path) -> Result<World, SceneError> {
 /// # Errors
 /// As [`load`], and when there is no such camera.
 pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
-    import(path, reading.camera, || Document::read(path, reading.allow_outside))
+    SceneFile::read(path, reading.allow_outside)?.world(reading.camera, &[])
 }
 
 /// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
@@ -66,29 +69,72 @@ pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
 /// # Errors
 /// As [`load`].
 pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
-    import(path, None, || Document::parse(bytes, Files::of_scene(path, false)))
+    let document = Document::parse(bytes, Files::of_scene(path, false));
+    SceneFile::of(path, document)?.world(None, &[])
 }
 
-fn import(
-    path: &Path,
-    camera: Option<&str>,
-    read: impl FnOnce() -> Result<Document, SceneError>,
-) -> Result<World, SceneError> {
-    let import = || {
-        let document = read()?;
-        let mut import = Import::new(&document);
+/// A scene file that has been read, with its buffers: worlds are made of it, as it stands and after
+/// edits. They share the meshes.
+///
+/// ```
+/// use sunstone::{Edit, SceneFile};
+///
+/// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
+/// let edits = [Edit::new("materials/white/reflectance", 0.2)];
+/// let world = file.world(None, &edits)?;
+/// # assert!(world.find("white").is_some());
+/// let error = file.world(None, &[Edit::new("materials/snow/reflectance", 0.2)]);
+/// let error = error.map(|_| ()).unwrap_err().to_string();
+/// assert!(error.contains("materials/snow/reflectance: no material is called `snow`"), "{error}");
+/// # Ok::<(), sunstone::SceneError>(())
+/// ```
+pub struct SceneFile {
+    path: PathBuf,
+    document: Document,
+    geometries: ReadGeometries,
+}
+
+impl SceneFile {
+    /// Reads a .gltf or .glb file with its buffers, if need be (`allow_outside`) from outside its
+    /// folder.
+    ///
+    /// # Errors
+    /// When a file cannot be read, or is not glTF 2.0.
+    pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
+        Self::of(path, Document::read(path, allow_outside))
+    }
+
+    fn of(path: &Path, document: Result<Document, SceneError>) -> Result<Self, SceneError> {
+        let document = document.map_err(|error| error.in_file(path))?;
+        Ok(Self { path: path.to_owned(), document, geometries: ReadGeometries::default() })
+    }
+
+    /// The default scene after some edits, seen by the camera of this name or number, or by the
+    /// first.
+    ///
+    /// # Errors
+    /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
+    pub fn world(&self, camera: Option<&str>, edits: &[Edit]) -> Result<World, SceneError> {
+        let import = || match edits {
+            [] => self.import(&self.document, camera),
+            _ => self.import(&self.document.edited(edits)?, camera),
+        };
+        import().map_err(|error| error.in_file(&self.path))
+    }
+
+    fn import(&self, document: &Document, camera: Option<&str>) -> Result<World, SceneError> {
+        let mut import = Import::new(document, &self.geometries);
         let scene = import.scene()?;
         import.add_scene(scene, camera)?;
-        let file_name = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stem = || self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = document.root.scenes[scene].name.clone();
         let Import { mut world, warnings, .. } = import;
-        world.name = name.unwrap_or_else(file_name);
-        world.file = path.to_owned();
+        world.name = name.unwrap_or_else(stem);
+        world.file = self.path.clone();
         world.files = document.files.read();
         world.warnings = warnings.sentences();
         Ok(world)
-    };
-    import().map_err(|error: SceneError| error.in_file(path))
+    }
 }
 
 /// Keys of the vendor extension, by the name of their definition in `sunstone.schema.json`.
@@ -111,6 +157,8 @@ struct Import<'a> {
     materials: BTreeMap<Option<usize>, Result<Entity, SceneError>>,
     /// What bodies absorb whose materials say so, by index in the file.
     volumes: BTreeMap<usize, Filling>,
+    /// What has been read for other worlds of the same file.
+    shared: &'a ReadGeometries,
     /// Triangles or what is wrong with them, by mesh and primitive.
     geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
@@ -118,7 +166,7 @@ struct Import<'a> {
 }
 
 impl<'a> Import<'a> {
-    fn new(document: &'a Document) -> Self {
+    fn new(document: &'a Document, shared: &'a ReadGeometries) -> Self {
         let mut warnings = Warnings::default();
         let unknown = validate::unknown_extensions(&document.value);
         if !unknown.is_empty() {
@@ -135,6 +183,7 @@ impl<'a> Import<'a> {
             media: Vec::new(),
             materials: BTreeMap::new(),
             volumes: BTreeMap::new(),
+            shared,
             geometries: BTreeMap::new(),
             elements: 0,
         }

@@ -368,7 +368,8 @@ impl World {
         Ok(())
     }
 
-    fn keep_in_mind(&mut self, geometry: &Arc<Geometry>) {
+    /// Takes notice that a geometry is as it should be.
+    pub(in crate::scene) fn keep_in_mind(&mut self, geometry: &Arc<Geometry>) {
         self.checked.insert(Arc::as_ptr(geometry).addr(), Arc::downgrade(geometry));
     }
 

@@ -1,0 +1,374 @@
+//! The job file: a TOML file of defaults and jobs, or a job a line as JSON.
+//!
+//! Here it is unfolded into jobs, one for every combination of a sweep. What options and edits
+//! mean is found out by others.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Number, Value};
+
+use super::pattern::Pattern;
+use super::sweep::{Axis, VALUES_MAX, unfold};
+use crate::image::{extension, folder_of, read_bytes};
+use crate::math::text::excerpt;
+use crate::scene::Edit;
+
+/// Most bytes of a job file.
+const BYTES_MAX: u64 = 1 << 30;
+/// Most characters of a name in errors.
+const NAME: usize = 60;
+/// Keys of the file, and what a job may say beside options.
+const KEYS: [&str; 4] = ["defaults", "farm", "jobs", "version"];
+const KEYS_OF_FARM: [&str; 2] = ["parts", "tasks"];
+
+/// All that a file asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What its paths are relative to.
+    pub folder: PathBuf,
+    /// The jobs in their order.
+    pub jobs: Vec<Job>,
+    /// How a farm divides them.
+    pub farm: Farm,
+    /// In words, what is wrong with the file, and with jobs that are not among these for it.
+    pub wrong: Vec<String>,
+}
+
+/// How a farm divides a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Farm {
+    /// Shares of jobs, at least one.
+    pub tasks: u64,
+    /// Parts of each image, at least one.
+    pub parts: u64,
+}
+
+/// One image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// Its place among all, from 0.
+    pub index: usize,
+    /// What it is called; jobs of a sweep share it.
+    pub name: String,
+    /// How errors call the table that it is of.
+    pub label: String,
+    /// Long options of `render`, with `_` for `-`; `scene` too.
+    pub options: Map<String, Value>,
+    /// Where the image goes, as the file has it.
+    pub output: String,
+    /// What is other than in the scene file.
+    pub edits: Vec<Edit>,
+    /// The values of the sweep, by the names of its axes.
+    pub values: Map<String, Value>,
+}
+
+/// A table of the file that is one job or several.
+type Table = Map<String, Value>;
+
+impl JobFile {
+    /// Reads a job file.
+    ///
+    /// # Errors
+    /// In words, when nothing can be read of it.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let cannot = |error: std::io::Error| format!("cannot read it: {error}");
+        let bytes = read_bytes(path, BYTES_MAX).map_err(cannot)?;
+        let text = String::from_utf8(bytes).map_err(|_| "is not text in UTF-8".to_owned())?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let mut wrong = Vec::new();
+        let [mut defaults, mut farm] = [Table::new(), Table::new()];
+        let tables = match extension(path).as_str() {
+            "toml" => {
+                let mut file = toml_table(text)?;
+                defaults = table_of(&mut file, "defaults", &mut wrong);
+                farm = table_of(&mut file, "farm", &mut wrong);
+                tables_of(file, &mut wrong)
+            }
+            "jsonl" => lines_of(text, &mut wrong),
+            _ => return Err("a job file ends in .toml or .jsonl".to_owned()),
+        };
+        for key in ["name", "set", "sweep"].into_iter().filter(|key| defaults.contains_key(*key)) {
+            wrong.push(format!("defaults: `{key}` belongs to a job"));
+        }
+        let farm = farm_of(&farm, &mut wrong);
+        let mut jobs = Vec::new();
+        for (label, table) in tables {
+            match unfolded(&defaults, table, &label, jobs.len()) {
+                Ok(more) if jobs.len() + more.len() <= VALUES_MAX => jobs.extend(more),
+                Ok(_) => {
+                    wrong.push(format!("asks for more than {VALUES_MAX} jobs"));
+                    break;
+                }
+                Err(more) => wrong.extend(more.iter().map(|text| format!("{label}, {text}"))),
+            }
+        }
+        if jobs.is_empty() && wrong.is_empty() {
+            wrong.push("has no jobs; add a table [[jobs]]".to_owned());
+        }
+        Ok(Self { path: path.to_owned(), folder: folder_of(path), jobs, farm, wrong })
+    }
+}
+
+fn toml_table(text: &str) -> Result<Table, String> {
+    let table: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
+    match json_of(toml::Value::Table(table)).map_err(|error| format!("holds {error}"))? {
+        Value::Object(table) => Ok(table),
+        _ => Ok(Table::new()),
+    }
+}
+
+/// The same as JSON, if JSON can say it.
+fn json_of(value: toml::Value) -> Result<Value, String> {
+    Ok(match value {
+        toml::Value::String(text) => Value::String(text),
+        toml::Value::Integer(number) => number.into(),
+        toml::Value::Float(number) => Number::from_f64(number)
+            .map(Value::Number)
+            .ok_or_else(|| format!("the number {number}, which scenes and options do not take"))?,
+        toml::Value::Boolean(is) => is.into(),
+        toml::Value::Datetime(date) => return Err(format!("the date {date}: write it as a word")),
+        toml::Value::Array(list) => list.into_iter().map(json_of).collect::<Result<_, _>>()?,
+        toml::Value::Table(table) => {
+            let json = |(key, value)| Ok::<_, String>((key, json_of(value)?));
+            Value::Object(table.into_iter().map(json).collect::<Result<_, _>>()?)
+        }
+    })
+}
+
+/// A table of the file, empty if it is not there.
+fn table_of(file: &mut Table, key: &str, wrong: &mut Vec<String>) -> Table {
+    match file.remove(key) {
+        Some(Value::Object(table)) => table,
+        Some(_) => {
+            wrong.push(format!("`{key}` is not a table: write [{key}]"));
+            Table::new()
+        }
+        None => Table::new(),
+    }
+}
+
+/// The tables of jobs in what is left of a TOML file.
+fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
+    match file.remove("version") {
+        Some(version) if version.as_u64() == Some(1) => {}
+        Some(version) => wrong.push(format!("version {version} is not known: this is version 1")),
+        None => wrong.push("has no version; write `version = 1` at the top".to_owned()),
+    }
+    let tables = match file.remove("jobs") {
+        Some(Value::Array(tables)) => tables,
+        Some(_) => {
+            wrong.push("`jobs` is not a list of tables: write [[jobs]]".to_owned());
+            Vec::new()
+        }
+        None => Vec::new(),
+    };
+    for key in file.keys() {
+        let (key, keys) = (excerpt(key, NAME), KEYS.join(", "));
+        wrong.push(format!("`{key}` is not a key of a job file; keys are {keys}"));
+    }
+    let mut labeled = Vec::with_capacity(tables.len());
+    for (number, table) in (1..).zip(tables) {
+        match table {
+            Value::Object(table) => labeled.push((label(&format!("job {number}"), &table), table)),
+            _ => wrong.push(format!("job {number} is not a table")),
+        }
+    }
+    labeled
+}
+
+/// The tables of jobs that stand in the lines of a text.
+fn lines_of(text: &str, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
+    let mut labeled = Vec::new();
+    for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
+        match serde_json::from_str(line) {
+            Ok(Value::Object(table)) => {
+                labeled.push((label(&format!("line {number}"), &table), table));
+            }
+            Ok(_) => wrong.push(format!("line {number} is not an object")),
+            Err(error) => wrong.push(format!("line {number} is not JSON: {error}")),
+        }
+    }
+    labeled
+}
+
+/// How errors call a job.
+fn label(number: &str, table: &Table) -> String {
+    match table.get("name").and_then(Value::as_str) {
+        Some(name) => format!("{number} \"{}\"", excerpt(name, NAME)),
+        None => number.to_owned(),
+    }
+}
+
+fn farm_of(table: &Table, wrong: &mut Vec<String>) -> Farm {
+    for key in table.keys().filter(|key| !KEYS_OF_FARM.contains(&key.as_str())) {
+        let (key, keys) = (excerpt(key, NAME), KEYS_OF_FARM.join(", "));
+        wrong.push(format!("farm: `{key}` is not known; keys are {keys}"));
+    }
+    let mut count = |key: &str| match table.get(key).map(Value::as_u64) {
+        None => 1,
+        Some(Some(count)) if count > 0 => count,
+        Some(_) => {
+            wrong.push(format!("farm: `{key}` must be a whole number from 1 on"));
+            1
+        }
+    };
+    Farm { tasks: count("tasks"), parts: count("parts") }
+}
+
+/// What a table says beside its options.
+struct Asked {
+    name: String,
+    options: Table,
+    output: Pattern,
+    edits: Vec<Edit>,
+    axes: Vec<Axis>,
+}
+
+/// The jobs of a table, the first of which has this index.
+fn unfolded(
+    defaults: &Table,
+    table: Table,
+    label: &str,
+    first: usize,
+) -> Result<Vec<Job>, Vec<String>> {
+    let asked = asked(defaults, table, first)?;
+    let one = |text: String| vec![format!("sweep: {text}")];
+    let combinations = unfold(&asked.axes).map_err(one)?;
+    let jobs = combinations.iter().zip(first..).map(|(indices, index)| {
+        let Asked { name, options, edits, axes, output } = &asked;
+        let mut job = Job {
+            index,
+            name: name.clone(),
+            label: label.to_owned(),
+            options: options.clone(),
+            output: String::new(),
+            edits: edits.clone(),
+            values: Table::new(),
+        };
+        for (axis, &at) in axes.iter().zip(indices) {
+            job.set(&axis.key, axis.values[at].clone());
+            job.values.insert(axis.name.clone(), axis.values[at].clone());
+        }
+        let own = Value::from(index);
+        if job.options.get("seed").and_then(Value::as_str) == Some("job") {
+            job.options.insert("seed".to_owned(), own.clone());
+        }
+        let (name, zero) = (Value::from(name.as_str()), Value::from(0));
+        job.output = output.fill(|field| match field {
+            "name" => Some(&name),
+            "index" => Some(&own),
+            "seed" => Some(job.options.get("seed").unwrap_or(&zero)),
+            axis => job.values.get(axis),
+        });
+        job
+    });
+    Ok(jobs.collect())
+}
+
+impl Job {
+    /// Sets an option, or adds an edit.
+    fn set(&mut self, key: &str, value: Value) {
+        match key.contains('/') {
+            true => self.edits.push(Edit::new(key, value)),
+            false => drop(self.options.insert(key.to_owned(), value)),
+        }
+    }
+}
+
+fn asked(defaults: &Table, mut table: Table, first: usize) -> Result<Asked, Vec<String>> {
+    let mut wrong = Vec::new();
+    let name = match table.remove("name") {
+        Some(Value::String(name)) => name,
+        Some(_) => {
+            wrong.push("`name` is not a word".to_owned());
+            String::new()
+        }
+        None => format!("job{first}"),
+    };
+    let set = match table.remove("set") {
+        Some(Value::Object(set)) => set,
+        Some(_) => {
+            wrong.push("`set` is not a table of edits".to_owned());
+            Table::new()
+        }
+        None => Table::new(),
+    };
+    let axes = axes(table.remove("sweep"), &mut wrong);
+    let keys = set.keys().chain(axes.iter().map(|axis| &axis.key));
+    let mut seen: Vec<&String> = table.keys().collect();
+    for key in keys {
+        if seen.contains(&key) {
+            wrong.push(format!("`{}` is stated twice", excerpt(key, NAME)));
+        }
+        seen.push(key);
+    }
+    let mut options = defaults.clone();
+    options.extend(table);
+    let (edits, more): (Table, Table) = set.into_iter().partition(|(key, _)| key.contains('/'));
+    options.extend(more);
+    let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value)).collect();
+    let output = output(options.remove("output"), &axes, &mut wrong);
+    match output {
+        Some(output) if wrong.is_empty() => Ok(Asked { name, options, output, edits, axes }),
+        _ => Err(wrong),
+    }
+}
+
+fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {
+    let tables = match sweep {
+        Some(Value::Array(tables)) => tables,
+        Some(_) => {
+            wrong.push("`sweep` is not a list of axes".to_owned());
+            return Vec::new();
+        }
+        None => return Vec::new(),
+    };
+    let mut axes: Vec<Axis> = Vec::new();
+    for (number, table) in (1..).zip(&tables) {
+        let mut refuse = |text: String| wrong.push(format!("sweep, axis {number}: {text}"));
+        match Axis::parse(table) {
+            Ok(axis) if axes.iter().any(|other| other.name == axis.name) => {
+                refuse(format!("another is called \"{}\"", excerpt(&axis.name, NAME)));
+            }
+            Ok(axis) if ["name", "index"].contains(&axis.name.as_str()) => {
+                refuse(format!("\"{}\" means something else in names", axis.name));
+            }
+            Ok(axis) if (axis.name == "seed") != (axis.key == "seed") => {
+                refuse("\"seed\" is the name of the axis of that key".to_owned());
+            }
+            Ok(axis) if axis.key == "output" => {
+                refuse("`output` cannot be swept: write {NAME} of an axis into it".to_owned());
+            }
+            Ok(axis) => axes.push(axis),
+            Err(texts) => texts.into_iter().for_each(&mut refuse),
+        }
+    }
+    axes
+}
+
+/// The name of the outputs, if its fields are those that there are.
+fn output(output: Option<Value>, axes: &[Axis], wrong: &mut Vec<String>) -> Option<Pattern> {
+    let text = match output {
+        Some(Value::String(text)) => text,
+        Some(_) => {
+            wrong.push("`output` is not a path".to_owned());
+            return None;
+        }
+        None => {
+            wrong.push("has no `output`; write, say, output = \"out/{name}.exr\"".to_owned());
+            return None;
+        }
+    };
+    let pattern =
+        Pattern::parse(&text).map_err(|text| wrong.push(format!("output: {text}"))).ok()?;
+    let known: Vec<&str> =
+        ["name", "index", "seed"].into_iter().chain(axes.iter().map(|it| &*it.name)).collect();
+    for field in pattern.fields().filter(|field| !known.contains(field)) {
+        let fields = known.iter().map(|name| format!("{{{name}}}")).collect::<Vec<_>>().join(", ");
+        wrong
+            .push(format!("output: {{{}}} is not known; there are {fields}", excerpt(field, NAME)));
+    }
+    Some(pattern)
+}

@@ -1,0 +1,21 @@
+//! Floor 11: many renders from one description: a job file is read and unfolded into jobs, which
+//! are rendered side by side and leave an account of themselves.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
+//! | [`sweep`], [`pattern`] | axes of values, and names made of them |
+//! | [`order`] | a job that has been checked |
+//! | [`results`] | `results.jsonl`: what has been done |
+//! | [`scenes`] | scenes, loaded once and shared |
+//! | [`gate`] | how much is in work at once |
+//! | [`run`] | jobs side by side |
+
+pub mod file;
+mod gate;
+pub mod order;
+mod pattern;
+pub mod results;
+pub mod run;
+mod scenes;
+mod sweep;

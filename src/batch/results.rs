@@ -1,0 +1,223 @@
+//! `results.jsonl`: a line for every job that has come to an end, written when it does.
+//!
+//! Of several lines of one output the last counts; lines that are cut off count for nothing. Who
+//! writes holds the file's lock.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::image::{OutputError, atomic};
+
+/// What has become of a job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The file name of the job file.
+    pub jobs: String,
+    /// Its place among the jobs, from 0.
+    pub index: usize,
+    /// What it is called.
+    pub name: String,
+    /// The values of the sweep, by the names of its axes.
+    pub values: Map<String, Value>,
+    /// Where the image is, as the job file has it.
+    pub output: String,
+    /// How long it took, from its scene to its file.
+    pub seconds: f64,
+    /// Why there is no image.
+    pub error: Option<String>,
+    /// The SHA-256 of the image's file, or of its files in turn.
+    pub checksum: Option<String>,
+    /// What has decided on the image beside the files that were read.
+    pub key: String,
+    /// These, with their checksums.
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// The file, open for more.
+pub struct Results {
+    path: PathBuf,
+    file: File,
+    /// Whether the file ends within a line.
+    is_cut: bool,
+    /// What is there, but for what is cut off.
+    lines: Vec<Line>,
+}
+
+/// A line that is there.
+struct Line {
+    text: String,
+    /// Nothing where another program has written it.
+    record: Option<Record>,
+}
+
+/// Results that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsError {
+    /// Somebody else writes them.
+    #[error("{}: another batch is at work on it; wait for its end", .0.display())]
+    Taken(PathBuf),
+    /// The system refuses.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// They cannot be replaced.
+    #[error(transparent)]
+    Replace(#[from] OutputError),
+}
+
+impl Results {
+    /// Opens the file, which is made if it is not there, for this process alone.
+    ///
+    /// # Errors
+    /// When it cannot be written, or another process has it.
+    pub fn open(path: &Path) -> Result<Self, ResultsError> {
+        let failed = |source| ResultsError::Write { path: path.to_owned(), source };
+        let mut file = lock(path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(failed)?;
+        let (lines, is_cut) = lines_of(&bytes);
+        Ok(Self { path: path.to_owned(), file, is_cut, lines })
+    }
+
+    /// What a file holds, to be looked at.
+    pub fn look(path: &Path) -> HashMap<String, Record> {
+        let bytes = std::fs::read(path).unwrap_or_default();
+        latest(&lines_of(&bytes).0)
+    }
+
+    /// The latest record of every output.
+    pub fn records(&self) -> HashMap<String, Record> {
+        latest(&self.lines)
+    }
+
+    /// Makes these records all that there is of the job file of this name; what others have
+    /// written stays.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn begin(&mut self, jobs: &str, records: &[Record]) -> Result<(), ResultsError> {
+        let foreign = |line: &&Line| line.record.as_ref().is_some_and(|record| record.jobs != jobs);
+        let kept = self.lines.iter().filter(foreign).map(|line| line.text.clone());
+        let kept: Vec<String> = kept.chain(records.iter().map(line_of)).collect();
+        let is_same = !self.is_cut && kept.iter().eq(self.lines.iter().map(|line| &line.text));
+        if is_same {
+            return Ok(());
+        }
+        let text: String = kept.iter().map(|line| format!("{line}\n")).collect();
+        atomic::write(&self.path, text.as_bytes())?;
+        self.file = lock(&self.path)?;
+        self.is_cut = false;
+        Ok(())
+    }
+
+    /// Adds a line at once.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn add(&mut self, record: &Record) -> Result<(), ResultsError> {
+        let mut text = line_of(record);
+        if self.is_cut {
+            text.insert(0, '\n');
+        }
+        text.push('\n');
+        let written = self.file.write_all(text.as_bytes());
+        self.is_cut = written.is_err();
+        written.map_err(|source| ResultsError::Write { path: self.path.clone(), source })
+    }
+}
+
+fn line_of(record: &Record) -> String {
+    // Nothing in a record is no JSON.
+    serde_json::to_string(record).unwrap_or_default()
+}
+
+/// Opens and locks the file that has the name, and not one that has just been replaced.
+fn lock(path: &Path) -> Result<File, ResultsError> {
+    const TRIED: usize = 100;
+    let failed = |source| ResultsError::Write { path: path.to_owned(), source };
+    for _ in 0..TRIED {
+        let file =
+            OpenOptions::new().create(true).read(true).append(true).open(path).map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(ResultsError::Taken(path.to_owned())),
+            // A file system without locks: whoever starts two batches there has been warned.
+            Err(TryLockError::Error(_)) => return Ok(file),
+        }
+        if is_at(&file, path) {
+            return Ok(file);
+        }
+    }
+    Err(ResultsError::Taken(path.to_owned()))
+}
+
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let of = |found: &std::fs::Metadata| (found.dev(), found.ino());
+    matches!((file.metadata(), path.metadata()), (Ok(a), Ok(b)) if of(&a) == of(&b))
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// The whole lines, and whether another one has begun.
+fn lines_of(bytes: &[u8]) -> (Vec<Line>, bool) {
+    let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+    let whole = String::from_utf8_lossy(&bytes[..end]);
+    let line = |text: &str| Line { text: text.to_owned(), record: serde_json::from_str(text).ok() };
+    (whole.lines().map(line).collect(), end < bytes.len())
+}
+
+fn latest(lines: &[Line]) -> HashMap<String, Record> {
+    let records = lines.iter().filter_map(|line| line.record.clone());
+    records.map(|record| (record.output.clone(), record)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(jobs: &str, output: &str, seconds: f64) -> Record {
+        let (error, checksum) = (None, Some("0".to_owned()));
+        let (jobs, name, output) = (jobs.to_owned(), String::new(), output.to_owned());
+        let (values, inputs, key) = (Map::new(), BTreeMap::new(), String::new());
+        Record { jobs, index: 0, name, values, output, seconds, error, checksum, key, inputs }
+    }
+
+    #[test]
+    fn lines_that_are_cut_off_do_no_harm() {
+        let folder = std::env::temp_dir().join(format!("sunstone-results-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("results.jsonl");
+        let [a, b, c] = [("a", 1.0), ("b", 2.0), ("a", 3.0)].map(|(o, s)| record("j.toml", o, s));
+        let other = record("other.toml", "x", 1.0);
+        let text = format!("{}\nnonsense\n{}\n{}", line_of(&a), line_of(&other), line_of(&b));
+        // Cut off within the last.
+        std::fs::write(&path, &text[..text.len() - 5]).unwrap();
+        let mut results = Results::open(&path).unwrap();
+        assert!(matches!(Results::open(&path), Err(ResultsError::Taken(_))));
+        assert_eq!(results.records().keys().len(), 2);
+        results.add(&b).unwrap();
+        results.add(&c).unwrap();
+        assert_eq!(Results::look(&path)["a"], c);
+        assert_eq!(Results::look(&path)["b"], b);
+        results.begin("j.toml", std::slice::from_ref(&c)).unwrap();
+        results.add(&b).unwrap();
+        drop(results);
+        let lines = [line_of(&other), line_of(&c), line_of(&b)].map(|line| line + "\n").concat();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), lines);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

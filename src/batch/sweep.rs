@@ -1,0 +1,198 @@
+//! Sweeps: axes of values, of which every combination is a job.
+
+use serde_json::{Map, Value};
+
+/// Most values of an axis, and most jobs of a sweep.
+pub const VALUES_MAX: usize = 1_000_000;
+
+/// What an axis may say.
+const KEYS: [&str; 7] = ["count", "from", "key", "name", "step_with", "to", "values"];
+
+/// An edit or option that takes several values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it is called in names and results.
+    pub name: String,
+    /// What it sets: an edit, `KIND/NAME/KEY`, or an option.
+    pub key: String,
+    /// What to.
+    pub values: Vec<Value>,
+    /// The axis that it walks in step with.
+    step_with: Option<String>,
+}
+
+impl Axis {
+    /// Reads an axis.
+    ///
+    /// # Errors
+    /// In words, all that is wrong with it.
+    pub fn parse(table: &Value) -> Result<Self, Vec<String>> {
+        let Some(table) = table.as_object() else {
+            return Err(vec!["is not a table of name, key and values".to_owned()]);
+        };
+        let mut wrong: Vec<String> = (table.keys())
+            .filter(|key| !KEYS.contains(&key.as_str()))
+            .map(|key| format!("`{key}` is not a key of an axis; keys are {}", KEYS.join(", ")))
+            .collect();
+        let mut word = |key: &str| match table.get(key) {
+            Some(Value::String(word)) if !word.is_empty() => Some(word.clone()),
+            Some(_) => {
+                wrong.push(format!("`{key}` is not a word"));
+                None
+            }
+            None => None,
+        };
+        let [name, key, step_with] = ["name", "key", "step_with"].map(&mut word);
+        for (what, is_there) in
+            [("name", table.contains_key("name")), ("key", table.contains_key("key"))]
+        {
+            if !is_there {
+                wrong.push(format!("has no `{what}`"));
+            }
+        }
+        let values = values(table).map_err(|text| wrong.push(text)).unwrap_or_default();
+        match (name, key) {
+            (Some(name), Some(key)) if wrong.is_empty() => {
+                Ok(Self { name, key, values, step_with })
+            }
+            _ => Err(wrong),
+        }
+    }
+}
+
+/// The values that an axis lists, or that lie evenly between two.
+fn values(table: &Map<String, Value>) -> Result<Vec<Value>, String> {
+    let range = ["from", "to", "count"].map(|key| table.get(key));
+    match (table.get("values"), range) {
+        (Some(Value::Array(values)), [None, None, None]) => match values.len() {
+            0 => Err("`values` is empty".to_owned()),
+            1..=VALUES_MAX => Ok(values.clone()),
+            _ => Err(format!("has more than {VALUES_MAX} values")),
+        },
+        (Some(_), [None, None, None]) => Err("`values` is not a list".to_owned()),
+        (None, [Some(from), Some(to), Some(count)]) => between(from, to, count),
+        _ => Err("takes either `values` or `from`, `to` and `count`".to_owned()),
+    }
+}
+
+/// Whole numbers if both ends and all steps are.
+fn between(from: &Value, to: &Value, count: &Value) -> Result<Vec<Value>, String> {
+    let count = count.as_u64().filter(|count| (1..=VALUES_MAX as u64).contains(count));
+    let count = count.ok_or_else(|| format!("`count` must be from 1 to {VALUES_MAX}"))?;
+    let (Some(a), Some(b)) = (from.as_f64(), to.as_f64()) else {
+        return Err("`from` and `to` must be numbers".to_owned());
+    };
+    let steps = (count - 1).max(1);
+    if let (Some(a), Some(b)) = (from.as_i64(), to.as_i64())
+        && (i128::from(b) - i128::from(a)) % i128::from(steps) == 0
+    {
+        let step = (i128::from(b) - i128::from(a)) / i128::from(steps);
+        let whole = |index: u64| (i128::from(a) + step * i128::from(index)) as i64;
+        return Ok((0..count).map(|index| whole(index).into()).collect());
+    }
+    let value = |index: u64| match index == steps {
+        true => b,
+        false => a + (b - a) * index as f64 / steps as f64,
+    };
+    Ok((0..count).map(|index| value(index).into()).collect())
+}
+
+/// What a sweep unfolds to: for every job, the index of the value of each axis; the last axis is
+/// the fastest.
+///
+/// # Errors
+/// In words, when axes do not go together.
+pub fn unfold(axes: &[Axis]) -> Result<Vec<Vec<usize>>, String> {
+    let leader = |axis: &Axis| match &axis.step_with {
+        None => Ok(None),
+        Some(other) => {
+            let found = axes.iter().position(|axis| axis.name == *other);
+            let found = found.filter(|found| axes[*found].step_with.is_none());
+            let Some(found) = found else {
+                let text = "`step_with` names no axis that goes its own way";
+                return Err(format!("axis \"{}\": {text}", axis.name));
+            };
+            let (own, others) = (axis.values.len(), axes[found].values.len());
+            if own != others {
+                let name = &axis.name;
+                return Err(format!("axis \"{name}\" has {own} values, and \"{other}\" {others}"));
+            }
+            Ok(Some(found))
+        }
+    };
+    let leaders: Vec<Option<usize>> = axes.iter().map(leader).collect::<Result<_, _>>()?;
+    let own = |axis: usize| if leaders[axis].is_none() { axes[axis].values.len() } else { 1 };
+    let jobs = (0..axes.len()).try_fold(1_usize, |jobs, axis| {
+        jobs.checked_mul(own(axis)).filter(|jobs| *jobs <= VALUES_MAX)
+    });
+    let Some(jobs) = jobs else { return Err(format!("is of more than {VALUES_MAX} jobs")) };
+    let indices = |job: usize| {
+        let mut rest = job;
+        let mut indices = vec![0; axes.len()];
+        for axis in (0..axes.len()).rev() {
+            indices[axis] = rest % own(axis);
+            rest /= own(axis);
+        }
+        for (axis, leader) in leaders.iter().enumerate() {
+            if let Some(leader) = leader {
+                indices[axis] = indices[*leader];
+            }
+        }
+        indices
+    };
+    Ok((0..jobs).map(indices).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn axis(table: Value) -> Axis {
+        Axis::parse(&table).unwrap_or_else(|wrong| panic!("{wrong:?}"))
+    }
+
+    #[test]
+    fn the_last_axis_is_the_fastest_and_some_walk_in_step() {
+        let angle = axis(json!({"name": "a", "key": "materials/m/axis_deg", "values": [0, 45]}));
+        let ior = axis(json!({"name": "b", "key": "x/y/z", "from": 1, "to": 2, "count": 3}));
+        let with = json!({"name": "c", "key": "spp", "values": [1, 2], "step_with": "a"});
+        let axes = [angle, ior, axis(with)];
+        assert_eq!(axes[1].values, [json!(1.0), json!(1.5), json!(2.0)]);
+        let jobs = unfold(&axes).unwrap();
+        let expected = [[0, 0, 0], [0, 1, 0], [0, 2, 0], [1, 0, 1], [1, 1, 1], [1, 2, 1]];
+        assert_eq!(jobs, expected);
+        assert_eq!(unfold(&[]).unwrap(), [Vec::<usize>::new()]);
+    }
+
+    #[test]
+    fn ranges_are_whole_where_they_can_be() {
+        let range = |from: Value, to: Value, count: u64| {
+            axis(json!({"name": "a", "key": "k", "from": from, "to": to, "count": count})).values
+        };
+        let angles = range(json!(0), json!(175), 36);
+        assert_eq!((angles.len(), &angles[1], &angles[35]), (36, &json!(5), &json!(175)));
+        assert_eq!(range(json!(0.0), json!(1.0), 3), [json!(0.0), json!(0.5), json!(1.0)]);
+        assert_eq!(range(json!(3), json!(9), 1), [json!(3)]);
+        assert_eq!(range(json!(2), json!(-2), 3), [json!(2), json!(0), json!(-2)]);
+    }
+
+    #[test]
+    fn what_is_no_axis_is_said() {
+        for (table, words) in [
+            (json!({"name": "a", "values": [1]}), "has no `key`"),
+            (json!({"name": "a", "key": "k"}), "takes either `values` or"),
+            (json!({"name": "a", "key": "k", "values": []}), "`values` is empty"),
+            (json!({"name": "a", "key": "k", "values": [1], "by": 2}), "`by` is not a key"),
+            (json!({"name": "a", "key": "k", "from": 0, "to": 1, "count": 0}), "`count` must be"),
+            (json!({"name": "a", "key": "k", "from": "x", "to": 1, "count": 2}), "must be numbers"),
+            (json!(3), "is not a table"),
+        ] {
+            let wrong = Axis::parse(&table).unwrap_err().join("\n");
+            assert!(wrong.contains(words), "{table}: {wrong}");
+        }
+        let lone = axis(json!({"name": "a", "key": "k", "values": [1], "step_with": "b"}));
+        assert!(unfold(&[lone]).unwrap_err().contains("names no axis"));
+    }
+}

@@ -1,0 +1,218 @@
+//! What a job file asks for, looked at before anything is rendered.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::batch::file::{Job, JobFile};
+use crate::batch::order::Order;
+use crate::image::{self, atomic};
+use crate::scene::{Editable, SceneError};
+
+use super::options::Reader;
+
+/// All that is wrong, each said once.
+#[derive(Default)]
+pub struct Wrong {
+    list: Vec<String>,
+    seen: BTreeSet<String>,
+}
+
+impl Wrong {
+    /// Something about a job, or about all of a sweep.
+    pub fn add(&mut self, text: String) {
+        if self.seen.insert(text.clone()) {
+            self.list.push(text);
+        }
+    }
+
+    fn of(&mut self, job: &Job, text: &str) {
+        self.add(format!("{}, {text}", job.label));
+    }
+
+    /// The list.
+    pub fn list(self) -> Vec<String> {
+        self.list
+    }
+}
+
+/// Which files must not be replaced.
+pub struct Inputs<'a> {
+    /// The job file.
+    pub jobs: &'a Path,
+    /// Where the results go.
+    pub results: &'a Path,
+}
+
+/// The orders of a job file.
+///
+/// # Errors
+/// In words, all that is wrong with them.
+pub fn orders(
+    file: &JobFile,
+    inputs: &Inputs,
+    allow_outside: bool,
+) -> Result<Vec<Order>, Vec<String>> {
+    let mut wrong = Wrong::default();
+    file.wrong.iter().for_each(|text| wrong.add(text.clone()));
+    let mut reader = Reader::new();
+    let mut orders = Vec::with_capacity(file.jobs.len());
+    for job in &file.jobs {
+        match reader.order(job, &file.folder) {
+            Ok(order) => orders.push((job, order)),
+            Err(texts) => texts.iter().for_each(|text| wrong.of(job, text)),
+        }
+    }
+    check_edits(file, &mut wrong);
+    check_outputs(&orders, file, inputs, allow_outside, &mut wrong);
+    let wrong = wrong.list();
+    if wrong.is_empty() {
+        return Ok(orders.into_iter().map(|(_, order)| order).collect());
+    }
+    Err(wrong)
+}
+
+/// Checks that edits are of something that is there. A scene that cannot be read is told by the
+/// jobs that it is of.
+fn check_edits(file: &JobFile, wrong: &mut Wrong) {
+    let mut by_scene: BTreeMap<&str, Vec<&Job>> = BTreeMap::new();
+    for job in file.jobs.iter().filter(|job| !job.edits.is_empty()) {
+        if let Some(scene) = job.options.get("scene").and_then(Value::as_str) {
+            by_scene.entry(scene).or_default().push(job);
+        }
+    }
+    for (scene, jobs) in by_scene {
+        let Ok(editable) = Editable::read(&file.folder.join(scene)) else { continue };
+        let mut known: HashMap<Vec<&str>, Vec<String>> = HashMap::new();
+        for job in jobs {
+            let targets: Vec<&str> = job.edits.iter().map(|edit| edit.target.as_str()).collect();
+            let texts =
+                known.entry(targets).or_insert_with_key(|targets| found(&editable, targets));
+            texts.iter().for_each(|text| wrong.of(job, text));
+        }
+    }
+}
+
+/// What is wrong with edits of one job, by themselves and together.
+fn found(editable: &Editable, targets: &[&str]) -> Vec<String> {
+    let in_line = |error: SceneError| error.to_string().replace("\n  help: ", "; ");
+    let alone = targets.iter().filter_map(|target| editable.check(target).err());
+    let alone: Vec<String> = alone.map(in_line).collect();
+    if !alone.is_empty() {
+        return alone;
+    }
+    editable.check_together(targets.iter().copied()).err().map(in_line).into_iter().collect()
+}
+
+/// Checks that every output has a place of its own, in the folder of the job file unless others
+/// are allowed, that can be written.
+fn check_outputs(
+    orders: &[(&Job, Order)],
+    file: &JobFile,
+    inputs: &Inputs,
+    allow_outside: bool,
+    wrong: &mut Wrong,
+) {
+    let mut reals = Reals::default();
+    let scenes: HashSet<&Path> = orders.iter().map(|(_, order)| &*order.scene).collect();
+    let needed = scenes.into_iter().chain([inputs.jobs, inputs.results]);
+    let needed: HashSet<PathBuf> = needed.map(|path| reals.of(path)).collect();
+    let home = (!allow_outside).then(|| reals.of(&file.folder.join("image")));
+    let home = home.as_deref().and_then(Path::parent);
+    let mut taken: HashMap<PathBuf, (usize, &Order)> = HashMap::new();
+    let mut folders = Folders::default();
+    for (row, (job, order)) in orders.iter().enumerate() {
+        let Ok(files) = image::files_of(&order.output) else { continue };
+        let mut why_not = |path: &PathBuf| {
+            let path = reals.of(path);
+            if home.is_some_and(|home| !path.starts_with(home)) {
+                let text = "is outside of the folder of the job file; allow it by --allow-outside";
+                return Some(format!(" {text}"));
+            }
+            if needed.contains(&path) {
+                return Some(" is a file that the batch needs".to_owned());
+            }
+            if let Some(text) = folders.why_not(&path) {
+                return Some(format!(": {text}"));
+            }
+            match taken.get(&path) {
+                Some((other, _)) if *other == row => None,
+                Some((_, other)) => Some(twice(order, &other.label())),
+                None => {
+                    taken.insert(path, (row, order));
+                    None
+                }
+            }
+        };
+        let why_not = std::iter::once(&order.output).chain(&files).find_map(&mut why_not);
+        if let Some(text) = why_not {
+            wrong.of(job, &format!("output {}{text}", order.output_name));
+        }
+    }
+}
+
+/// What is said of a second job with an output.
+fn twice(order: &Order, other: &str) -> String {
+    let axes = order.values.keys().map(|axis| format!("{{{axis}}}")).collect::<Vec<_>>();
+    let advice = match axes.is_empty() {
+        true => "{name} or {index}".to_owned(),
+        false => axes.join(" and "),
+    };
+    format!(" is that of {other} too; write {advice} into it")
+}
+
+/// Folders that have been written into for a test, and why not.
+#[derive(Default)]
+struct Folders(HashMap<PathBuf, Option<String>>);
+
+impl Folders {
+    /// Why a file cannot be written, if so.
+    fn why_not(&mut self, path: &Path) -> Option<String> {
+        if let Err(error) = atomic::probe_name(path) {
+            return Some(error.to_string());
+        }
+        // Folders that are not there are made when there is something for them.
+        let folder = path.ancestors().skip(1).find(|folder| fs::metadata(folder).is_ok())?;
+        let probe = || atomic::probe_writable(&folder.join("image")).err().map(|it| it.to_string());
+        self.0.entry(folder.to_owned()).or_insert_with(probe).clone()
+    }
+}
+
+/// Paths without links, dots and what is between them, as far as they are there; with those of
+/// their folders.
+#[derive(Default)]
+struct Reals(HashMap<PathBuf, PathBuf>);
+
+impl Reals {
+    fn of(&mut self, path: &Path) -> PathBuf {
+        let (Some(name), Some(folder)) = (path.file_name(), path.parent()) else {
+            return real(path);
+        };
+        let folder = self.0.entry(folder.to_owned()).or_insert_with(|| real(folder));
+        real(&folder.join(name))
+    }
+}
+
+fn real(path: &Path) -> PathBuf {
+    let start = std::env::current_dir().unwrap_or_default().join(path);
+    if let Ok(real) = fs::canonicalize(&start) {
+        return real;
+    }
+    let mut real = PathBuf::new();
+    for part in start.components() {
+        match part {
+            Component::ParentDir => drop(real.pop()),
+            Component::CurDir => {}
+            Component::Prefix(_) | Component::RootDir | Component::Normal(_) => {
+                real.push(part);
+                // A link, if it is one that leads somewhere.
+                if fs::symlink_metadata(&real).is_ok_and(|found| found.is_symlink()) {
+                    real = fs::canonicalize(&real).unwrap_or(real);
+                }
+            }
+        }
+    }
+    real
+}

@@ -1,0 +1,293 @@
+//! Options of jobs, by the names that `render` gives them: a table becomes a command line of
+//! `render` and is read as one, so that every range and every message is the same.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use clap::{ArgAction, Args, Command, FromArgMatches};
+use serde_json::{Map, Value};
+
+use crate::batch::file::Job;
+use crate::batch::order::Order;
+use crate::math::text::excerpt;
+use crate::render::Settings;
+
+use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, RenderArguments};
+use super::super::{CliError, job, numbers_may_be_negative};
+
+/// Options that mean nothing for a job of many, and why.
+const REFUSED: [(&str, &str); 10] = [
+    ("allow_outside", "only who starts the batch can say so: sunstone batch --allow-outside"),
+    ("checkpoint", "a batch that was stopped does what is left when it is started again"),
+    ("checkpoint_every", "a batch that was stopped does what is left when it is started again"),
+    ("help", "try `sunstone help batch`"),
+    ("part", "a batch renders whole images"),
+    ("quiet", "it is an option of the batch"),
+    ("resume", "a batch that was stopped does what is left when it is started again"),
+    ("stats", "results.jsonl tells the time of each job"),
+    ("threads", "it is an option of the batch: all jobs share them"),
+    ("update", "a job is short: look at what is done"),
+];
+/// Most tables of options that are remembered.
+const KNOWN_MAX: usize = 1000;
+/// Most characters of a name in errors.
+const NAME: usize = 60;
+
+/// Reads options, and remembers which are good.
+pub struct Reader {
+    render: Command,
+    /// What has been read, by its options.
+    known: HashMap<String, Result<RenderArguments, Vec<String>>>,
+}
+
+impl Reader {
+    /// Knows the options of `render`.
+    pub fn new() -> Self {
+        let render = RenderArguments::augment_args(Command::new("render"));
+        Self { render: numbers_may_be_negative(render), known: HashMap::new() }
+    }
+
+    /// A job whose options are good.
+    ///
+    /// # Errors
+    /// In words, all that is wrong with them.
+    pub fn order(&mut self, job: &Job, folder: &Path) -> Result<Order, Vec<String>> {
+        let mut options = job.options.clone();
+        // Jobs that differ in these alone need not be read one by one.
+        let seed =
+            options.get("seed").and_then(Value::as_u64).and_then(|it| u32::try_from(it).ok());
+        if seed.is_some() {
+            options.remove("seed");
+        }
+        let text = Value::Object(options.clone()).to_string();
+        if !self.known.contains_key(&text) {
+            if self.known.len() == KNOWN_MAX {
+                self.known.clear();
+            }
+            let read = self.read(&options);
+            self.known.insert(text.clone(), read);
+        }
+        let arguments = self.known[&text].as_ref().map_err(Vec::clone)?;
+        let mut arguments = arguments.clone();
+        // No dot before what lies in the current folder.
+        let at = |path: &Path| match folder == Path::new(".") {
+            true => path.to_owned(),
+            false => folder.join(path),
+        };
+        arguments.output = at(job.output.as_ref());
+        arguments.seed = seed.unwrap_or(arguments.seed);
+        let settings = settings(&arguments).map_err(|text| vec![text])?;
+        Ok(Order {
+            index: job.index,
+            name: job.name.clone(),
+            values: job.values.clone(),
+            scene: at(&arguments.scene),
+            camera: arguments.camera,
+            edits: job.edits.clone(),
+            settings,
+            output: arguments.output,
+            output_name: job.output.clone(),
+        })
+    }
+
+    /// The options one by one, so that each is told that is wrong, and then together.
+    fn read(&self, options: &Map<String, Value>) -> Result<RenderArguments, Vec<String>> {
+        let mut wrong = Vec::new();
+        let mut words = Vec::new();
+        let mut scene = None;
+        for (key, value) in options {
+            let word = match (key.as_str(), value) {
+                ("scene", Value::String(path)) if !path.is_empty() => {
+                    scene = Some(path);
+                    continue;
+                }
+                ("scene", _) => Err("is not the path of a scene".to_owned()),
+                _ => self.word(key, value),
+            };
+            let alone = word.and_then(|word| {
+                self.parse("scene", word.iter())?;
+                Ok(word)
+            });
+            match alone {
+                Ok(word) => words.extend(word),
+                Err(text) => wrong.push(format!("{}: {text}", excerpt(key, NAME))),
+            }
+        }
+        if !options.contains_key("scene") {
+            wrong.push("has no `scene`; write, say, scene = \"lab.gltf\"".to_owned());
+        }
+        match scene {
+            Some(scene) if wrong.is_empty() => {
+                self.parse(scene, words.iter()).map_err(|text| vec![text])
+            }
+            _ => Err(wrong),
+        }
+    }
+
+    /// The word of a command line that an option is, if it has to be there at all.
+    fn word(&self, key: &str, value: &Value) -> Result<Option<String>, String> {
+        if let Some((_, why)) = REFUSED.iter().find(|(refused, _)| *refused == key) {
+            return Err(format!("cannot be set for a job; {why}"));
+        }
+        let is_it = |arg: &&clap::Arg| {
+            arg.get_long().is_some_and(|long| long.replace('-', "_") == key) && key != "output"
+        };
+        let Some(arg) = self.render.get_arguments().find(is_it) else {
+            return Err(format!("is not an option; options are {}", self.names()));
+        };
+        let long = key.replace('_', "-");
+        let is_flag = matches!(arg.get_action(), ArgAction::SetTrue);
+        match value {
+            Value::Bool(is) if is_flag => Ok(is.then(|| format!("--{long}"))),
+            _ if is_flag => Err("is true or false".to_owned()),
+            Value::Number(number) => Ok(Some(format!("--{long}={number}"))),
+            Value::String(word) => Ok(Some(format!("--{long}={word}"))),
+            Value::Null | Value::Bool(_) | Value::Array(_) | Value::Object(_) => {
+                Err("takes one number or word".to_owned())
+            }
+        }
+    }
+
+    /// All options that jobs may have.
+    fn names(&self) -> String {
+        let longs = self.render.get_arguments().filter_map(|arg| arg.get_long());
+        let names = longs
+            .map(|long| long.replace('-', "_"))
+            .filter(|name| name != "output" && REFUSED.iter().all(|(refused, _)| refused != name));
+        let mut names: Vec<String> = std::iter::once("scene".to_owned()).chain(names).collect();
+        names.sort();
+        names.join(", ")
+    }
+
+    fn parse<'a>(
+        &self,
+        scene: &str,
+        words: impl Iterator<Item = &'a String>,
+    ) -> Result<RenderArguments, String> {
+        // An output of every format; which it is to be has been looked at elsewhere.
+        let fixed = ["render", "--output=x.exr"].map(str::to_owned);
+        let last = ["--", scene].map(str::to_owned);
+        let line = fixed.into_iter().chain(words.cloned()).chain(last);
+        let matches = self.render.clone().try_get_matches_from(line);
+        let arguments = matches.and_then(|matches| RenderArguments::from_arg_matches(&matches));
+        arguments.map_err(|error| {
+            let text = error.to_string();
+            let text = text.strip_prefix("error: ").unwrap_or(&text);
+            let end = ["\n\nUsage:", "\n\nFor more", "\n\n  tip:"];
+            let end = end.iter().filter_map(|end| text.find(end)).min().unwrap_or(text.len());
+            let lines = text[..end].lines().map(str::trim).filter(|line| !line.is_empty());
+            in_words_of_the_file(&lines.collect::<Vec<_>>().join(" "))
+        })
+    }
+}
+
+/// What is rendered; refuses what only `render` does.
+fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
+    // A new option of `render` has to be thought of here.
+    let RenderArguments {
+        scene: _,
+        files: FileArguments { allow_outside: _ },
+        output: _,
+        integrator: _,
+        mode: _,
+        color: _,
+        wavelength: _,
+        max_path_length: _,
+        roulette_after: _,
+        sampling: _,
+        spp: _,
+        iterations: _,
+        time_limit: _,
+        update: None,
+        seed: _,
+        variance: _,
+        replicates: _,
+        photons: _,
+        width: _,
+        height: _,
+        camera: _,
+        threads: None,
+        part: None,
+        checkpoints: Checkpoints { checkpoint: None, checkpoint_every: None, resume: false },
+        stats: None,
+        quiet: false,
+    } = arguments
+    else {
+        return Err("asks for what jobs cannot have".to_owned());
+    };
+    job::settings(arguments).map_err(|error| {
+        if let CliError::Usage(text) = &error {
+            return in_words_of_the_file(text);
+        }
+        error.to_string()
+    })
+}
+
+/// The same text, with options as the file calls them.
+fn in_words_of_the_file(text: &str) -> String {
+    let mut words = text.split("--");
+    let mut told = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let end = word.find(|c: char| !c.is_ascii_alphanumeric() && c != '-').unwrap_or(word.len());
+        told.push_str(&word[..end].replace('-', "_"));
+        told.push_str(&word[end..]);
+    }
+    told
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn order(options: Value) -> Result<Order, String> {
+        let Value::Object(options) = options else { panic!("{options} is no table") };
+        let job = Job {
+            index: 3,
+            name: "a".to_owned(),
+            label: String::new(),
+            options,
+            output: "a.exr".to_owned(),
+            edits: Vec::new(),
+            values: Map::new(),
+        };
+        Reader::new().order(&job, Path::new("here")).map_err(|wrong| wrong.join("\n"))
+    }
+
+    #[test]
+    fn options_are_those_of_render() {
+        let options = json!({
+            "scene": "-lab.gltf", "integrator": "path", "spp": 8, "seed": 7, "width": 32,
+            "max_path_length": 4, "variance": true, "color": "mono", "wavelength": 633.0,
+        });
+        let order = order(options).unwrap();
+        assert_eq!(order.scene, Path::new("here/-lab.gltf"));
+        let options = order.settings.options();
+        assert_eq!((options.samples, options.seed, options.width), (8, 7, Some(32)));
+        assert!(options.variance && options.path_length_max == 4);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_by_its_key() {
+        for (options, words) in [
+            (json!({}), "has no `scene`"),
+            (json!({"scene": "a", "sp": 3}), "sp: is not an option; options are alpha, camera"),
+            (json!({"scene": "a", "spp": -3}), "spp: invalid value '-3' for 'spp <N>'"),
+            (json!({"scene": "a", "spp": 0}), "spp must be from 1 to"),
+            (json!({"scene": "a", "spp": 4, "iterations": 4}), "cannot be used with"),
+            (json!({"scene": "a", "variance": 1}), "variance: is true or false"),
+            (json!({"scene": "a", "spp": [1]}), "takes one number or word"),
+            (json!({"scene": "a", "threads": 1}), "threads: cannot be set for a job"),
+            (json!({"scene": "a", "allow_outside": true}), "only who starts the batch"),
+            (json!({"scene": "a", "max_path_length": 0}), "max_path_length must be from 1"),
+            (json!({"scene": "a", "mode": "x"}), "[possible values: scalar, intensity, polarized]"),
+            (json!({"scene": 3}), "scene: is not the path"),
+        ] {
+            let error = order(options.clone()).map(|_| ()).unwrap_err();
+            assert!(error.contains(words) && !error.contains("'--"), "{options}: {error}");
+        }
+        let both = order(json!({"scene": "a", "x": 1, "mode": "y"})).map(|_| ()).unwrap_err();
+        assert_eq!(both.lines().count(), 2, "{both}");
+    }
+}
