@@ -72,6 +72,9 @@
 //! vertices and film samples are structure-of-arrays tables of their own and the systems that
 //! advance them are free functions, so do not look for a `World` there.
 
+// What tests compare with may be the system's.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod batch;
 mod bench;
 mod cli;

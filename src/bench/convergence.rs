@@ -1,5 +1,7 @@
 //! How errors fall with time: integrators against each other.
 
+use crate::math::elementary::{ln, pow};
+
 use std::fmt;
 
 use serde::Serialize;
@@ -170,8 +172,8 @@ fn between((x0, y0): (f64, f64), (x1, y1): (f64, f64), x: f64) -> Option<f64> {
     if [x0, x1, y0, y1, x].into_iter().any(|value| !(value > 0.0 && value.is_finite())) {
         return None;
     }
-    let share = if x0 == x1 { 0.0 } else { (x / x0).ln() / (x1 / x0).ln() };
-    Some(y0 * (y1 / y0).powf(share))
+    let share = if x0 == x1 { 0.0 } else { ln(x / x0) / ln(x1 / x0) };
+    Some(y0 * pow(y1 / y0, share))
 }
 
 /// What the errors are measured against.

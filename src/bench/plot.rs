@@ -12,6 +12,7 @@ use plotters::prelude::{
 };
 
 use crate::image::{OutputError, atomic, extension};
+use crate::math::elementary::{ln, log10, pow};
 use crate::math::statistics::Interval;
 
 /// Size of a panel in pixels.
@@ -163,7 +164,7 @@ impl Ranged for Shown {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
-        let place = |value: f64| if self.is_logarithmic { value.ln() } else { value };
+        let place = |value: f64| if self.is_logarithmic { ln(value) } else { value };
         let [start, end] = [self.range.start, self.range.end].map(place);
         let share = (place(*value) - start) / (end - start);
         first + (share * f64::from(last - first)).round() as i32
@@ -187,7 +188,7 @@ fn range_of(values: impl Iterator<Item = f64>, axis: &Axis) -> Range<f64> {
         Scale::Names(names) => -0.5..names.len().max(1) as f64 - 0.5,
         _ if low > high => 0.5..1.5,
         Scale::Logarithmic => {
-            let room = (high / low).powf(ROOM).max(1.2);
+            let room = pow(high / low, ROOM).max(1.2);
             low / room..high * room
         }
         Scale::Linear => {
@@ -207,13 +208,13 @@ fn ticks(range: &Range<f64>, axis: &Axis) -> Vec<f64> {
     }
     if axis.scale == Scale::Linear {
         let least = (end - start) / 8.0;
-        let tenfold = 10_f64.powf(least.log10().floor());
+        let tenfold = pow(10.0, log10(least).floor());
         let step = [1.0, 2.0, 5.0].map(|step| step * tenfold).into_iter().find(|s| *s >= least);
         let step = step.unwrap_or(10.0 * tenfold);
         let [first, last] = [(start / step).ceil(), (end / step).floor()].map(|edge| edge as i64);
         return (first..=last).map(|index| index as f64 * step).collect();
     }
-    let exponents = start.log10().floor() as i32..=end.log10().ceil() as i32;
+    let exponents = log10(start).floor() as i32..=log10(end).ceil() as i32;
     let steps: &[f64] = if exponents.clone().count() > 5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let ticks = exponents.flat_map(|power| steps.iter().map(move |s| s * 10_f64.powi(power)));
     ticks.filter(|tick| range.contains(tick)).collect()

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::error::OutputError;
 use super::visualize::{dop, stokes_at};
 use crate::image::StokesImage;
+use crate::math::elementary::hypot;
 use crate::spectrum::Color;
 
 /// P may exceed S0 by this share before a pixel counts as unphysical: rounding of 32-bit floats.
@@ -98,7 +99,7 @@ fn polarization(image: &StokesImage, line: &mut impl FnMut(&str, String)) {
 
 fn is_unphysical(image: &StokesImage, pixel: usize, channel: usize) -> bool {
     let [s0, s1, s2, s3] = [0, 1, 2, 3].map(|i| image.plane(i, channel)[pixel]);
-    s1.hypot(s2).hypot(s3) > s0 * (1.0 + ROUNDING)
+    hypot(hypot(s1, s2), s3) > s0 * (1.0 + ROUNDING)
 }
 
 /// The root of the summed variance of S0 over its sum: the error of an average pixel.

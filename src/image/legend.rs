@@ -2,6 +2,7 @@
 
 use super::font::{self, draw_text, text_width};
 use super::picture::Picture;
+use crate::math::elementary::{atan2, hypot};
 
 /// What a strip shows.
 pub struct Legend {
@@ -149,9 +150,9 @@ fn draw_disk(
     for y in 0..=2 * radius {
         for x in 0..=2 * radius {
             let (dx, dy) = (x as f32 - radius as f32, radius as f32 - y as f32);
-            let distance = dx.hypot(dy) / radius as f32;
+            let distance = hypot(dx, dy) / radius as f32;
             if (0.3..=1.0).contains(&distance) {
-                let turn = (dy.atan2(dx) / std::f32::consts::PI).rem_euclid(1.0);
+                let turn = (atan2(dy, dx) / std::f32::consts::PI).rem_euclid(1.0);
                 strip.set(center_x + x - radius, center_y + y - radius, bar(turn));
             }
         }

@@ -29,6 +29,7 @@ use super::error::OutputError;
 use super::png;
 use super::visualize::stokes_at;
 use crate::image::StokesImage;
+use crate::math::elementary::exp2;
 use crate::math::{Fault, Range};
 use crate::polarization::Analyzer;
 use crate::spectrum::Color;
@@ -177,7 +178,7 @@ impl PolarizationSensor {
                     [0, 1, 2, 3].map(|component| image.plane(component, channel)[pixel])
                 }
             };
-            let light = f64::from(analyzer.passed(stokes)) * f64::from(self.exposure_ev).exp2();
+            let light = f64::from(analyzer.passed(stokes)) * exp2(f64::from(self.exposure_ev));
             self.number(light, pixel)
         });
         let description = self.to_string();

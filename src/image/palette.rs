@@ -3,12 +3,14 @@
 //! Scales are interpolated in Oklab (Ottosson 2020), where equal steps look equal; a value is so
 //! read from lightness as well as from hue, which helps print and color-blind eyes.
 
+use crate::math::elementary::{cbrt, pow, sin_cos};
+
 /// A linear value as an eight-bit sRGB code (IEC 61966-2-1), clipped; NaN is 0.
 pub fn encode_srgb(linear: f32) -> u8 {
     let linear = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
     let encoded = match linear <= 0.003_130_8 {
         true => 12.92 * linear,
-        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+        false => 1.055 * pow(linear, 1.0 / 2.4) - 0.055,
     };
     (255.0 * encoded).round() as u8
 }
@@ -18,7 +20,7 @@ pub fn decode_srgb(code: u8) -> f32 {
     let encoded = f32::from(code) / 255.0;
     match encoded <= 0.040_45 {
         true => encoded / 12.92,
-        false => ((encoded + 0.055) / 1.055).powf(2.4),
+        false => pow((encoded + 0.055) / 1.055, 2.4),
     }
 }
 
@@ -64,7 +66,7 @@ pub fn mix(from: [u8; 3], to: [u8; 3], t: f32) -> [u8; 3] {
 /// A wheel of even lightness and chroma, once round over `turn` in [0, 1]: red, yellow, green,
 /// blue.
 pub fn wheel(turn: f32) -> [u8; 3] {
-    let (sin, cos) = (std::f32::consts::TAU * turn + 0.45).sin_cos();
+    let (sin, cos) = sin_cos(std::f32::consts::TAU * turn + 0.45);
     from_oklab([0.74, 0.123 * cos, 0.123 * sin])
 }
 
@@ -114,7 +116,7 @@ pub mod oklab {
 
 fn to_oklab(color: [u8; 3]) -> [f32; 3] {
     let cones = oklab::apply(&oklab::CONES_OF_RGB, color.map(decode_srgb));
-    oklab::apply(&oklab::LAB_OF_ROOTS, cones.map(f32::cbrt))
+    oklab::apply(&oklab::LAB_OF_ROOTS, cones.map(cbrt))
 }
 
 fn from_oklab(lab: [f32; 3]) -> [u8; 3] {

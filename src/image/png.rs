@@ -8,11 +8,12 @@ use super::palette::encode_srgb;
 use super::picture::Picture;
 use super::{atomic, check_image};
 use crate::image::StokesImage;
+use crate::math::elementary::exp2;
 
 /// S0 as a picture: linear values times two to the power `exposure_ev`, clipped, sRGB encoded.
 /// Monochromatic images are grey; what is not a number is black.
 pub fn preview(image: &StokesImage, exposure_ev: f32) -> Picture {
-    let gain = exposure_ev.exp2();
+    let gain = exp2(exposure_ev);
     let channels = image.color.channels();
     let pixels = (0..image.width * image.height)
         .map(|pixel| {

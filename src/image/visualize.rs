@@ -18,6 +18,7 @@ use super::palette::{self, NEUTRAL, NO_LIGHT, mix, sample};
 use super::picture::Picture;
 use super::{check_shape, png};
 use crate::image::StokesImage;
+use crate::math::elementary::{atan2, exp2, hypot, log10};
 use crate::spectrum::Color;
 
 /// Title of the picture of S0.
@@ -151,17 +152,17 @@ impl FromStr for Map {
 
 /// Degree of polarization; 0 where there is no light.
 pub fn dop(stokes: [f32; 4]) -> f32 {
-    ratio(stokes[1].hypot(stokes[2]).hypot(stokes[3]), stokes[0])
+    ratio(hypot(hypot(stokes[1], stokes[2]), stokes[3]), stokes[0])
 }
 
 /// Degree of linear polarization; 0 where there is no light.
 pub fn dolp(stokes: [f32; 4]) -> f32 {
-    ratio(stokes[1].hypot(stokes[2]), stokes[0])
+    ratio(hypot(stokes[1], stokes[2]), stokes[0])
 }
 
 /// Angle of linear polarization in radians, in [0, pi).
 pub fn aolp(stokes: [f32; 4]) -> f32 {
-    let angle = (0.5 * stokes[2].atan2(stokes[1])).rem_euclid(std::f32::consts::PI);
+    let angle = (0.5 * atan2(stokes[2], stokes[1])).rem_euclid(std::f32::consts::PI);
     // A tiny negative angle rounds up to pi itself.
     if angle < std::f32::consts::PI { angle } else { 0.0 }
 }
@@ -302,8 +303,8 @@ pub(super) fn weakness_of(map: Map) -> Weakness {
 
 /// Where a Stokes vector lies on a map's scale, and how strong its color is there.
 fn place_of(map: Map, stokes: [f32; 4], view: &View) -> (f32, f32) {
-    let linear = stokes[1].hypot(stokes[2]);
-    let polarized = linear.hypot(stokes[3]);
+    let linear = hypot(stokes[1], stokes[2]);
+    let polarized = hypot(linear, stokes[3]);
     let turn = || aolp(stokes) / std::f32::consts::PI;
     let degree = || view.scaled(dop(stokes));
     match map {
@@ -314,7 +315,7 @@ fn place_of(map: Map, stokes: [f32; 4], view: &View) -> (f32, f32) {
         Map::AolpDark | Map::Orientation => (turn(), view.scaled(dolp(stokes))),
         Map::Chirality => (0.5 + 0.5 * view.scaled(ratio(stokes[3], stokes[0])), 1.0),
         Map::Ellipticity => {
-            (0.5 + stokes[3].atan2(linear) / std::f32::consts::PI, view.strength(dop(stokes)))
+            (0.5 + atan2(stokes[3], linear) / std::f32::consts::PI, view.strength(dop(stokes)))
         }
         Map::Intensity | Map::Stokes | Map::StokesRelative => (0.0, 1.0),
     }
@@ -371,7 +372,7 @@ pub(super) fn intensity(image: &StokesImage, exposure_ev: f32, title: String) ->
 /// The legend of intensities at an exposure. The bar is even in sRGB code, so a linear value
 /// stands at its encoded place.
 pub(super) fn intensity_legend(exposure_ev: f32) -> Legend {
-    let end = (-exposure_ev).exp2();
+    let end = exp2(-exposure_ev);
     let tick = |share: f32| (intensity_place(share), number(share * end));
     Legend {
         title: INTENSITY.to_owned(),
@@ -414,7 +415,7 @@ fn number(value: f32) -> String {
     if size != 0.0 && !(1e-4..1e5).contains(&size) {
         return format!("{value:.2e}");
     }
-    let digits = if size == 0.0 { 0.0 } else { (2.0 - size.log10().floor()).max(0.0) };
+    let digits = if size == 0.0 { 0.0 } else { (2.0 - log10(size).floor()).max(0.0) };
     let text = format!("{value:.*}", digits as usize);
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),

@@ -1,6 +1,7 @@
 //! Floor 0: numbers, lanes, vectors and words. Knows nothing of light.
 
 pub mod columns;
+pub mod elementary;
 pub mod equiangular;
 pub mod exact;
 pub mod hash;

@@ -3,6 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::elementary;
 use super::lanes::F32s;
 
 /// A real number, or eight of them side by side.
@@ -83,7 +84,7 @@ macro_rules! scalar_real {
             }
             #[inline(always)]
             fn atan2(self, x: Self) -> Self {
-                <$float>::atan2(self, x)
+                elementary::atan2(self, x)
             }
             #[inline(always)]
             fn lt(self, other: Self) -> bool {

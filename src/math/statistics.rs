@@ -1,5 +1,6 @@
 //! Limits that noise seldom exceeds, medians, and slopes.
 
+use super::elementary::{exp, ln};
 use serde::Serialize;
 
 /// An interval that holds a median with some chance.
@@ -34,8 +35,8 @@ pub fn median_interval(values: &[f64], coverage: f64) -> Option<Interval> {
     let mut found = None;
     let (mut ln_chance, mut tail) = (-(count as f64) * std::f64::consts::LN_2, 0.0);
     for rank in 0..count / 2 {
-        tail += f64::exp(ln_chance);
-        ln_chance += ((count - rank) as f64 / (rank + 1) as f64).ln();
+        tail += exp(ln_chance);
+        ln_chance += ln((count - rank) as f64 / (rank + 1) as f64);
         let (low, high) = (sorted[rank], sorted[count - 1 - rank]);
         let interval = Interval { low, high, coverage: 1.0 - 2.0 * tail };
         if found.is_some() && interval.coverage < coverage {
@@ -60,7 +61,7 @@ pub struct Fit {
 pub fn log_log_fit(points: &[(f64, f64)]) -> Option<Fit> {
     let has_logarithms = |(x, y): &&(f64, f64)| *x > 0.0 && *y > 0.0;
     let logarithms: Vec<(f64, f64)> =
-        points.iter().filter(has_logarithms).map(|(x, y)| (x.ln(), y.ln())).collect();
+        points.iter().filter(has_logarithms).map(|(x, y)| (ln(*x), ln(*y))).collect();
     if logarithms.windows(2).all(|pair| pair[0].0 == pair[1].0) {
         return None;
     }
@@ -110,7 +111,7 @@ fn normal_limit(chance: f64) -> f64 {
 /// The chance that a standard normal number exceeds `z >= 0`: the continued fraction of Laplace
 /// where it converges fast, the series about zero elsewhere.
 fn normal_tail(z: f64) -> f64 {
-    let density = (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
+    let density = exp(-0.5 * z * z) / std::f64::consts::TAU.sqrt();
     if z > 3.0 {
         let fraction = (1..=60).rev().fold(z, |below, k| z + f64::from(k) / below);
         return density / fraction;

@@ -2,6 +2,7 @@
 
 use super::frame::unit_or_perpendicular;
 use super::kernel::Block;
+use crate::math::elementary::sin_cos;
 use crate::math::{Real, Vector};
 
 /// A partial polarizer with power transmittances `t_max` along its axis and `t_min` across it
@@ -30,7 +31,7 @@ pub fn retarder_block(retardance_deg: f64) -> Block<f64> {
 pub fn exact_sin_cos_deg(degrees: f64) -> (f64, f64) {
     let turned = degrees.rem_euclid(360.0);
     let quarter = (turned / 90.0).round();
-    let (sin, cos) = (turned - 90.0 * quarter).to_radians().sin_cos();
+    let (sin, cos) = sin_cos((turned - 90.0 * quarter).to_radians());
     match quarter as u32 % 4 {
         0 => (sin, cos),
         1 => (cos, -sin),

@@ -11,6 +11,7 @@ use std::sync::{Arc, LazyLock, Mutex};
 use super::mie::PhaseElements;
 use super::particles::{Particles, Scattering, Suspension};
 use crate::files::cache::{Cache, Key, KeyBuilder};
+use crate::math::elementary::{cbrt, cos, exp, ln, sin};
 
 /// Most that the tables in memory take: those of a hundred milks in RGB.
 const BYTES_MAX: usize = 16 << 20;
@@ -82,7 +83,7 @@ static BUILD: LazyLock<KeyBuilder> = LazyLock::new(|| {
     key.text(std::env::consts::OS);
     key.count(usize::from(cfg!(debug_assertions)));
     for place in (1..=256).map(|step| black_box(0.37 * f64::from(step))) {
-        key.numbers(&[place.sin(), place.cos(), place.cbrt(), place.ln(), (-place).exp()]);
+        key.numbers(&[sin(place), cos(place), cbrt(place), ln(place), exp(-place)]);
     }
     key
 });

@@ -5,6 +5,8 @@
 //! The book's fields go as `exp(-i w t)` and its `m` is `n + i k`; inside, so do these. What comes
 //! out follows the module's convention: `M00 = S11, M01 = -S12, M22 = S33, M23 = S34`.
 
+use crate::math::elementary::{cbrt, cos, sin};
+
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -184,12 +186,12 @@ impl MieSphere {
 /// The coefficients `(a_n, b_n)` (equation 4.88): eight more than Wiscombe 1980 found enough, which
 /// takes the error of backscattered light from 1e-9 to 1e-12.
 fn expand(m: Complex, x: f64) -> Vec<(Complex, Complex)> {
-    let orders = (x + 4.05 * x.cbrt() + 10.0).ceil() as usize;
+    let orders = (x + 4.05 * cbrt(x) + 10.0).ceil() as usize;
     let inside = logarithmic_derivatives(m.scaled(x), orders);
     let outside = logarithmic_derivatives(Complex::real(x), orders);
     // Riccati-Bessel functions: psi_n, and chi_n with xi_n = psi_n - i chi_n.
-    let (mut psi_before, mut psi) = (x.cos(), x.sin());
-    let (mut chi_before, mut chi) = (-x.sin(), x.cos());
+    let (mut psi_before, mut psi) = (cos(x), sin(x));
+    let (mut chi_before, mut chi) = (-sin(x), cos(x));
     let mut coefficients = Vec::with_capacity(orders);
     for n in 1..=orders {
         let order = n as f64;
@@ -220,7 +222,7 @@ fn expand(m: Complex, x: f64) -> Vec<(Complex, Complex)> {
 fn logarithmic_derivatives(z: Complex, orders: usize) -> Vec<Complex> {
     let modulus = z.norm().sqrt();
     let turning = orders.max(modulus.ceil() as usize);
-    let start = turning + (8.0 * modulus.cbrt()).ceil() as usize + 16;
+    let start = turning + (8.0 * cbrt(modulus)).ceil() as usize + 16;
     let mut derivatives = vec![Complex::ZERO; start + 1];
     derivatives[start] = Complex::real((start + 1) as f64) / z;
     for n in (1..=start).rev() {

@@ -143,7 +143,7 @@ impl Milk {
         let wave_number = 2.0 * PI / (1e-9 * wavelength_nm);
         let at = |table: &[f64; ROWS]| interpolate(table, wavelength_nm);
         // Decadic molar absorption times moles per liter of milk.
-        let riboflavin = at(&RIBOFLAVIN_ABSORBANCE) * RIBOFLAVIN_SCALE * 10f64.ln();
+        let riboflavin = at(&RIBOFLAVIN_ABSORBANCE) * RIBOFLAVIN_SCALE * std::f64::consts::LN_10;
         let concentration = RIBOFLAVIN_PER_100_G / (0.1 / MILK_DENSITY);
         Serum {
             sigma_a_riboflavin: self.dilution * riboflavin * concentration,

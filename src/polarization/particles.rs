@@ -9,8 +9,10 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use rayon::prelude::*;
+use wide::f64x4;
 
 use super::mie::{MieSphere, PhaseElements};
+use crate::math::elementary::{cos, exp, ln, ln_1p};
 use crate::math::{Fault, Range};
 
 /// Fewest nodes of a distribution.
@@ -36,7 +38,7 @@ const SIZE_PARAMETER_MIN: f64 = 1e-6;
 const RADIUS_UM: Range =
     Range::new("within [0.0001, 1000] micrometers", |x| (1e-4..=1e3).contains(&x));
 /// Angles that are summed side by side.
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 /// What a density of sizes counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +83,7 @@ impl Law {
             }
             // Relative to the mean, where the exponent is about zero.
             &Self::Gamma { mean_um, power, scale_um } => {
-                ((power - 1.0) * (radius / mean_um).ln() - (radius - mean_um) / scale_um).exp()
+                exp((power - 1.0) * ln(radius / mean_um) - (radius - mean_um) / scale_um)
             }
             Self::Table { radii_um, density } => linear(radii_um, density, radius),
         }
@@ -140,7 +142,7 @@ impl Sizes {
         let shift = if of == Amount::Number { 6.0 } else { 3.0 };
         let range = range_um.unwrap_or_else(|| {
             let high = alpha + shift * beta * beta + REACH * beta;
-            [(alpha - REACH * beta).exp(), high.exp()]
+            [exp(alpha - REACH * beta), exp(high)]
         });
         Self::new(Law::LogNormal([alpha, beta]), of, range)
     }
@@ -277,7 +279,7 @@ struct Places {
 
 impl Places {
     fn of(&self, radius: f64) -> f64 {
-        self.per_factor * radius.ln() + self.per_um * radius
+        self.per_factor * ln(radius) + self.per_um * radius
     }
 
     fn slope(&self, radius: f64) -> f64 {
@@ -315,13 +317,13 @@ fn unfit(problem: &str) -> Fault {
 
 /// Mean and standard deviation of the logarithm from those of the quantity.
 pub(super) fn log_normal_parameters(mean: f64, sd: f64) -> [f64; 2] {
-    let variance = ((sd / mean).powi(2)).ln_1p();
-    [mean.ln() - 0.5 * variance, variance.sqrt()]
+    let variance = ln_1p((sd / mean).powi(2));
+    [ln(mean) - 0.5 * variance, variance.sqrt()]
 }
 
 /// Log-normal density, not normalized.
 pub(super) fn log_normal(value: f64, [alpha, beta]: [f64; 2]) -> f64 {
-    (-0.5 * ((value.ln() - alpha) / beta).powi(2)).exp() / value
+    exp(-0.5 * ((ln(value) - alpha) / beta).powi(2)) / value
 }
 
 /// Spheres of one substance.
@@ -432,7 +434,7 @@ impl Suspension<'_> {
 }
 
 /// Elements of the matrix at some angles, and at pi minus them.
-type Sums = [[[f64; LANES]; 4]; 2];
+type Sums = [[f64x4; 4]; 2];
 
 /// Sums of the differential cross-sections (Bohren and Huffman 1983, equation 4.77) at
 /// `intervals + 1` equally spaced angles, those beyond a right angle from the symmetry of the
@@ -440,14 +442,13 @@ type Sums = [[[f64; LANES]; 4]; 2];
 fn matrix(terms: &[Term], intervals: usize) -> Vec<PhaseElements> {
     let orders = terms.iter().map(|term| term.series.len()).max().unwrap_or(0);
     let half = intervals / 2;
-    let functions = || vec![[[0.0; LANES]; 2]; orders];
+    let functions = || vec![[f64x4::ZERO; 2]; orders];
     let sums_of = |functions: &mut Vec<_>, group: usize| {
         let first = group * LANES;
-        let cosines: [f64; LANES] = std::array::from_fn(|lane| {
-            (PI * (first + lane).min(half) as f64 / intervals as f64).cos()
-        });
-        angular_functions(functions, &cosines);
-        let mut sums: Sums = [[[0.0; LANES]; 4]; 2];
+        let angle = |lane: usize| PI * (first + lane).min(half) as f64 / intervals as f64;
+        let cosines: [f64; LANES] = std::array::from_fn(|lane| cos(angle(lane)));
+        angular_functions(functions, cosines.into());
+        let mut sums: Sums = [[f64x4::ZERO; 4]; 2];
         for term in terms {
             add_term(&mut sums, term, functions);
         }
@@ -458,25 +459,22 @@ fn matrix(terms: &[Term], intervals: usize) -> Vec<PhaseElements> {
     let at = |index: usize| {
         // The right angle is a supplement.
         let (side, from_end) = if index < half { (0, index) } else { (1, intervals - index) };
-        let [m00, m01, m22, m23] = sums[from_end / LANES][side].map(|row| row[from_end % LANES]);
+        let [m00, m01, m22, m23] =
+            sums[from_end / LANES][side].map(|row| row.to_array()[from_end % LANES]);
         PhaseElements { m00, m01, m22, m23 }
     };
     (0..=intervals).map(at).collect()
 }
 
 /// `pi_n + tau_n` and `pi_n - tau_n` at some angles, from n = 1 on (equation 4.47).
-fn angular_functions(functions: &mut [[[f64; LANES]; 2]], cosines: &[f64; LANES]) {
-    let (mut pi_previous, mut pi) = ([0.0; LANES], [1.0; LANES]);
+fn angular_functions(functions: &mut [[f64x4; 2]], cosines: f64x4) {
+    let (mut pi_previous, mut pi) = (f64x4::ZERO, f64x4::ONE);
     for (row, n) in functions.iter_mut().zip(1u32..) {
         let order = f64::from(n);
-        for lane in 0..LANES {
-            let along = cosines[lane] * pi[lane];
-            let tau = order * along - (order + 1.0) * pi_previous[lane];
-            row[0][lane] = pi[lane] + tau;
-            row[1][lane] = pi[lane] - tau;
-            let climb = (2.0 * order + 1.0) * along - (order + 1.0) * pi_previous[lane];
-            (pi_previous[lane], pi[lane]) = (pi[lane], climb / order);
-        }
+        let (along, fallen) = (cosines * pi, pi_previous * (order + 1.0));
+        let tau = along * order - fallen;
+        *row = [pi + tau, pi - tau];
+        (pi_previous, pi) = (pi, (along * (2.0 * order + 1.0) - fallen) / order);
     }
 }
 
@@ -485,48 +483,47 @@ fn angular_functions(functions: &mut [[[f64; LANES]; 2]], cosines: &[f64; LANES]
 /// With `P = S1 + S2 = sum (a + b)(pi + tau)` and `Q = S1 - S2 = sum (a - b)(pi - tau)`, weights
 /// included, `|S1|^2 + |S2|^2 = (|P|^2 + |Q|^2) / 2` and so on. At the supplement of an angle,
 /// `pi + tau` and `pi - tau` of even n change their places, and of odd n their signs too.
-fn add_term(sums: &mut Sums, term: &Term, functions: &[[[f64; LANES]; 2]]) {
+fn add_term(sums: &mut Sums, term: &Term, functions: &[[f64x4; 2]]) {
     // Real and imaginary parts of P and Q, here and at the supplement.
-    let mut here = [[0.0; LANES]; 4];
-    let mut there = [[0.0; LANES]; 4];
+    let mut amplitudes = [[f64x4::ZERO; 4]; 2];
     let (pairs, last) = term.series.as_chunks::<2>();
     let (functions, function_last) = functions[..term.series.len()].as_chunks::<2>();
     for ([odd, even], [at_odd, at_even]) in pairs.iter().zip(functions) {
-        add_order(&mut here, &mut there, odd, at_odd, 1.0);
-        add_order(&mut here, &mut there, even, at_even, -1.0);
+        add_order::<true>(&mut amplitudes, odd, at_odd);
+        add_order::<false>(&mut amplitudes, even, at_even);
     }
     for (odd, at_odd) in last.iter().zip(function_last) {
-        add_order(&mut here, &mut there, odd, at_odd, 1.0);
+        add_order::<true>(&mut amplitudes, odd, at_odd);
     }
-    for (sums, amplitudes) in sums.iter_mut().zip([here, there]) {
-        for lane in 0..LANES {
-            let [p_re, p_im, q_re, q_im] = amplitudes.map(|row| row[lane]);
-            let (p, q) = (p_re * p_re + p_im * p_im, q_re * q_re + q_im * q_im);
-            sums[0][lane] += 0.25 * term.weight * (p + q);
-            sums[1][lane] += 0.5 * term.weight * (p_re * q_re + p_im * q_im);
-            sums[2][lane] += 0.25 * term.weight * (p - q);
-            sums[3][lane] += 0.5 * term.weight * (p_im * q_re - p_re * q_im);
-        }
+    let (quarter, half) = (0.25 * term.weight, 0.5 * term.weight);
+    for (sums, [p_re, p_im, q_re, q_im]) in sums.iter_mut().zip(amplitudes) {
+        let (p, q) = (p_re * p_re + p_im * p_im, q_re * q_re + q_im * q_im);
+        sums[0] += (p + q) * quarter;
+        sums[1] += (p_re * q_re + p_im * q_im) * half;
+        sums[2] += (p - q) * quarter;
+        sums[3] += (p_im * q_re - p_re * q_im) * half;
     }
 }
 
-/// Adds an order to P and Q, the supplement's with a sign.
+/// Adds an order to P and Q, the supplement's with the sign of its parity.
 #[inline(always)]
-fn add_order(
-    here: &mut [[f64; LANES]; 4],
-    there: &mut [[f64; LANES]; 4],
-    [p_re, p_im, q_re, q_im]: &[f64; 4],
-    [plus, minus]: &[[f64; LANES]; 2],
-    sign: f64,
+fn add_order<const ODD: bool>(
+    [here, there]: &mut [[f64x4; 4]; 2],
+    order: &[f64; 4],
+    [plus, minus]: &[f64x4; 2],
 ) {
-    for lane in 0..LANES {
-        here[0][lane] += p_re * plus[lane];
-        here[1][lane] += p_im * plus[lane];
-        here[2][lane] += q_re * minus[lane];
-        here[3][lane] += q_im * minus[lane];
-        there[0][lane] += sign * p_re * minus[lane];
-        there[1][lane] += sign * p_im * minus[lane];
-        there[2][lane] += sign * q_re * plus[lane];
-        there[3][lane] += sign * q_im * plus[lane];
-    }
+    let [p_re, p_im, q_re, q_im] = order.map(f64x4::splat);
+    let add = |sum: &mut f64x4, part: f64x4, function: f64x4| *sum = part.mul_add(function, *sum);
+    let add_with_sign = |sum: &mut f64x4, part: f64x4, function: f64x4| match ODD {
+        true => *sum = part.mul_add(function, *sum),
+        false => *sum = part.mul_neg_add(function, *sum),
+    };
+    add(&mut here[0], p_re, *plus);
+    add(&mut here[1], p_im, *plus);
+    add(&mut here[2], q_re, *minus);
+    add(&mut here[3], q_im, *minus);
+    add_with_sign(&mut there[0], p_re, *minus);
+    add_with_sign(&mut there[1], p_im, *minus);
+    add_with_sign(&mut there[2], q_re, *plus);
+    add_with_sign(&mut there[3], q_im, *plus);
 }

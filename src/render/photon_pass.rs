@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::integrators::photons;
 use crate::integrators::ppm::walk_to_merging;
 use crate::integrators::profile::{Profile, Stage};
+use crate::math::elementary::pow;
 use crate::math::hash::combine;
 use crate::math::lanes;
 use crate::scattering::Scene;
@@ -191,7 +192,7 @@ impl<const N: usize> PhotonPass<N> {
         let shrinking = shrinking(settings.photons.alpha, shot.earlier);
         profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
             for (map, first) in self.maps.0.iter_mut().zip(&self.first_radii) {
-                map.radius = first * shrinking.powf(1.0 / f64::from(map.dimensions)) as f32;
+                map.radius = first * pow(shrinking, 1.0 / f64::from(map.dimensions)) as f32;
                 map.grid.sort(map.radius);
             }
         });

@@ -5,6 +5,7 @@ use std::iter::from_fn;
 use glam::Vec3;
 
 use crate::geometry::{Accelerator, Hit, offset_distance, reach_of_triangle};
+use crate::math::elementary::{cos, sin, sin_cos};
 use crate::math::hash;
 use crate::scene::baked::{Body, KEEP, NONE, SOUGHT, Shapes};
 
@@ -263,7 +264,7 @@ impl<'a> Immersion<'a> {
             let number = |salt: u32| (hash::combine(aside, salt) >> 8) as f32 / (1 << 24) as f32;
             let (z, angle) = (2.0 * number(0) - 1.0, std::f32::consts::TAU * number(1));
             let radius = (1.0 - z * z).sqrt();
-            let aside = Vec3::new(radius * angle.cos(), radius * angle.sin(), z);
+            let aside = Vec3::new(radius * cos(angle), radius * sin(angle), z);
             origin = position + STEPS * offset_distance(reach) * normal;
             direction = (normal + 0.99 * aside).normalize();
         }
@@ -381,7 +382,7 @@ pub fn spread(count: usize) -> impl Iterator<Item = Vec3> {
     let golden = std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());
     (0..count).map(move |index| {
         let z = 1.0 - (2 * index + 1) as f32 / count as f32;
-        let (sin, cos) = (golden * index as f32).sin_cos();
+        let (sin, cos) = sin_cos(golden * index as f32);
         let radius = (1.0 - z * z).sqrt();
         Vec3::new(cos * radius, sin * radius, z)
     })

@@ -2,6 +2,7 @@
 
 use std::f32::consts::PI;
 
+use crate::math::elementary::exp2;
 use crate::math::{F32s, LANES, lanes};
 use crate::scene::baked;
 
@@ -99,7 +100,7 @@ fn mean<const N: usize>(values: &[f32; N]) -> f32 {
 /// `half_sine2` from which on a phase function has fallen to [`END_OF_PEAK`] at all wavelengths.
 fn end_of_peak<const N: usize>(phase: &impl Scatters<N>) -> f32 {
     let end = F32s::splat(END_OF_PEAK / (4.0 * PI));
-    let at = |step: u16| PEAK_MIN * (f32::from(step) / f32::from(STEPS)).exp2();
+    let at = |step: u16| PEAK_MIN * exp2(f32::from(step) / f32::from(STEPS));
     for first in (0_u16..).step_by(LANES) {
         let half_sine2 = lanes::each(|lane| at(first + lane as u16).min(1.0));
         let has_ended = (phase.values(F32s::from(half_sine2)).iter())

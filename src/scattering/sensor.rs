@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::math::elementary::sin_cos;
 use crate::math::{F32s, Vector, warp};
 use crate::polarization::Analyzer;
 use crate::scene::baked::{Camera, Projection};
@@ -150,7 +151,7 @@ impl Sensor {
             return self.connect_parallel(point);
         }
         let radius = self.aperture_radius * lens[0].sqrt();
-        let (sine, cosine) = (std::f32::consts::TAU * lens[1]).sin_cos();
+        let (sine, cosine) = sin_cos(std::f32::consts::TAU * lens[1]);
         let on_lens = self.right * (radius * cosine) + self.up * (radius * sine);
         let from_lens = point - self.position - on_lens;
         let depth = from_lens.dot(self.forward);

@@ -17,6 +17,7 @@ use std::sync::LazyLock;
 use glam::Vec3A;
 
 use crate::geometry::{Accelerator, FRONTS_MAX, Neighborhood, Planes, Rims, Shape, Surroundings};
+use crate::math::elementary::{acos, cos, sin, sin_cos};
 use crate::math::{F32s, LANES, Vector, lanes};
 
 use self::cuts::{By, Cut, Plane, TOUCHING, cut_of_sphere, cut_of_triangle};
@@ -46,7 +47,7 @@ static CIRCLE: LazyLock<[[F32s; 2]; PACKETS]> = LazyLock::new(|| {
     let turn = |row: usize| TAU * row as f32 / DIRECTIONS as f32;
     std::array::from_fn(|packet| {
         let of = |part: fn(f32) -> f32| lanes::each(|lane| part(turn(packet * LANES + lane)));
-        [F32s::from(of(f32::cos)), F32s::from(of(f32::sin))]
+        [F32s::from(of(cos)), F32s::from(of(sin))]
     })
 });
 
@@ -54,7 +55,7 @@ static CIRCLE: LazyLock<[[F32s; 2]; PACKETS]> = LazyLock::new(|| {
 static SPIRAL: LazyLock<[Vector<F32s>; PACKETS]> = LazyLock::new(|| {
     let direction = |row: usize| {
         let height = 1.0 - (2.0 * row as f32 + 1.0) / DIRECTIONS as f32;
-        let (sine, cosine) = (TAU * 0.618_034 * row as f32).sin_cos();
+        let (sine, cosine) = sin_cos(TAU * 0.618_034 * row as f32);
         let flat = (1.0 - height * height).max(0.0).sqrt();
         [cosine * flat, sine * flat, height]
     };
@@ -234,7 +235,7 @@ impl Clearing {
             [] => 1.0,
             [(_, distance)] => {
                 let u = (distance / self.radius).clamp(0.0, 1.0);
-                1.0 - (u.acos() - u * (1.0 - u * u).sqrt()) / PI
+                1.0 - (acos(u) - u * (1.0 - u * u).sqrt()) / PI
             }
             _ => {
                 let (x, y) = normal.any_orthonormal_pair();

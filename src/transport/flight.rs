@@ -14,6 +14,7 @@
 //! That is the probability with which roulette lets paths go on.
 
 use crate::geometry::{HitColumns, IN_MEDIUM};
+use crate::math::elementary::{exp_m1, ln, ln_1p};
 use crate::scattering::Scene;
 use crate::scattering::medium::Medium;
 use crate::scattering::surface::SURVIVAL_MIN;
@@ -74,7 +75,7 @@ fn meet<const N: usize>(
         progress.drawn[n] += depth;
         let weight = match rarity(medium, n, length) {
             Some(rarity) => {
-                progress.drawn[n] += rarity.ln();
+                progress.drawn[n] += ln(rarity);
                 medium.sigma_s[n] / medium.sigma_t[n] * rarity
             }
             None => {
@@ -94,7 +95,7 @@ fn rarity<const N: usize>(medium: &Medium<N>, n: usize, length: f32) -> Option<f
     if sigma_d == sigma_t {
         return (sigma_d > 0.0).then_some(1.0);
     }
-    let lost = |sigma: f32| (-sigma * length).exp_m1();
+    let lost = |sigma: f32| exp_m1(-sigma * length);
     // Pieces may be so short that nothing is lost on them.
     let rarity = lost(sigma_t) / lost(sigma_d);
     (sigma_d > 0.0).then(|| if rarity.is_finite() { rarity } else { sigma_t / sigma_d })
@@ -107,9 +108,9 @@ fn distance_met<const N: usize>(medium: &Medium<N>, n: usize, left: f32, length:
     if sigma_d == sigma_t {
         return left / sigma_d;
     }
-    let lost = |depth: f64| -(-depth).exp_m1();
+    let lost = |depth: f64| -exp_m1(-depth);
     let [of_light, of_flights] =
         [sigma_t, sigma_d].map(|sigma| lost(f64::from(sigma) * f64::from(length)));
-    let depth = -(-lost(f64::from(left)) * of_light / of_flights).ln_1p();
+    let depth = -ln_1p(-lost(f64::from(left)) * of_light / of_flights);
     ((depth / f64::from(sigma_t)) as f32).min(length)
 }

@@ -10,6 +10,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::math::elementary::{exp, ln};
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Emitter;
@@ -109,11 +110,11 @@ impl Aim {
                 let gain = gain.filter(|_| is_aimed);
                 let chance = gain.map_or(0.0, |_| share_aimed * target.weight / sum);
                 aimed += chance;
-                brought -= gain.map_or(0.0, f32::ln) * target.weight / sum;
+                brought -= gain.map_or(0.0, ln) * target.weight / sum;
                 aim.chances.push(aimed);
                 aim.gains.push(if sides > 0.0 { chance } else { chance * gain.unwrap_or(0.0) });
             }
-            comes.push(f32::exp(brought));
+            comes.push(exp(brought));
             aim.rows.push(Row { whole: 1.0 - aimed, is_finite, sides });
         }
         if aim.rows.iter().all(|row| row.whole == 1.0) {

@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use crate::math::elementary::sin_cos;
 use crate::math::{F32s, Real, Vector};
 use crate::scene::baked::Bounds;
 
@@ -79,7 +80,7 @@ impl Area {
             normal = if back { -front } else { front };
         }
         let radius = u[0].sqrt();
-        let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+        let (sine, cosine) = sin_cos(2.0 * PI * u[1]);
         let up = (1.0 - u[0]).sqrt().max(COSINE_MIN);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         tangent * (radius * cosine) + bitangent * (radius * sine) + normal * up

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use crate::math::elementary::sin_cos;
 use crate::math::{F32s, Vector, warp};
 use crate::scene::baked::{Bounds, Shapes};
 
@@ -30,7 +31,7 @@ pub fn gain_of_aim(shapes: &Shapes, ball: &Bounds) -> Option<f32> {
 pub fn any_direction(u: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * u[0];
     let radius = (1.0 - z * z).max(0.0).sqrt();
-    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let (sine, cosine) = sin_cos(2.0 * PI * u[1]);
     Vec3::new(radius * cosine, radius * sine, z)
 }
 
@@ -50,7 +51,7 @@ pub fn emit<Model: Emits, const N: usize>(
     let bounds = source.shapes.bounds;
     let disk = source.aimed_at.unwrap_or(bounds);
     let radius = disk.radius * u[0].sqrt();
-    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let (sine, cosine) = sin_cos(2.0 * PI * u[1]);
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     let on_disk = tangent * (radius * cosine) + bitangent * (radius * sine);
     // Before the whole scene, whichever part of it is aimed at.

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use crate::math::elementary::sin_cos;
 use crate::math::{F32s, Real, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Point;
@@ -124,7 +125,7 @@ impl ConeAbout {
     pub fn direction(self, u: [f32; 2]) -> Vec3 {
         let versine = u[0] * self.versine;
         let radius = (versine * (2.0 - versine)).sqrt();
-        let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+        let (sine, cosine) = sin_cos(2.0 * PI * u[1]);
         let (tangent, bitangent) = self.axis.any_orthonormal_pair();
         let across = tangent * (radius * cosine) + bitangent * (radius * sine);
         (across + self.axis * (1.0 - versine)).normalize()
@@ -148,7 +149,7 @@ pub fn in_cone(axis: Vec3, cos_edge: f32, u: [f32; 2]) -> Vec3 {
     let spread = 0.5 * FRAC_1_PI / cone_pdf(cos_edge);
     let z = 1.0 - u[0] * spread;
     let radius = (1.0 - z * z).max(0.0).sqrt();
-    let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
+    let (sine, cosine) = sin_cos(2.0 * PI * u[1]);
     let (tangent, bitangent) = axis.any_orthonormal_pair();
     tangent * (radius * cosine) + bitangent * (radius * sine) + axis * z
 }

@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use crate::math::elementary::acos;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Spot;
@@ -50,8 +51,8 @@ impl Emits for Spot {
 
     fn gain_of_aim(&self, _: &Shapes, ball: &Bounds) -> Option<f32> {
         let cone = cone_about(self.position, ball)?;
-        let between = self.direction.dot(cone.axis).clamp(-1.0, 1.0).acos();
-        let reach = self.cos_outer.acos() + cone.cos_edge().acos();
+        let between = acos(self.direction.dot(cone.axis).clamp(-1.0, 1.0));
+        let reach = acos(self.cos_outer) + acos(cone.cos_edge());
         cone.gain(self.cos_outer).filter(|_| between < reach)
     }
 

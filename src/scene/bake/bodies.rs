@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::apart::Yields;
 use super::primitives::Primitives;
+use crate::math::elementary::atan2;
 use crate::scene::baked::{Surface, Triangle};
 
 /// A place, exactly.
@@ -77,7 +78,7 @@ fn half_edges(triangle: &Triangle, row: u32) -> [HalfEdge; 3] {
 fn unite_around(groups: &mut Groups, half: &HalfEdge, halves: &[HalfEdge]) {
     let HalfEdge([from, to], row, across, normal) = half;
     let angle = |other: &&HalfEdge| {
-        let behind = other.2.dot(-*normal).atan2(other.2.dot(*across));
+        let behind = atan2(other.2.dot(-*normal), other.2.dot(*across));
         behind.rem_euclid(TAU)
     };
     let runs_back = |other: &&HalfEdge| other.0 == [*to, *from];

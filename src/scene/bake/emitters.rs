@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 
 use super::beside::Passable;
 use super::{Materials, outside_table};
+use crate::math::elementary::cos;
 use crate::scene::baked::{Material, NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
@@ -82,8 +83,8 @@ fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> Emitte
         PunctualKind::Point => emitter::Point { position: position() }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),
         PunctualKind::Spot { inner, outer } => {
-            let cos_inner = inner.cos() as f32;
-            let cos_outer = (outer.cos() as f32).min(cos_inner - LEAST_CONE);
+            let cos_inner = cos(inner) as f32;
+            let cos_outer = (cos(outer) as f32).min(cos_inner - LEAST_CONE);
             let position = position();
             emitter::Spot { position, direction, cos_inner, cos_outer }.into()
         }

@@ -30,6 +30,7 @@ use super::world::{
     Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform,
     World,
 };
+use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
 use crate::spectrum::{Color, OutsideTable, Spectrum};
 
@@ -289,7 +290,7 @@ fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
     let up = place.0.matrix3.y_axis.reject_from_normalized(right).normalize();
     let projection = match lens {
         Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
-            let tan_half_y = (0.5 * yfov).tan() as f32;
+            let tan_half_y = tan(0.5 * yfov) as f32;
             Projection::Perspective { tan_half_y, aspect, aperture_radius, focus_distance }
         }
         Lens::Orthographic { half_width, half_height } => {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::check_range;
+use crate::math::elementary::{exp2, log2, tan};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
     Ball, Bsdf, Geometry, Lens, MadeOf, Mesh, Name, Passage, Punctual, Transform, World,
@@ -60,7 +61,7 @@ pub fn center(world: &World) -> Result<Center, SceneError> {
     check_range(focus, focus, &name.0)?;
     // In steps of a power of two, so that round coordinates stay round.
     let step = (SLACK * distance).min(SLACK_OF_VIEW * half_view(&lens, distance));
-    let step = step.log2().ceil().exp2();
+    let step = exp2(log2(step).ceil());
     let origin = (focus / step).round() * step;
     let is_known = origin.is_finite() && step > 0.0;
     Ok(if is_known { Center { origin, near: step as f32 } } else { Center::UNKNOWN })
@@ -69,7 +70,7 @@ pub fn center(world: &World) -> Result<Center, SceneError> {
 /// Half the height of what the camera sees at a distance.
 fn half_view(lens: &Lens, distance: f64) -> f64 {
     match *lens {
-        Lens::Perspective { yfov, .. } => distance * (0.5 * yfov).tan(),
+        Lens::Perspective { yfov, .. } => distance * tan(0.5 * yfov),
         Lens::Orthographic { half_height, .. } => f64::from(half_height),
     }
 }
@@ -137,7 +138,7 @@ fn ray_of(Transform(place): &Transform, lens: &Lens, [x, y]: [f64; 2]) -> Ray {
         .map(|axis| axis.normalize_or_zero());
     match *lens {
         Lens::Perspective { yfov, aspect, .. } => {
-            let half = (0.5 * yfov).tan();
+            let half = tan(0.5 * yfov);
             let half_width = half * f64::from(aspect.unwrap_or(1.0));
             let direction = x * half_width * right + y * half * up - back;
             Ray { origin: place.translation, direction }

@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use crate::math::elementary::{cos, sin};
 use crate::polarization::rayleigh::rayleigh_depolarized;
 use crate::scene::baked::PhaseTable;
 use crate::scene::world::TabulatedMatrix;
@@ -30,7 +31,7 @@ pub struct Elements {
 /// The phase matrix of small particles, the same at all wavelengths.
 pub fn rayleigh<const N: usize>(depolarization: f64) -> PhaseTable<N> {
     let at = |index: usize| {
-        let cos_theta = (PI * index as f64 / RAYLEIGH_INTERVALS as f64).cos();
+        let cos_theta = cos(PI * index as f64 / RAYLEIGH_INTERVALS as f64);
         let (m00, block) = rayleigh_depolarized(cos_theta, depolarization);
         let spheres = depolarization == 0.0;
         Elements {
@@ -140,9 +141,9 @@ fn half_sine2(index: usize, intervals: usize) -> f32 {
     let half = 0.5 * PI * index as f64 / intervals as f64;
     // The form that is accurate for small angles, from either end.
     let value = if 2 * index <= intervals {
-        half.sin().powi(2)
+        sin(half).powi(2)
     } else {
-        1.0 - (0.5 * PI * (intervals - index) as f64 / intervals as f64).sin().powi(2)
+        1.0 - sin(0.5 * PI * (intervals - index) as f64 / intervals as f64).powi(2)
     };
     value as f32
 }

@@ -9,6 +9,7 @@ use super::apart::{Yields, set_apart};
 use super::divide::divide;
 use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
+use crate::math::elementary::cbrt;
 use crate::scene::baked::{KEEP, LEAST_COSINE, NONE, Sphere, Surface, Triangle};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
@@ -279,7 +280,7 @@ pub fn warn_of_dropped(part: &Part, dropped: usize, warnings: &mut Warnings) {
 /// What turns normals when `matrix` turns points, up to a positive factor: the inverse transpose,
 /// which keeps a normal on its side even in a reflection.
 fn normal_matrix(matrix: &DMat3) -> DMat3 {
-    let scale = matrix.determinant().abs().cbrt().recip();
+    let scale = cbrt(matrix.determinant().abs()).recip();
     (*matrix * scale).inverse().transpose()
 }
 

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::Import;
 use crate::math::Range;
+use crate::math::elementary::ln;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Filling, Medium, Name, Phase};
 use crate::spectrum::Spectrum;
@@ -42,7 +43,7 @@ impl Volume {
         };
         let color = color(&body["attenuationColor"], &format!("{label}, {VOLUME}"))?;
         let absorbs = is_solid && distance.is_finite() && color.iter().any(|&it| it < 1.0);
-        let sigma_a = color.map(|it| (-it.max(TRANSMITTANCE_MIN).ln() / distance) as f32);
+        let sigma_a = color.map(|it| (-ln(it.max(TRANSMITTANCE_MIN)) / distance) as f32);
         let medium = || Medium {
             sigma_a: Some(Spectrum::Rgb(sigma_a)),
             sigma_s: Some(Spectrum::Constant(0.0)),

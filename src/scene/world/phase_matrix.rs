@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::math::Fault;
+use crate::math::elementary::sin;
 
 /// Most rows of a table, all wavelengths together.
 const ROWS_MAX: usize = 1 << 20;
@@ -86,7 +87,7 @@ impl TabulatedMatrix {
 
     /// The integral of M00 over the sphere of directions.
     fn integral(&self) -> f64 {
-        let half_sine2 = |at: f64| (0.5 * at.to_radians()).sin().powi(2);
+        let half_sine2 = |at: f64| sin(0.5 * at.to_radians()).powi(2);
         let rings = self.theta_deg.windows(2).zip(self.elements.windows(2));
         rings
             .map(|(at, m)| 2.0 * PI * (half_sine2(at[1]) - half_sine2(at[0])) * (m[0][0] + m[1][0]))

@@ -1,6 +1,7 @@
 //! Takes the light of connections through surfaces.
 
 use crate::geometry::CROSSES;
+use crate::math::elementary::exp;
 use crate::math::{Vector, lanes};
 use crate::polarization::{Block, SpheroidBlock};
 use crate::scattering::Scene;
@@ -75,7 +76,7 @@ fn arrive<const N: usize>(
     let length = connections.t_max[row] - flights.progress[row].travelled;
     absorb(flights, row, connections.inside[row], length, scene);
     for (value, depth) in connections.value[row].iter_mut().zip(flights.progress[row].depth) {
-        *value *= (-depth).exp();
+        *value *= exp(-depth);
     }
 }
 

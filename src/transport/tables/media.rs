@@ -1,6 +1,7 @@
 //! What paths know of the media they are in.
 
 use crate::math::columns::{Channels, Columns, columns};
+use crate::math::elementary::exp;
 use crate::math::{U32s, lanes};
 use crate::scene::baked::NONE;
 
@@ -53,12 +54,12 @@ impl<const N: usize> MediaColumns<N> {
     pub fn reaching(&self, row: usize, depth: &[f32; N], drawn: &[f32; N]) -> [f32; N] {
         // Only ratios matter: the least depth is taken out, so that no sum underflows.
         let least = drawn.iter().copied().fold(f32::INFINITY, f32::min);
-        let transmittance = depth.map(|depth| (least - depth).exp());
+        let transmittance = depth.map(|depth| exp(least - depth));
         if N == 1 || !self.present() {
             return transmittance;
         }
         let shares = self.share.iter().map(|share| share[row]);
-        let densities = drawn.map(|drawn| (least - drawn).exp());
+        let densities = drawn.map(|drawn| exp(least - drawn));
         let density: f32 = shares.zip(densities).map(|(share, of)| share * of).sum();
         transmittance.map(|of| of / density)
     }
