@@ -1,19 +1,20 @@
 //! Worlds that a program makes or edits: the same tables as from a file, names, and entities that
 //! do not go together.
 
-use std::sync::Arc;
+use std::sync::{Arc, Barrier};
+use std::thread;
 
 use crate::common::{good, load_json};
 use crate::room::{despawn, edited, has_all, insert, refusal, remove, room};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
-use sunstone::Analyzer;
 use sunstone::internals::scene::world::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
     Medium, Name, Order, Phase, Punctual, Sides, Skin, SurfaceModel, Transform,
 };
 use sunstone::internals::scene::{World, bake};
 use sunstone::internals::spectrum::{Color, Spectrum};
+use sunstone::{Analyzer, Edit, PlacedWorld, SceneFile};
 
 /// The same room as a file.
 fn room_file() -> Value {
@@ -146,6 +147,27 @@ fn lights_can_be_put_out_and_geometry_shared() {
     assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.instanced.instances().len(), 4);
     let name = world.entities().iter().filter_map(|it| it.get::<&Name>().map(|it| it.0.clone()));
     assert_eq!(name.filter(|name| name.starts_with("mesh ")).count(), 5);
+}
+
+#[test]
+fn worlds_of_a_file_have_one_tree_even_if_they_are_made_at_once() {
+    const THREADS: usize = 6;
+    for _ in 0..8 {
+        let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false).unwrap();
+        let start = Barrier::new(THREADS);
+        let world = |grey: usize| {
+            start.wait();
+            let edit = Edit::new("materials/white/reflectance", 0.1 * grey as f64);
+            file.world(None, &[edit]).unwrap()
+        };
+        let worlds: Vec<World> = thread::scope(|scope| {
+            let made = (0..THREADS).map(|grey| scope.spawn(move || world(grey)));
+            made.collect::<Vec<_>>().into_iter().map(|it| it.join().unwrap()).collect()
+        });
+        let mut worlds = worlds.into_iter();
+        let placed = PlacedWorld::new(worlds.next().unwrap()).unwrap();
+        assert!(worlds.all(|world| placed.shares_shapes(&world).unwrap()));
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Meshes: from primitives of any triangle mode to checked, indexed triangles.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -32,16 +32,17 @@ pub struct ReadGeometry {
 
 /// What has been read of all meshes of a file, by mesh and primitive.
 #[derive(Default)]
-pub struct ReadGeometries(Mutex<BTreeMap<(usize, usize), ReadGeometry>>);
+pub struct ReadGeometries(Mutex<BTreeMap<(usize, usize), Slot>>);
+
+/// What has been read of one primitive, if it has been.
+type Slot = Arc<Mutex<Option<ReadGeometry>>>;
 
 impl ReadGeometries {
-    fn get(&self, key: (usize, usize)) -> Option<ReadGeometry> {
-        self.0.lock().expect("no thread panics while it holds the lock").get(&key).cloned()
-    }
-
-    fn keep(&self, key: (usize, usize), read: &ReadGeometry) {
-        let mut all = self.0.lock().expect("no thread panics while it holds the lock");
-        all.insert(key, read.clone());
+    /// What there is at a place. Who is the first to ask has it locked until it is filled, so that
+    /// worlds which are made at the same time share it too.
+    fn at(&self, key: (usize, usize)) -> Slot {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(all.entry(key).or_default())
     }
 }
 
@@ -130,17 +131,16 @@ impl Import<'_> {
         let corners = primitive.indices.unwrap_or(*positions).value();
         let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
         self.count_elements(claims[0].saturating_add(claims[1]), place)?;
-        let read = match self.shared.get(key) {
+        let shared = self.shared.at(key);
+        let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = match &*shared {
             Some(read) => {
                 self.world.keep_in_mind(&read.geometry);
-                read
+                read.clone()
             }
-            None => {
-                let read = self.cleaned(primitive, *positions, place)?;
-                self.shared.keep(key, &read);
-                read
-            }
+            None => shared.insert(self.cleaned(primitive, *positions, place)?).clone(),
         };
+        drop(shared);
         self.warn_about(primitive, &read, place);
         Ok((!read.geometry.triangles.is_empty()).then_some(read.geometry))
     }
