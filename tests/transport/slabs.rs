@@ -12,9 +12,6 @@
 //! its limits, 0.8 and 1.2, are four of these away, and of 75 for S3 (elsewhere it is zero without
 //! noise), where they are 2.4 away: 1 of 70 changes of the random numbers fails.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
@@ -27,9 +24,9 @@ use sunstone::internals::render::{Mode, Options};
 use sunstone::internals::scene::World;
 use sunstone::internals::transport::Sampling;
 
-use support::gltf::Document;
-use support::rendering::{MONO, in_package, replicates, scene, settings};
-use support::statistics::{Estimate, ROUNDING, estimate, rms, worst};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, in_package, replicates, scene, settings};
+use crate::support::statistics::{Estimate, ROUNDING, estimate, rms, worst};
 
 const SIZE: [u32; 2] = [16, 16];
 const REPLICATES: u32 = 16;

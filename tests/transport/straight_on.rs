@@ -1,17 +1,14 @@
 //! Surfaces that let light straight on stand in nobody's way: connections go through them, and take
 //! along what they do to light.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::Vec3;
 use serde_json::{Value, json};
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::{Mode, Options};
 
-use support::gltf::Document;
-use support::rendering::{MONO, image, scene, settings};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, image, scene, settings};
 
 const SIZE: [u32; 2] = [12, 12];
 

@@ -8,9 +8,6 @@
 //! not known exactly: by Student's t of 31 degrees of freedom, a change of all random numbers fails
 //! by chance in 1 of 200), and standard errors below 1e-3 of it, so that this is sharp.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::Vec3;
 use serde_json::json;
 use sunstone::internals::integrators::Integrator;
@@ -18,9 +15,9 @@ use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, estimate};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, estimate};
 
 const SIZE: [u32; 2] = [16, 16];
 const REPLICATES: u32 = 32;

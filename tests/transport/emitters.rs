@@ -1,9 +1,6 @@
 //! The choice of emitters: probabilities that can be asked for again, densities both ways, and what
 //! many lamps, hidden ones, skies and spheres cost in noise.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -17,10 +14,10 @@ use sunstone::internals::scattering::emitter::direct_pdf;
 use sunstone::internals::scattering::emitter::tree::Vantage;
 use sunstone::internals::scene::World;
 
-use support::gltf::Document;
-use support::random::Random;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::scenes::{lamps_and_sky, lamps_in_fog, many_lamps, sphere_on_the_floor};
+use crate::support::gltf::Document;
+use crate::support::random::Random;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::scenes::{lamps_and_sky, lamps_in_fog, many_lamps, sphere_on_the_floor};
 
 fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
@@ -130,7 +127,7 @@ fn ball(center: Vec3, radius: f32) -> Arc<Scene<1>> {
     let bulb = scene.emits(bulb, 3.0);
     scene.sphere(center, radius, bulb);
     scene.perspective(v(0.0, 0.0, 9.0), Vec3::ZERO, 0.5, None);
-    support::rendering::scene::<1>(&scene.load("ball"), MONO, [8, 8])
+    crate::support::rendering::scene::<1>(&scene.load("ball"), MONO, [8, 8])
 }
 
 /// From near and far, the points chosen are on the sphere, where they are seen, and as dense as the
@@ -253,10 +250,10 @@ fn long_strips_shine_as_endless_ones() {
         scene.quad(v(0.0, 0.0, height), Vec3::X * length, Vec3::NEG_Y * half, strip);
         scene.up(Vec3::Z);
         scene.perspective(v(0.0, -2.0, 0.6) * height, Vec3::ZERO, 0.01, None);
-        let scene = support::rendering::scene::<1>(&scene.load("strip"), MONO, [16, 16]);
+        let scene = crate::support::rendering::scene::<1>(&scene.load("strip"), MONO, [16, 16]);
         for integrator in [Integrator::Path, Integrator::Bdpt] {
             let options = settings(integrator, Mode::Scalar, MONO, 256, 8);
-            let pixels = &support::rendering::image(&scene, &options).planes[0];
+            let pixels = &crate::support::rendering::image(&scene, &options).planes[0];
             let count = pixels.len() as f64;
             let mean = pixels.iter().map(|&it| f64::from(it)).sum::<f64>() / count;
             let squares = pixels.iter().map(|&it| (f64::from(it) - mean).powi(2)).sum::<f64>();

@@ -1,8 +1,5 @@
 //! Laws of optics, and of the algebra itself, that hold whatever the numbers.
 
-#[path = "support/vertex.rs"]
-mod vertex;
-
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use sunstone::internals::math::{F32s, LANES, Real, Vector};
@@ -14,7 +11,7 @@ use sunstone::internals::polarization::{
     SpheroidBlock, Stokes, conductor, dielectric, film_axis, s_axis,
 };
 
-use vertex::Vertex;
+use crate::vertex::Vertex;
 
 const TOLERANCE: f64 = 1e-14;
 

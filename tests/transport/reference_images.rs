@@ -11,9 +11,6 @@
 //! and glass that only chance finds, and 8,192 samples are still too few (rms 1.3 over cells of
 //! 2 x 2, though its mean agrees with that of `path` to one part in ten thousand).
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::ops::Range;
 
 use sunstone::internals::image::StokesImage;
@@ -21,9 +18,9 @@ use sunstone::internals::image::npy::{read_npy, read_npy_with_stderr};
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::{Mode, Options, Photons};
 
-use support::evidence;
-use support::rendering::{MONO, in_package, light_mask, replicates, scene, settings, world};
-use support::statistics::{
+use crate::support::evidence;
+use crate::support::rendering::{MONO, in_package, light_mask, replicates, scene, settings, world};
+use crate::support::statistics::{
     ROUNDING, cells, estimate, estimate_stated, mean_s0, rms, rms_limits, worst,
 };
 

@@ -8,9 +8,6 @@
 //! measured and those of theory. The quick test fits over fewer iterations and seeds; each leaves
 //! a plot in the scratch folder.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::cmp::Ordering;
 use std::fmt::Write;
 use std::fs;
@@ -25,8 +22,8 @@ use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 
-use support::gltf::Document;
-use support::rendering::{MONO, scene, settings};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, scene, settings};
 
 const EDGE: u32 = 8;
 /// What slopes may differ from theory.

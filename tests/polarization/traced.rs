@@ -9,7 +9,7 @@ use sunstone::internals::polarization::rayleigh::rayleigh;
 use sunstone::internals::polarization::{Block, LightCarrier, Stokes};
 use sunstone::internals::polarization::{conductor, dielectric, film_axis, s_axis};
 
-use super::vertex::Vertex;
+use crate::vertex::Vertex;
 
 /// One chain from a light to a camera.
 #[derive(Deserialize)]

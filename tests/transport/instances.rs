@@ -1,8 +1,5 @@
 //! Scenes with instances look as if they held copies.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
@@ -11,11 +8,11 @@ use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::spectrum::Color;
 
-use support::evidence;
-use support::gltf::Flock;
-use support::rendering::{replicates, scene, settings};
-use support::scenes::flock;
-use support::statistics::{Estimate, cells, rms, rms_limits, worst};
+use crate::support::evidence;
+use crate::support::gltf::Flock;
+use crate::support::rendering::{replicates, scene, settings};
+use crate::support::scenes::flock;
+use crate::support::statistics::{Estimate, cells, rms, rms_limits, worst};
 
 const SIZE: [u32; 2] = [24, 24];
 const REPLICATES: u32 = 32;

@@ -1,8 +1,5 @@
 //! Both modes trace the same paths, and no number of threads changes a bit.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::sync::Arc;
 
 use rayon::ThreadPoolBuilder;
@@ -14,9 +11,11 @@ use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 use sunstone::internals::transport::Sampling;
 
-use support::rendering::{MONO, image, in_package, light_mask, rendered, scene, settings, world};
-use support::scenes::depolarizers;
-use support::statistics::cells;
+use crate::support::rendering::{
+    MONO, image, in_package, light_mask, rendered, scene, settings, world,
+};
+use crate::support::scenes::depolarizers;
+use crate::support::statistics::cells;
 
 const INTEGRATORS: [Integrator; 4] =
     [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Ppm];

@@ -2,17 +2,14 @@
 //! sheets on sheets, media that end where others begin. As with a gap of a millimeter, or by what
 //! can be said without a render; which of two a ray meets first is not left to rounding.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::{Vec3, vec3};
 use serde_json::{Value, json};
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::Mode;
 use sunstone::internals::scene::bake;
 
-use support::gltf::Document;
-use support::rendering::{MONO, image, scene, settings};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, image, scene, settings};
 
 /// Gaps that rays would not see: none, and less than they keep off surfaces.
 const GAPS: [f32; 3] = [0.0, 1e-7, -1e-7];

@@ -1,8 +1,5 @@
 //! Variances that an image states of itself, against those between images of other seeds.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -13,8 +10,8 @@ use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 
-use support::gltf::Document;
-use support::rendering::{MONO, image, in_package, replicates, scene, settings, world};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, image, in_package, replicates, scene, settings, world};
 
 const SIZE: [u32; 2] = [24, 24];
 const SEEDS: u32 = 64;

@@ -1,9 +1,6 @@
 //! Things of a meter on grounds of up to a thousand kilometers: the light is the same on all of
 //! them, by every integrator, and what was closed stays closed when it is divided.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
@@ -12,9 +9,9 @@ use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, mean_s0};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, mean_s0};
 
 const SIZE: [u32; 2] = [16, 16];
 const REPLICATES: u32 = 16;

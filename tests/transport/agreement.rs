@@ -14,9 +14,6 @@
 //! each change of the random numbers is one such case. The root mean square over cells finds what
 //! is too faint for that.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::fs;
 use std::sync::Arc;
 
@@ -27,13 +24,13 @@ use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
-use support::evidence;
-use support::filters::FILTERS;
-use support::rendering::{
+use crate::support::evidence;
+use crate::support::filters::FILTERS;
+use crate::support::rendering::{
     MONO, in_package, light_mask, path_finds_everything, replicates, scene, settings, world,
 };
-use support::scenes::{CONTRADICTORY, SCENES, two_sheets};
-use support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
+use crate::support::scenes::{CONTRADICTORY, SCENES, two_sheets};
+use crate::support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
 
 const SIZE: [u32; 2] = [24, 24];
 const REPLICATES: u32 = 32;

@@ -1,9 +1,6 @@
 //! Light paths that are aimed: densities of the mixture against lines that are drawn and measures
 //! that are known, and caustics on grounds that are large against them.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,10 +20,10 @@ use sunstone::internals::scene::World;
 use sunstone::internals::scene::baked::{NONE, Shapes};
 use sunstone::internals::scene::emitter::EmitterModel;
 
-use support::gltf::Document;
-use support::random::Random;
-use support::rendering::{MONO, in_package, rendered, replicates, scene, settings, world};
-use support::statistics::{Estimate, estimate};
+use crate::support::gltf::Document;
+use crate::support::random::Random;
+use crate::support::rendering::{MONO, in_package, rendered, replicates, scene, settings, world};
+use crate::support::statistics::{Estimate, estimate};
 
 fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)

@@ -26,7 +26,7 @@ use sunstone::internals::transport::tables::partition::{Part, Partition};
 use sunstone::internals::transport::tables::states::LightState;
 use sunstone::internals::transport::tables::{channels, vectors};
 
-use crate::chains::{self, Chain, Traced, trace};
+use crate::traced::{self, Chain, Traced, trace};
 use crate::vertex::Vertex;
 
 const N: usize = 3;
@@ -55,7 +55,7 @@ struct Rows {
 
 impl Rows {
     fn new(case: Case) -> Self {
-        let mut chains = chains::load();
+        let mut chains = traced::load();
         chains.sort_by_key(|chain| std::cmp::Reverse(chain.events.len()));
         let traced = chains.iter().map(trace).collect();
         let exact = chains.iter().map(trace).collect();

@@ -16,22 +16,22 @@ const TOLERANCE_F32: f64 = 5e-6;
 const CRITICAL_MARGIN_DEG: f64 = 0.05;
 
 const DIELECTRICS: [(&str, f64); 4] = [
-    (include_str!("data/fresnel/dielectric_ext_1_to_1.33.csv"), 1.33),
-    (include_str!("data/fresnel/dielectric_ext_1_to_1.5.csv"), 1.5),
-    (include_str!("data/fresnel/dielectric_int_1.33_to_1.csv"), 1.0 / 1.33),
-    (include_str!("data/fresnel/dielectric_int_1.5_to_1.csv"), 1.0 / 1.5),
+    (include_str!("../data/fresnel/dielectric_ext_1_to_1.33.csv"), 1.33),
+    (include_str!("../data/fresnel/dielectric_ext_1_to_1.5.csv"), 1.5),
+    (include_str!("../data/fresnel/dielectric_int_1.33_to_1.csv"), 1.0 / 1.33),
+    (include_str!("../data/fresnel/dielectric_int_1.5_to_1.csv"), 1.0 / 1.5),
 ];
 
 const CONDUCTORS: [(&str, &str, f64); 9] = [
-    (include_str!("data/fresnel/conductor_Al_450.csv"), "Al", 450.0),
-    (include_str!("data/fresnel/conductor_Al_550.csv"), "Al", 550.0),
-    (include_str!("data/fresnel/conductor_Al_650.csv"), "Al", 650.0),
-    (include_str!("data/fresnel/conductor_Au_450.csv"), "Au", 450.0),
-    (include_str!("data/fresnel/conductor_Au_550.csv"), "Au", 550.0),
-    (include_str!("data/fresnel/conductor_Au_650.csv"), "Au", 650.0),
-    (include_str!("data/fresnel/conductor_Cu_450.csv"), "Cu", 450.0),
-    (include_str!("data/fresnel/conductor_Cu_550.csv"), "Cu", 550.0),
-    (include_str!("data/fresnel/conductor_Cu_650.csv"), "Cu", 650.0),
+    (include_str!("../data/fresnel/conductor_Al_450.csv"), "Al", 450.0),
+    (include_str!("../data/fresnel/conductor_Al_550.csv"), "Al", 550.0),
+    (include_str!("../data/fresnel/conductor_Al_650.csv"), "Al", 650.0),
+    (include_str!("../data/fresnel/conductor_Au_450.csv"), "Au", 450.0),
+    (include_str!("../data/fresnel/conductor_Au_550.csv"), "Au", 550.0),
+    (include_str!("../data/fresnel/conductor_Au_650.csv"), "Au", 650.0),
+    (include_str!("../data/fresnel/conductor_Cu_450.csv"), "Cu", 450.0),
+    (include_str!("../data/fresnel/conductor_Cu_550.csv"), "Cu", 550.0),
+    (include_str!("../data/fresnel/conductor_Cu_650.csv"), "Cu", 650.0),
 ];
 
 /// The named columns of a table, row by row.
@@ -49,7 +49,7 @@ fn columns<const N: usize>(table: &str, names: [&str; N]) -> Vec<[f64; N]> {
 
 /// `n, k` of a metal from the table's own list.
 fn metal(name: &str, wavelength_nm: f64) -> (f64, f64) {
-    let list = include_str!("data/fresnel/ior_used.csv");
+    let list = include_str!("../data/fresnel/ior_used.csv");
     let line = list
         .lines()
         .find(|line| line.starts_with(&format!("{name},{wavelength_nm:.1}")))
@@ -176,7 +176,7 @@ fn conductor_tables_in_lanes() {
 }
 
 fn special_angles() -> serde_json::Value {
-    let text = include_str!("data/fresnel/special_angles.json");
+    let text = include_str!("../data/fresnel/special_angles.json");
     serde_json::from_str(text).expect("the special angles are valid JSON")
 }
 

@@ -4,9 +4,6 @@
 //! Some 100 numbers are compared. A normal number exceeds the limit of 4.8 with a chance of 1.6e-6,
 //! so that noise fails the tests in 1 of 6,000 cases.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
@@ -17,9 +14,9 @@ use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, cells, estimate, worst};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, cells, estimate, worst};
 
 const EDGE: u32 = 8;
 /// Half the edge of the picture.

@@ -1,9 +1,6 @@
 //! Lamps in view whose own images are far smaller than a pixel: `bdpt` and `light` find them, by
 //! their closed form where there is one, and of the others a note says that they do not.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::f64::consts::PI;
 
 use glam::Vec3;
@@ -13,9 +10,9 @@ use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 use sunstone::{Options, PlacedWorld, Settings};
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, mean_s0};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, mean_s0};
 
 const SIZE: [u32; 2] = [8, 8];
 const REPLICATES: u32 = 16;

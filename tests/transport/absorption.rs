@@ -6,9 +6,6 @@
 //! the probabilities with which paths pass; each is the mean of some 2,000 squares, and its limit
 //! at least six standard deviations above.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::Vec3;
 use serde_json::json;
 use sunstone::internals::image::StokesImage;
@@ -17,9 +14,9 @@ use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, ROUNDING, estimate, worst};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, ROUNDING, estimate, worst};
 
 const EDGE: u32 = 8;
 const PIXELS: usize = (EDGE * EDGE) as usize;

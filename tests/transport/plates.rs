@@ -4,9 +4,6 @@
 //! Some 50 numbers are scored. A normal number exceeds the limit of 5 with a chance of 6e-7, so
 //! that noise fails the tests in 1 of 30,000 cases.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::{Quat, Vec3};
 use serde_json::json;
 use sunstone::internals::image::StokesImage;
@@ -16,9 +13,9 @@ use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 use sunstone::internals::transport::Sampling;
 
-use support::gltf::Document;
-use support::rendering::{MONO, replicates, scene, settings};
-use support::statistics::{Estimate, estimate, worst};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, replicates, scene, settings};
+use crate::support::statistics::{Estimate, estimate, worst};
 
 const EDGE: u32 = 8;
 const PIXELS: usize = (EDGE * EDGE) as usize;

@@ -34,7 +34,7 @@ fn printed_precision(cell: &str) -> f64 {
 #[test]
 fn published_efficiencies() {
     let mut worst = 0.0_f64;
-    for row in rows(include_str!("data/mie/published_efficiencies.csv")) {
+    for row in rows(include_str!("../data/mie/published_efficiencies.csv")) {
         let sphere = MieSphere::new(number(row[1]), number(row[2]), number(row[3]));
         let found = [sphere.q_ext, sphere.q_sca, sphere.g];
         for ((value, printed), computed) in found.into_iter().zip(&row[4..7]).zip(&row[7..10]) {
@@ -53,7 +53,7 @@ fn published_efficiencies() {
 #[test]
 fn efficiencies_of_single_spheres() {
     let mut worst = 0.0_f64;
-    for row in rows(include_str!("data/mie/single_spheres_eff.csv")) {
+    for row in rows(include_str!("../data/mie/single_spheres_eff.csv")) {
         let sphere = MieSphere::new(number(row[1]), number(row[2]), number(row[3]));
         for (value, expected) in [sphere.q_ext, sphere.q_sca, sphere.g].iter().zip(&row[4..7]) {
             worst = worst.max(relative_error(*value, number(expected)));
@@ -66,7 +66,7 @@ fn efficiencies_of_single_spheres() {
 #[test]
 fn phase_matrices_of_single_spheres() {
     let mut worst = 0.0_f64;
-    for row in rows(include_str!("data/mie/single_spheres.csv")) {
+    for row in rows(include_str!("../data/mie/single_spheres.csv")) {
         let sphere = MieSphere::new(number(row[1]), number(row[2]), number(row[3]));
         let phase = sphere.phase(number(row[4]).to_radians().cos());
         let expected = [5, 6, 7, 8].map(|column| number(row[column]));
@@ -86,7 +86,7 @@ fn phase_matrices_of_single_spheres() {
 #[test]
 fn published_amplitudes() {
     let sphere = MieSphere::new(1.5, 1.0, 1.0);
-    for row in rows(include_str!("data/mie/wiscombe_amplitudes_m1.5-1i_x1.csv")) {
+    for row in rows(include_str!("../data/mie/wiscombe_amplitudes_m1.5-1i_x1.csv")) {
         let (s1, s2) = sphere.amplitudes(number(row[0]).to_radians().cos());
         for (value, printed) in [s1.re, s1.im, s2.re, s2.im].iter().zip(&row[1..]) {
             assert!((value - number(printed)).abs() <= printed_precision(printed));
@@ -99,7 +99,7 @@ fn published_amplitudes() {
 fn published_phase_matrix() {
     let sphere = MieSphere::new(1.55, 0.0, 2.0 * PI * 0.525 / 0.6328);
     let forward = sphere.phase(1.0).m00;
-    for row in rows(include_str!("data/mie/bohren_huffman_table.csv")) {
+    for row in rows(include_str!("../data/mie/bohren_huffman_table.csv")) {
         let phase = sphere.phase(number(row[0]).to_radians().cos());
         let found = [
             phase.m00 / forward,

@@ -1,17 +1,12 @@
 //! The order of matrices, the frames and the signs, against 120 chains of events that were traced
 //! elsewhere as electric fields in three dimensions, without any Stokes vector.
 
-#[path = "../support/chains.rs"]
-mod chains;
-mod columns;
-#[path = "../support/vertex.rs"]
-mod vertex;
-
-use chains::{Traced, lift, trace};
 use sunstone::internals::math::{F32s, LANES, Real, Vector};
 use sunstone::internals::polarization::{Arrival, Block, Dense, Kernel, LightCarrier};
 use sunstone::internals::polarization::{SensorMatrix, SensorRow, Stokes};
-use vertex::Vertex;
+
+use crate::traced::{self, Traced, lift, trace};
+use crate::vertex::Vertex;
 
 /// Double precision leaves a few units in the last place per event.
 const TOLERANCE_F64: f64 = 1e-12;
@@ -69,7 +64,7 @@ fn split_everywhere<F: Real>(traced: &Traced<F>) -> Vec<[F; 4]> {
 #[test]
 fn every_split_of_every_chain_measures_the_field() {
     let (mut worst, mut splits) = (0.0_f64, 0);
-    for chain in chains::load() {
+    for chain in traced::load() {
         let traced = trace::<f64>(&chain);
         for measured in split_everywhere(&traced) {
             splits += 1;
@@ -86,7 +81,7 @@ fn every_split_of_every_chain_measures_the_field() {
 
 #[test]
 fn directions_and_film_frames_are_those_of_the_field() {
-    for chain in chains::load() {
+    for chain in traced::load() {
         let traced = trace::<f64>(&chain);
         let direction = *traced.directions.last().expect("at least one segment");
         assert!((direction - lift(chain.dir_out)).length() <= TOLERANCE_F64);
@@ -136,7 +131,7 @@ fn pack_chains(lanes: &[Traced<f32>]) -> Traced<F32s> {
 
 #[test]
 fn eight_chains_side_by_side_measure_the_field() {
-    let chains = chains::load();
+    let chains = traced::load();
     let (mut worst_absolute, mut worst_relative) = (0.0_f64, 0.0_f64);
     for group in chains.chunks_exact(LANES) {
         let lanes: Vec<Traced<f32>> = group.iter().map(trace).collect();
@@ -172,7 +167,7 @@ fn depolarizer(event: &Vertex<f64>) -> Vertex<f64, Dense<f64>> {
 /// matrix says, and so do the row and what it measures over the column's intensity.
 #[test]
 fn after_a_depolarizer_a_column_and_a_row_suffice() {
-    for chain in chains::load() {
+    for chain in traced::load() {
         let Traced { light, directions, events, film_x, .. } = trace::<f64>(&chain);
         for (middle, event) in events.iter().enumerate() {
             let first = collect_all(film_x, &events[middle + 1..]);
@@ -199,7 +194,7 @@ fn after_a_depolarizer_a_column_and_a_row_suffice() {
 /// Carriers that hold nothing yet need not be multiplied.
 #[test]
 fn first_events_have_a_shorter_form() {
-    for chain in chains::load() {
+    for chain in traced::load() {
         let Traced { light, events, film_x, .. } = trace::<f64>(&chain);
         let event = events.last().expect("chains have events");
         let expected = collect(SensorMatrix::identity(film_x), event);

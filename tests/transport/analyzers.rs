@@ -1,9 +1,6 @@
 //! Films behind ideal analyzers: against the Stokes film, against sheets before the lens, and
 //! against closed forms.
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -17,11 +14,11 @@ use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 use sunstone::internals::transport::Sampling;
 
-use support::filters::FILTERS;
-use support::gltf::Document;
-use support::rendering::{MONO, image, replicates, scene, settings};
-use support::scenes::SCENES;
-use support::statistics::{Estimate, cells, estimate, mean_s0, worst};
+use crate::support::filters::FILTERS;
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, image, replicates, scene, settings};
+use crate::support::scenes::SCENES;
+use crate::support::statistics::{Estimate, cells, estimate, mean_s0, worst};
 
 const ALL: [Analyzer; 5] = [
     Analyzer::Linear { axis_deg: 0.0 },

@@ -6,18 +6,15 @@
 //! Student's t of 15 degrees of freedom, a change of all random numbers fails by chance in 1 of
 //! 600).
 
-#[allow(dead_code, reason = "every test binary uses its own part")]
-mod support;
-
 use glam::Vec3;
 use serde_json::{Value, json};
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scene::World;
 
-use support::gltf::Document;
-use support::rendering::{MONO, image, replicates, scene, settings};
-use support::statistics::{Estimate, estimate};
+use crate::support::gltf::Document;
+use crate::support::rendering::{MONO, image, replicates, scene, settings};
+use crate::support::statistics::{Estimate, estimate};
 
 const SIZE: [u32; 2] = [8, 8];
 const REPLICATES: u32 = 16;

@@ -64,8 +64,8 @@ fn compare(milk: Milk, coefficients: &str, phase: &str) -> [f64; 2] {
 fn whole_milk() {
     let worst = compare(
         WHOLE,
-        include_str!("data/mie/milk_whole_coeffs.csv"),
-        include_str!("data/mie/milk_whole_phase.csv"),
+        include_str!("../data/mie/milk_whole_coeffs.csv"),
+        include_str!("../data/mie/milk_whole_phase.csv"),
     );
     println!("whole milk: largest errors of coefficients and matrix {worst:?}");
     assert!(worst.iter().all(|error| *error <= TOLERANCE), "{worst:?}");
@@ -75,8 +75,8 @@ fn whole_milk() {
 fn skimmed_milk() {
     let worst = compare(
         SKIM,
-        include_str!("data/mie/milk_skim_coeffs.csv"),
-        include_str!("data/mie/milk_skim_phase.csv"),
+        include_str!("../data/mie/milk_skim_coeffs.csv"),
+        include_str!("../data/mie/milk_skim_phase.csv"),
     );
     println!("skimmed milk: largest errors of coefficients and matrix {worst:?}");
     assert!(worst.iter().all(|error| *error <= TOLERANCE), "{worst:?}");

@@ -1,0 +1,32 @@
+//! Light's way through scenes: renders against laws, tables, reference images and each other.
+//!
+//! One program, as the renderer is compiled into each. Its parts: `cargo test --release --test
+//! transport furnace`.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod absorption;
+mod agreement;
+mod aimed;
+mod analyzers;
+mod auto;
+mod boundaries;
+mod contacts;
+mod convergence;
+mod door;
+mod emitters;
+mod furnace;
+mod glimpses;
+mod grounds;
+mod instances;
+mod lamps_in_media;
+mod merging;
+mod modes;
+mod nesting;
+mod parts;
+mod plates;
+mod reference_images;
+mod slabs;
+mod straight_on;
+mod variance;
