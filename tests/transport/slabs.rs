@@ -315,7 +315,7 @@ fn light_scattered_once_is_as_the_closed_form_says() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_finds_the_light_of_slabs() {
-    expect_scores_within_limit(&score_tables(Integrator::Path, 4, 16));
+    expect_scores_within_limit(&score_tables(Integrator::Path, 2, 16));
 }
 
 #[test]
