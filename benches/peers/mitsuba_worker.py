@@ -90,6 +90,8 @@ def bsdf(material: gltf.Material) -> dict[str, Any]:
             "int_ior": float(body["ior"]),
             "ext_ior": float(body.get("exterior_ior", 1.0)),
         }
+    if kind == "polarizer":
+        return {"type": "polarizer", "theta": spectrum(float(body.get("axis_deg", 0.0)))}
     raise ValueError(f"material {material.name}: no Mitsuba counterpart of `{kind}` is written")
 
 
