@@ -224,7 +224,7 @@ def check_analyzer(checks):
     light = analyzed(planes, "linear", 179)
     page.fill("#exposure-number", "0")
     assert abs(picture(page, size) - srgb(light).transpose(1, 2, 0)).max() <= 1
-    assert page.text_content("#legend-title") == "intensity behind a linear analyzer at 179°"
+    assert page.text_content(".legend-name") == "intensity behind a linear analyzer at 179°"
     # One channel alone is grey.
     page.select_option("#channel", "1")
     grey = srgb(light[1])[..., None]
