@@ -138,7 +138,8 @@ class Cards {
     this.dialog.addEventListener("click", (event) => {
       if (event.target === this.dialog) this.dialog.close();
     });
-    this.dialog.addEventListener("keydown", (event) => {
+    document.addEventListener("keydown", (event) => {
+      if (!this.dialog.open) return;
       const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
       const now = this.jobs.indexOf(this.data.jobs[this.dialog.dataset.job]);
       const next = this.jobs[now + step];
@@ -172,6 +173,7 @@ class Cards {
       make("div", { className: "facts" }, make("dl", {}, ...list, ...file), this.makeMeans(job)),
     );
     if (!dialog.open) dialog.showModal();
+    dialog.focus();
     this.paint(dialog);
   }
 

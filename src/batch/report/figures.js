@@ -64,6 +64,9 @@ function shareOf(component) {
   return (stokes) => (stokes?.length === 4 && stokes[0] > 0 ? stokes[component] / stokes[0] : undefined);
 }
 
+/** The value that a job has on an axis, if it has one; names may be those that objects have. */
+const valueOf = (job, name) => (Object.hasOwn(job.values, name) ? job.values[name] : undefined);
+
 /** A value of an axis in words. */
 const valueWords = (value) => (typeof value === "string" ? value : JSON.stringify(value));
 
@@ -96,8 +99,8 @@ function quantitiesOf(axes, { hasImages, isPolarized: isAnyPolarized }) {
     unit: "",
     axis,
     of: (job) => {
-      if (!Object.hasOwn(job.values, axis.name)) return undefined;
-      const value = job.values[axis.name];
+      const value = valueOf(job, axis.name);
+      if (value === undefined) return undefined;
       return axis.isNumeric ? value : axis.places.get(JSON.stringify(value));
     },
   }));
@@ -133,7 +136,8 @@ function tableOf(jobs, quantities, meanFor) {
   const rows = jobs.map((job) => {
     const stokes = meanFor(job);
     const values = axes.map(({ title }) => {
-      return Object.hasOwn(job.values, title) ? valueWords(job.values[title]) : "";
+      const value = valueOf(job, title);
+      return value === undefined ? "" : valueWords(value);
     });
     return [
       job.jobs, job.name, ...values, stateOf(job), job.output, job.error ?? job.problem,

@@ -8,13 +8,12 @@ class Filters {
   constructor(jobs, axes, { onChange }) {
     this.onChange = onChange;
     this.tests = [];
-    const valueOf = (name) => (job) => job.values[name];
     this.add("State", jobs, stateOf);
     this.add("Job file", jobs, (job) => job.jobs);
     this.add("Name", jobs, (job) => job.name);
     for (const { name, values, isNumeric } of axes) {
-      if (values.length > CHOICES_MAX && isNumeric) this.addRange(name, values, valueOf(name));
-      else this.add(name, jobs, valueOf(name));
+      if (values.length > CHOICES_MAX && isNumeric) this.addRange(name, values);
+      else this.add(name, jobs, (job) => valueOf(job, name));
     }
     const search = element("search");
     search.addEventListener("input", onChange);
@@ -42,8 +41,8 @@ class Filters {
   }
 
   /** Choices of what jobs have, if they are not all alike and not too many. */
-  add(title, jobs, valueOf) {
-    const key = (job) => JSON.stringify(valueOf(job) ?? null);
+  add(title, jobs, of) {
+    const key = (job) => JSON.stringify(of(job) ?? null);
     const counts = new Map();
     for (const job of jobs) counts.set(key(job), (counts.get(key(job)) ?? 0) + 1);
     if (counts.size < 2 || counts.size > CHOICES_MAX) return;
@@ -70,7 +69,7 @@ class Filters {
   }
 
   /** From one number to another. */
-  addRange(title, values, valueOf) {
+  addRange(title, values) {
     const inputs = [["from", values[0]], ["to", values.at(-1)]].map(([word, value]) => {
       const input = make("input", { type: "number", step: "any", placeholder: String(value) });
       input.setAttribute("aria-label", `${title} ${word}`);
@@ -82,7 +81,7 @@ class Filters {
     this.tests.push({
       isOn: () => inputs.some((input) => Number.isFinite(input.valueAsNumber)),
       passes: (job) => {
-        const value = valueOf(job);
+        const value = valueOf(job, title);
         return value !== undefined && !(value < from.valueAsNumber) && !(value > to.valueAsNumber);
       },
       reset: () => { for (const input of inputs) input.value = ""; },
