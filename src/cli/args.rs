@@ -410,7 +410,7 @@ of 'sunstone visualize', and plots means of Stokes components, degrees, angles a
 axes of sweeps. Means are of the whole images, as they are in the files, but for pixels that are not \
 finite. Images that are gone, damaged or not those that were rendered are told by their jobs and \
 stop nothing. Small copies have up to 160 pixels a side, 64 where there are 1,000 images, 24 where \
-there are 7,000 or more: a page of 1,000 takes 25 MB at most.";
+there are 7,000 or more: a page of 1,000 takes 20 to 30 MB.";
 
 /// `report` as typed.
 #[derive(Debug, Args)]

@@ -13,7 +13,7 @@ use super::files::{refuse_overwriting, require_html, say};
 use super::progress::Progress;
 
 /// The name of results in the folder of a batch.
-pub(super) const RESULTS: &str = "results.jsonl";
+const RESULTS: &str = "results.jsonl";
 const JOBS: [&str; 2] = ["job", "jobs"];
 const LINES: [&str; 2] = ["line", "lines"];
 

@@ -67,9 +67,11 @@ impl Place {
         Self { folder: folder.to_owned(), real, page, allow_outside, edge }
     }
 
-    /// What the file of a record takes, in bytes.
+    /// What the files of a record take, in bytes.
     pub fn bytes_of(&self, record: &Record) -> u64 {
-        fs::metadata(self.folder.join(&record.output)).map_or(0, |found| found.len())
+        let files = image::files_of(&self.folder.join(&record.output)).unwrap_or_default();
+        let bytes = |file: &PathBuf| fs::metadata(file).map_or(0, |found| found.len());
+        files.iter().map(bytes).fold(0, u64::saturating_add)
     }
 
     /// The files of an image, which are there, without links to them.

@@ -67,8 +67,14 @@ function shareOf(component) {
 /** The value that a job has on an axis, if it has one; names may be those that objects have. */
 const valueOf = (job, name) => (Object.hasOwn(job.values, name) ? job.values[name] : undefined);
 
+/** A number without what rounding has added. */
+const plainNumber = (value) => String(Number(value.toPrecision(12)));
+
 /** A value of an axis in words. */
-const valueWords = (value) => (typeof value === "string" ? value : JSON.stringify(value));
+function valueWords(value) {
+  if (typeof value === "number") return minus(plainNumber(value));
+  return typeof value === "string" ? value : JSON.stringify(value);
+}
 
 /** The axes of all sweeps: names, and the values that there are, numbers in their order. */
 function axesOf(jobs) {
@@ -119,8 +125,8 @@ function quantitiesOf(axes, { hasImages, isPolarized: isAnyPolarized }) {
 /** A value of a quantity in words. */
 function wordsOf(quantity, value) {
   if (value === undefined) return "–";
-  if (quantity.axis && !quantity.axis.isNumeric) return valueWords(quantity.axis.values[value]);
-  if (quantity.axis || quantity.id === "index") return minus(String(value));
+  if (quantity.axis) return valueWords(quantity.axis.isNumeric ? value : quantity.axis.values[value]);
+  if (quantity.id === "index") return String(value);
   return shortNumber(value) + quantity.unit;
 }
 
@@ -137,7 +143,7 @@ function tableOf(jobs, quantities, meanFor) {
     const stokes = meanFor(job);
     const values = axes.map(({ title }) => {
       const value = valueOf(job, title);
-      return value === undefined ? "" : valueWords(value);
+      return typeof value === "object" ? JSON.stringify(value) : value;
     });
     return [
       job.jobs, job.name, ...values, stateOf(job), job.output, job.error ?? job.problem,

@@ -71,7 +71,7 @@ class Filters {
   /** From one number to another. */
   addRange(title, values) {
     const inputs = [["from", values[0]], ["to", values.at(-1)]].map(([word, value]) => {
-      const input = make("input", { type: "number", step: "any", placeholder: String(value) });
+      const input = make("input", { type: "number", step: "any", placeholder: plainNumber(value) });
       input.setAttribute("aria-label", `${title} ${word}`);
       input.addEventListener("input", this.onChange);
       return input;

@@ -27,9 +27,12 @@ use entry::{Entry, Place};
 pub const EDGES: std::ops::RangeInclusive<usize> = 8..=512;
 /// Pixels of all small copies together, from which their size follows: 64 x 64 of a thousand.
 const PIXELS: usize = 1 << 22;
-/// The longest sides that follow from it.
-const FEWEST: usize = 24;
-const MOST: usize = 160;
+/// The longest sides that follow from it; the shorter one is for as long as three times as many
+/// pixels suffice.
+const SHORT: usize = 24;
+const LONG: usize = 160;
+/// Most jobs: a browser reads what is known of them as one text.
+const JOBS_MAX: usize = 100_000;
 /// Bytes of files that are read at once; a larger one is read alone.
 const BYTES_AT_ONCE: u64 = 32 << 20;
 
@@ -91,8 +94,16 @@ impl Report<'_> {
     /// of the caller.
     ///
     /// # Errors
-    /// When the page cannot be written. What is wrong with an image stands in the page.
+    /// When the page cannot be written, or there are more jobs than a browser holds. What is wrong with an image stands in the page.
     pub fn write(&self, path: &Path, tell: impl FnMut(usize)) -> Result<Written, OutputError> {
+        let count = self.records.len();
+        if count > JOBS_MAX {
+            let reason = format!(
+                "a browser would have to hold {count} jobs, and {JOBS_MAX} are the most; make a \
+                 page each of some of the lines of results"
+            );
+            return Err(OutputError::unwritable(path, reason));
+        }
         // Before what may take long.
         atomic::probe_writable(path)?;
         let entries = self.entries(&folder_of(path), tell);
@@ -184,8 +195,10 @@ impl Report<'_> {
 
 /// The longest side of the small copies of so many images.
 fn fitting_edge(images: usize) -> usize {
-    let edge = (PIXELS / images.max(1)).isqrt() / 8 * 8;
-    edge.clamp(FEWEST, MOST)
+    let images = images.max(1);
+    let edge = (PIXELS / images).isqrt() / 8 * 8;
+    let short = (3 * PIXELS / images).isqrt().min(SHORT);
+    edge.clamp(short.max(*EDGES.start()), LONG)
 }
 
 /// An element for every small copy.
@@ -213,7 +226,7 @@ mod tests {
 
     #[test]
     fn many_images_have_small_copies() {
-        let edges = [0, 1, 100, 1000, 10_000, 1_000_000].map(fitting_edge);
-        assert_eq!(edges, [160, 160, 160, 64, 24, 24]);
+        let edges = [0, 1, 100, 1000, 10_000, 20_000, JOBS_MAX, 1 << 40].map(fitting_edge);
+        assert_eq!(edges, [160, 160, 160, 64, 24, 24, 11, 8]);
     }
 }

@@ -21,7 +21,10 @@ function scaleOf(quantity, values, [start, end]) {
   let [least, most] = values.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)],
     [Infinity, -Infinity]);
   const isWords = quantity.axis && !quantity.axis.isNumeric;
-  const air = isWords ? 0.5 : 0.04 * (most - least) || 0.05 * Math.abs(most) || 1;
+  // What is told apart by rounding alone lies at one place.
+  const size = Math.max(Math.abs(least), Math.abs(most));
+  const isOne = most - least <= 1e-9 * size;
+  const air = isWords ? 0.5 : isOne ? 0.05 * size || 1 : 0.04 * (most - least);
   [least, most] = [least - air, most + air];
   const count = Math.max(2, Math.abs(end - start) / (start < end ? 80 : 45));
   const isWhole = (tick) => Number.isInteger(tick) && quantity.axis.values[tick] !== undefined;

@@ -75,11 +75,16 @@ pub fn escaped_text(text: &str) -> String {
 /// JSON as text that may stand in a script element.
 pub fn json_text(data: &impl Serialize) -> String {
     let text = serde_json::to_string(data).expect("numbers and words are JSON");
-    let escaped = |c: char| match c {
-        '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => format!("\\u{:04x}", u32::from(c)),
-        _ => c.to_string(),
-    };
-    text.chars().map(escaped).collect()
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                safe += &format!("\\u{:04x}", u32::from(c));
+            }
+            _ => safe.push(c),
+        }
+    }
+    safe
 }
 
 #[cfg(test)]
