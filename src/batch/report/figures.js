@@ -68,12 +68,13 @@ function shareOf(component) {
 const valueOf = (job, name) => (Object.hasOwn(job.values, name) ? job.values[name] : undefined);
 
 /** A number without what rounding has added. */
-const plainNumber = (value) => String(Number(value.toPrecision(12)));
+const plainNumber = (value) => (
+  Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(12))));
 
 /** A value of an axis in words. */
 function valueWords(value) {
   if (typeof value === "number") return minus(plainNumber(value));
-  return typeof value === "string" ? value : JSON.stringify(value);
+  return typeof value === "string" && value !== "" ? value : JSON.stringify(value);
 }
 
 /** The axes of all sweeps: names, and the values that there are, numbers in their order. */

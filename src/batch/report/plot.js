@@ -4,6 +4,9 @@ const PLOT = { left: 64, right: 16, top: 12, bottom: 34, height: 260 };
 /** Most lines of different colors; with more of them, a quantity makes no lines. */
 const LINES_MAX = 24;
 
+/** Whether there is a number that has a place. */
+const isPlaced = (value) => Math.abs(value) < 1e300;
+
 /** Round numbers from one to another, about `count` of them. */
 function ticksOf(least, most, count) {
   const rough = (most - least) / count;
@@ -100,7 +103,7 @@ class Plot {
       const stokes = this.meanFor(job);
       const point = { job, x: x.of(job, stokes), y: y.of(job, stokes) };
       point.series = series.axis ? series.of(job) ?? null : null;
-      if (Number.isFinite(point.x) && Number.isFinite(point.y)) points.push(point);
+      if (isPlaced(point.x) && isPlaced(point.y)) points.push(point);
     }
     return points.sort((a, b) => a.x - b.x || a.series - b.series);
   }
