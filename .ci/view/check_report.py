@@ -88,7 +88,7 @@ def cards(page):
         text: card.textContent,
         link: card.querySelector("a")?.href ?? null,
         figures: Object.fromEntries([...card.querySelectorAll("[data-figure]")].map((part) =>
-            [part.dataset.figure, part.dataset.value === undefined ? null : Number(part.dataset.value)])),
+            [part.dataset.figure, "value" in part.dataset ? Number(part.dataset.value) : null])),
     }))""")
 
 
@@ -148,7 +148,8 @@ def check_figures(checks):
             continue
         for name in ("s0", "dop", "aolp"):
             value = expected[index].get(name)
-            near = shown[name] is None if value is None else np.isclose(shown[name], value, rtol=1e-6)
+            found_it = shown[name]
+            near = found_it is None if value is None else np.isclose(found_it, value, rtol=1e-6)
             assert near, (index, name, shown, value)
         assert Path(unquote(urlparse(card["link"]).path)) == files[index]
     for index in range(24, 34):
@@ -335,7 +336,8 @@ def check_maps(checks):
     darker = srgb(np.nan_to_num(cases[1][0].astype(np.float64)) / 4).transpose(1, 2, 0)
     assert abs(codes(page, 1, 0) - darker).max() <= 3
     checks.close(page)
-    print("  at most", ", ".join(f"{error:.1f} codes off in {name}" for name, error in worst.items()))
+    words = ", ".join(f"{error:.1f} codes off in {name}" for name, error in worst.items())
+    print(f"  at most {words}")
 
 
 def check_malus(checks):
@@ -405,7 +407,8 @@ def check_odd_batches(checks):
     assert len(cards(page)) == 3 and not page.locator("#maps").is_visible()
     checks.close(page)
     save(folder / "0.exr", sky(1, 500, channels="M")[:1])
-    page = report(checks, folder, [record(0, "0.exr", folder)], viewport={"width": 400, "height": 700})
+    small = {"width": 400, "height": 700}
+    page = report(checks, folder, [record(0, "0.exr", folder)], viewport=small)
     assert len(cards(page)) == 1
     page.click(".card button")
     checks.close(page)
