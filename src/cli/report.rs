@@ -58,6 +58,12 @@ pub(super) fn report(arguments: &ReportArguments) -> Result<(), CliError> {
     let written = report.write(output, |done| progress.set(done as u64));
     progress.finish();
     let written = written?;
+    let asked = records.len() - written.failed;
+    if written.missing == asked && asked > 0 && images.is_none() {
+        say(
+            "note: no image can be shown; --images names the folder that their paths are relative to",
+        );
+    }
     if !quiet {
         say(format_args!("{}: {}", output.display(), words(records.len(), &written)));
     }

@@ -370,6 +370,8 @@ fn what_cannot_be_reported_is_refused_in_words() {
     // Images beside another folder.
     let elsewhere: PathBuf = here.join("empty/results.jsonl");
     fs::rename(here.join("results.html"), elsewhere).unwrap();
+    let run = sunstone(&here, &["report", "empty", "-o", "x.html"]).done();
+    assert!(run.stderr.contains("note: no image can be shown; --images"), "{}", run.stderr);
     let run = sunstone(&here, &["report", "empty", "-o", "x.html", "--images", "."]).done();
     assert!(run.stderr.starts_with("x.html: 1 job; "), "{}", run.stderr);
 }
