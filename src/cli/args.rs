@@ -404,13 +404,13 @@ pub struct BatchArguments {
 
 const REPORT_NOTES: &str = "\
 The page is one file with everything in it, opened from the disk by Chromium 104, Firefox 113, \
-Safari 16.4 or newer; it asks the network for nothing, and links to the images by their paths from \
-the page. It shows what results.jsonl tells of every job, with small copies of the images in any map \
-of 'sunstone visualize', and plots means of Stokes components, degrees, angles and seconds over the \
-axes of sweeps. Means are of the whole images, as they are in the files, but for pixels that are not \
-finite. Images that are gone, damaged or not those that were rendered are told by their jobs and \
-stop nothing. Small copies have up to 160 pixels a side, 64 where there are 1,000 images, 24 where \
-there are 7,000 or more: a page of 1,000 takes 20 to 30 MB.";
+Safari 16.4 or newer; it asks the network for nothing, and links to the images by their paths \
+from the page. It shows what results.jsonl tells of every job, with small copies of the images \
+in any map of 'sunstone visualize', and plots means of Stokes components, degrees, angles and \
+seconds over the axes of sweeps. Means are of the whole images, as they are in the files, but \
+for pixels that are not finite. Images that are gone, damaged or not those that were rendered \
+are told by their jobs and stop nothing. Small copies have up to 160 pixels a side, 64 where \
+there are 1,000 images, 24 where there are 7,000 or more: a page of 1,000 takes 20 to 30 MB.";
 
 /// `report` as typed.
 #[derive(Debug, Args)]

@@ -60,9 +60,8 @@ pub(super) fn report(arguments: &ReportArguments) -> Result<(), CliError> {
     let written = written?;
     let asked = records.len() - written.failed;
     if written.missing == asked && asked > 0 && images.is_none() {
-        say(
-            "note: no image can be shown; --images names the folder that their paths are relative to",
-        );
+        let words = "--images names the folder that their paths are relative to";
+        say(format_args!("note: no image can be shown; {words}"));
     }
     if !quiet {
         say(format_args!("{}: {}", output.display(), words(records.len(), &written)));

@@ -94,7 +94,8 @@ impl Report<'_> {
     /// of the caller.
     ///
     /// # Errors
-    /// When the page cannot be written, or there are more jobs than a browser holds. What is wrong with an image stands in the page.
+    /// When the page cannot be written, or there are more jobs than a browser holds. What is wrong
+    /// with an image stands in the page.
     pub fn write(&self, path: &Path, tell: impl FnMut(usize)) -> Result<Written, OutputError> {
         let count = self.records.len();
         if count > JOBS_MAX {

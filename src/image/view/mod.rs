@@ -1,10 +1,10 @@
 //! A page to look at images in: one HTML file with everything in it, opened from the disk.
 //!
-//! Images -> their planes, deflated and in base64, beside colors, legends and names as JSON (`data`)
-//! -> `page.html` with its style and scripts, and those that all pages have ([`super::page`]). The
-//! scripts take every number of a palette or a legend from the data, so that the page has the colors
-//! of [`super::visualize`]; what they compute themselves is the picture behind an analyzer, degrees
-//! and angles.
+//! Images -> their planes, deflated and in base64, beside colors, legends and names as JSON
+//! (`data`) -> `page.html` with its style and scripts, and those that all pages have
+//! ([`super::page`]). The scripts take every number of a palette or a legend from the data, so that
+//! the page has the colors of [`super::visualize`]; what they compute themselves is the picture
+//! behind an analyzer, degrees and angles.
 
 mod data;
 
