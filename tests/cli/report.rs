@@ -81,17 +81,16 @@ fn a_batch_of_which_some_fail_is_complete() {
     fs::copy(scene("cornell"), here.join("lab.gltf")).unwrap();
     let defaults = "version = 1\n[defaults]\nscene = \"lab.gltf\"\nintegrator = \"path\"\n\
                     spp = 1\nwidth = 8\nheight = 8\n";
-    let jobs = [
+    let sweeps = [
         ("bad", "materials/glass/ior", "from = -10, to = -1, count = 10"),
         ("good", "nodes/glass ball/translation.0", "from = 0, to = 0.19, count = 20"),
     ];
-    let sweep = jobs.map(|(name, key, values)| {
+    let sweeps = sweeps.map(|(name, key, values)| {
         let output = format!("name = \"{name}\"\noutput = \"{name}/{{x}}.exr\"");
         let sweep = format!("sweep = [{{ name = \"x\", key = \"{key}\", {values} }}]");
         format!("[[jobs]]\n{output}\n{sweep}\n")
     });
-    let sweep = sweep.concat();
-    fs::write(here.join("jobs.toml"), format!("{defaults}{sweep}")).unwrap();
+    fs::write(here.join("jobs.toml"), format!("{defaults}{}", sweeps.concat())).unwrap();
     let run = sunstone(&here, &["batch", "jobs.toml", "--threads", "2"]);
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.stderr.contains("10 jobs failed"), "{}", run.stderr);
