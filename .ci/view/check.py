@@ -103,13 +103,17 @@ class Checks:
     def open(self, *files, options=(), **settings):
         """The page of these images."""
         self.sunstone("view", *files, "-o", "page.html", *options)
+        return self.look("page.html", **settings)
+
+    def look(self, name, **settings):
+        """A page in the browser."""
         settings = {"viewport": {"width": 1280, "height": 800}} | settings
         page = self.browser.new_context(**settings).new_page()
         page.said = []
         page.on("console", lambda message: page.said.append(message.text))
         page.on("pageerror", lambda error: page.said.append(str(error)))
         page.on("request", lambda request: page.said.append(request.url))
-        self.address = (self.folder / "page.html").as_uri()
+        self.address = (self.folder / name).as_uri()
         page.goto(self.address)
         page.wait_for_selector("html[data-ready]", timeout=60000)
         return page
@@ -224,7 +228,7 @@ def check_analyzer(checks):
     light = analyzed(planes, "linear", 179)
     page.fill("#exposure-number", "0")
     assert abs(picture(page, size) - srgb(light).transpose(1, 2, 0)).max() <= 1
-    assert page.text_content("#legend-title") == "intensity behind a linear analyzer at 179°"
+    assert page.text_content(".legend-name") == "intensity behind a linear analyzer at 179°"
     # One channel alone is grey.
     page.select_option("#channel", "1")
     grey = srgb(light[1])[..., None]
@@ -388,11 +392,12 @@ def check_sizes_and_names(checks):
         checks.close(page)
 
 
-def main():
+def run(names):
+    """Runs the checks among these, in an empty folder."""
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         checks = Checks(sys.argv[1], Path(folder), browser)
-        for name, check in list(globals().items()):
+        for name, check in names.items():
             if name.startswith("check_"):
                 print(name.removeprefix("check_").replace("_", " "), flush=True)
                 check(checks)
@@ -401,4 +406,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run(dict(globals()))

@@ -7,6 +7,7 @@
 //! | [`sweep`], [`pattern`] | axes of values, and names made of them |
 //! | [`order`] | a job that has been checked |
 //! | [`results`] | `results.jsonl`: what has been done |
+//! | [`report`] | a page of what has been done |
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
@@ -15,6 +16,7 @@ pub mod file;
 mod gate;
 pub mod order;
 mod pattern;
+pub mod report;
 pub mod results;
 pub mod run;
 mod scenes;

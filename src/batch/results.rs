@@ -11,7 +11,10 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::image::{OutputError, atomic};
+use crate::image::{OutputError, atomic, read_bytes};
+
+/// Most bytes of a file that is looked at.
+const BYTES_MAX: u64 = 1 << 31;
 
 /// What has become of a job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,6 +95,23 @@ impl Results {
     pub fn look(path: &Path) -> HashMap<String, Record> {
         let bytes = std::fs::read(path).unwrap_or_default();
         latest(&lines_of(&bytes).0)
+    }
+
+    /// The latest record of every output, by job file and index, and the number of lines that are
+    /// none.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn latest_in(path: &Path) -> io::Result<(Vec<Record>, usize)> {
+        let mut bytes = read_bytes(path, BYTES_MAX)?;
+        // A line without an end is one if it is whole.
+        bytes.push(b'\n');
+        let (lines, _) = lines_of(&bytes);
+        let is_none = |line: &&Line| line.record.is_none() && !line.text.trim().is_empty();
+        let broken = lines.iter().filter(is_none).count();
+        let mut records: Vec<Record> = latest(&lines).into_values().collect();
+        records.sort_by(|a, b| (&a.jobs, a.index, &a.output).cmp(&(&b.jobs, b.index, &b.output)));
+        Ok((records, broken))
     }
 
     /// The latest record of every output.

@@ -47,6 +47,8 @@ Examples:
       what is in a scene (or an image), in words
   sunstone batch scenes/malus.toml
       many renders from one job file: sweeps over materials, lights, media, cameras and options
+  sunstone report scenes -o report.html
+      a page of what has become of them: maps, times, errors, plots over the sweep's axes
   sunstone bench table1
       what polarization costs: the paper's Table 1, measured on this machine
   sunstone bench overhead scenes/cornell.gltf --integrator path,bdpt
@@ -88,6 +90,8 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Render all that a job file asks for: sweeps, data sets
     Batch(BatchArguments),
+    /// Make a page of a batch: its images, times and errors, with filters and plots
+    Report(ReportArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
 }
@@ -395,6 +399,41 @@ pub struct BatchArguments {
     pub threads: Option<usize>,
     /// No progress and no closing line; warnings and errors remain
     #[arg(short, long, help_heading = RUN)]
+    pub quiet: bool,
+}
+
+const REPORT_NOTES: &str = "\
+The page is one file with everything in it, opened from the disk by Chromium 104, Firefox 113, \
+Safari 16.4 or newer; it asks the network for nothing, and links to the images by their paths \
+from the page. It shows what results.jsonl tells of every job, with small copies of the images \
+in any map of 'sunstone visualize', and plots means of Stokes components, degrees, angles and \
+seconds over the axes of sweeps. Means are of the whole images, as they are in the files, but \
+for pixels that are not finite. Images that are gone, damaged or not those that were rendered \
+are told by their jobs and stop nothing. Small copies have up to 160 pixels a side, 64 where \
+there are 1,000 images, 24 where there are 7,000 or more: a page of 1,000 takes 20 to 30 MB.";
+
+/// `report` as typed.
+#[derive(Debug, Args)]
+#[command(after_long_help = REPORT_NOTES)]
+pub struct ReportArguments {
+    /// The folder of a batch, which holds results.jsonl, or a file of results
+    #[arg(value_name = "BATCH_FOLDER")]
+    pub batch: PathBuf,
+    /// Where to write the page
+    #[arg(short, long, value_name = "HTML", allow_hyphen_values = true)]
+    pub output: PathBuf,
+    /// What the paths of images are relative to: the folder of the job file [default: that of
+    /// results.jsonl]
+    #[arg(long, value_name = "FOLDER")]
+    pub images: Option<PathBuf>,
+    /// Longer side of the small copies, 8 to 512 [default: what suits their number]
+    #[arg(long, value_name = "PIXELS")]
+    pub thumbnails: Option<usize>,
+    /// Show images outside the folder, too: only of batches that you trust
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// No progress and no closing line; warnings and errors remain
+    #[arg(short, long)]
     pub quiet: bool,
 }
 

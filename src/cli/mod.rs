@@ -12,6 +12,7 @@ mod merge;
 pub mod processor;
 mod progress;
 mod render;
+mod report;
 mod rescue;
 mod visualize;
 
@@ -145,6 +146,7 @@ fn run_command() -> ExitCode {
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Batch(arguments) => batch::batch(&arguments),
+        Command::Report(arguments) => report::report(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };
     match result {

@@ -11,6 +11,7 @@
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`analyzed`] | what analyzers let pass |
 //! | [`mosaic`] | what cameras of polarization record |
+//! | [`page`] | what pages have in common |
 //! | [`view`] | a page to look at images in |
 //! | [`compare`] | how far apart two images are, and whether noise explains it |
 //! | [`inspect`] | words about an image |
@@ -27,6 +28,7 @@ pub mod inspect;
 mod legend;
 pub mod mosaic;
 pub mod npy;
+pub mod page;
 pub mod palette;
 pub mod picture;
 pub mod png;

@@ -350,13 +350,13 @@ fn orientation(turn: f32) -> [u8; 3] {
 }
 
 /// What 99 percent of all |S1|, |S2|, |S3| stay below; 1 if there are none.
-pub(super) fn signed_range(image: &StokesImage) -> f32 {
+pub fn signed_range(image: &StokesImage) -> f32 {
     let pixels = 0..image.width * image.height;
     range_of(pixels.flat_map(|pixel| stokes_at(image, pixel).into_iter().skip(1)))
 }
 
 /// What the sizes of 99 percent of the values that are not 0 stay below; 1 if there are none.
-pub(super) fn range_of(values: impl Iterator<Item = f32>) -> f32 {
+pub fn range_of(values: impl Iterator<Item = f32>) -> f32 {
     let mut sizes: Vec<f32> =
         values.map(f32::abs).filter(|size| size.is_finite() && *size > 0.0).collect();
     sizes.sort_by(f32::total_cmp);

@@ -74,7 +74,7 @@ fn the_commands_run_as_printed() {
     }
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
-    let rest = ["render", "merge", "batch", "visualize", "view", "compare", "inspect"];
+    let rest = ["render", "merge", "batch", "report", "visualize", "view", "compare", "inspect"];
     let rest = rest.map(str::to_owned);
     for verb in benches.iter().chain(&rest) {
         assert!(verbs.contains(verb), "the README does not show `{verb}`");

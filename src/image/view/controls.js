@@ -1,6 +1,5 @@
 // The controls: from inputs to what is shown, and back.
 
-const element = (id) => document.getElementById(id);
 const labelOf = (image) => image.label;
 
 /** The controls of a page; `state` is what is shown, and `onChange` is told when it changes. */

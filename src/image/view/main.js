@@ -76,6 +76,17 @@ function savePicture(images, painterFor, name) {
   }, "image/png");
 }
 
+/** Shows a pixel of all images. */
+function showPixel(images, [x, y], luminance) {
+  document.getElementById("place").textContent = `${x}, ${y}`;
+  const blocks = images.map((image) => {
+    const table = makeTable(image, y * image.width + x, luminance);
+    if (images.length === 1) return table;
+    return make("figure", {}, make("figcaption", { textContent: labelOf(image) }), table);
+  });
+  document.getElementById("vectors").replaceChildren(...blocks);
+}
+
 function start(data, images) {
   const palette = new Palette(data);
   const state = {
@@ -112,10 +123,7 @@ function start(data, images) {
 }
 
 async function main() {
-  if (typeof DecompressionStream === "undefined") {
-    throw new Error("this browser is too old: it cannot inflate (Chromium 104, Firefox 113 and "
-      + "Safari 16.4 can)");
-  }
+  checkBrowser();
   const data = JSON.parse(element("data").textContent);
   showNames(data);
   showMetadata(data);

@@ -1,18 +1,18 @@
 //! A page to look at images in: one HTML file with everything in it, opened from the disk.
 //!
-//! Images -> their planes, deflated and in base64 (`pixels`), beside colors, legends and names as
-//! JSON (`data`) -> `page.html` with its style and scripts. The scripts take every number of a
-//! palette or a legend from the data, so that the page has the colors of [`super::visualize`]; what
-//! they compute themselves is the picture behind an analyzer, degrees and angles.
+//! Images -> their planes, deflated and in base64, beside colors, legends and names as JSON
+//! (`data`) -> `page.html` with its style and scripts, and those that all pages have
+//! ([`super::page`]). The scripts take every number of a palette or a legend from the data, so that
+//! the page has the colors of [`super::visualize`]; what they compute themselves is the picture
+//! behind an analyzer, degrees and angles.
 
 mod data;
-mod pixels;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use super::error::OutputError;
-use super::{StokesImage, atomic, check_shape};
+use super::{StokesImage, atomic, check_shape, page};
 
 /// What a browser is asked to hold at most: the bytes of all values of a page. Inflated they are
 /// one array a plane; beside them the page's text is as large again while it is read.
@@ -20,14 +20,10 @@ pub const BYTES_MAX: usize = 2 << 30;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// The scripts, in the order in which they stand in the page.
-const SCRIPTS: [&str; 8] = [
+/// The scripts behind those of all pages, in the order in which they stand there.
+const SCRIPTS: [&str; 4] = [
     include_str!("pixels.js"),
-    include_str!("stokes.js"),
-    include_str!("colors.js"),
-    include_str!("legend.js"),
     include_str!("stage.js"),
-    include_str!("readout.js"),
     include_str!("controls.js"),
     include_str!("main.js"),
 ];
@@ -100,21 +96,20 @@ fn check_bytes(images: &[Named]) -> Result<(), String> {
 /// Writes the page: `page.html` with its places filled.
 fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
     let names: Vec<&str> = images.iter().map(|named| named.name).collect();
-    let mut rest = PAGE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        let Some((what, after)) = after.split_once("}}") else { break };
-        out.write_all(before.as_bytes())?;
-        match what {
-            "title" => out.write_all(escaped_text(&names.join(" | ")).as_bytes())?,
-            "style" => out.write_all(STYLE.as_bytes())?,
-            "data" => out.write_all(data::json(images).as_bytes())?,
-            "pixels" => push_pixels(out, images)?,
-            "scripts" => SCRIPTS.iter().try_for_each(|text| out.write_all(text.as_bytes()))?,
-            _ => debug_assert!(false, "page.html has no place for {what}"),
+    page::push_filled(out, PAGE, |out, place| match place {
+        "title" => out.write_all(page::escaped_text(&names.join(" | ")).as_bytes()),
+        "style" => write!(out, "{}\n{STYLE}", page::STYLE),
+        "data" => out.write_all(data::json(images).as_bytes()),
+        "pixels" => push_pixels(out, images),
+        "scripts" => {
+            let mut scripts = page::SCRIPTS.iter().chain(&SCRIPTS);
+            scripts.try_for_each(|text| writeln!(out, "{text}"))
         }
-        rest = after;
-    }
-    out.write_all(rest.as_bytes())
+        _ => {
+            debug_assert!(false, "page.html has no place for {place}");
+            Ok(())
+        }
+    })
 }
 
 /// What the values of an image take in memory.
@@ -140,24 +135,10 @@ fn push_pixels(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
         let variances = image.variance.iter().flatten().map(|plane| ("variances", plane));
         for (plane_index, (kind, plane)) in values.chain(variances.enumerate()) {
             let id = format!("pixels-{index}-{kind}-{plane_index}");
-            write!(out, "<script type=\"application/octet-stream\" id=\"{id}\">")?;
-            pixels::push_packed(out, plane)?;
-            out.write_all(b"</script>\n")?;
+            page::push_element(out, &id, |out| page::push_floats(out, plane))?;
         }
     }
     Ok(())
-}
-
-/// Text as HTML.
-fn escaped_text(text: &str) -> String {
-    let escaped = |c: char| match c {
-        '&' => "&amp;".to_owned(),
-        '<' => "&lt;".to_owned(),
-        '>' => "&gt;".to_owned(),
-        '"' => "&quot;".to_owned(),
-        _ => c.to_string(),
-    };
-    text.chars().map(escaped).collect()
 }
 
 #[cfg(test)]
@@ -189,10 +170,5 @@ mod tests {
         assert!(text.contains("3.0 GiB") && text.contains("--no-variance"), "{text}");
         image = StokesImage { width: 8192, height: 8192, variance: None, ..image };
         assert!(words(&[&image]).is_some_and(|text| !text.contains("--no-variance")));
-    }
-
-    #[test]
-    fn names_are_text() {
-        assert_eq!(escaped_text("a\"b <i>&"), "a&quot;b &lt;i&gt;&amp;");
     }
 }

@@ -1,36 +1,4 @@
-// Pixels: out of the page's elements, base64 and deflate, into arrays of 32-bit floats.
-
-/** Characters of base64 that are decoded at once; a multiple of four. */
-const PIECE = 1 << 20;
-
-/** The bytes of a piece of base64. */
-function bytesOf(base64) {
-  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(base64);
-  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
-}
-
-async function write(text, writable) {
-  const writer = writable.getWriter();
-  for (let start = 0; start < text.length; start += PIECE) {
-    await writer.write(bytesOf(text.slice(start, start + PIECE)));
-  }
-  await writer.close();
-}
-
-async function read(readable, length) {
-  const bytes = new Uint8Array(length);
-  const reader = readable.getReader();
-  let filled = 0;
-  for (;;) {
-    const { done, value } = await reader.read();
-    if (done) break;
-    if (filled + value.length > length) throw new Error("the page is damaged: too many pixels");
-    bytes.set(value, filled);
-    filled += value.length;
-  }
-  if (filled !== length) throw new Error("the page is damaged: pixels are missing");
-  return new Float32Array(bytes.buffer);
-}
+// Pixels: out of the page's elements into arrays of 32-bit floats.
 
 /** The values of one plane. Its element is taken out of the page, for it is as large again. */
 async function inflatePlane(id, pixels) {
@@ -38,12 +6,7 @@ async function inflatePlane(id, pixels) {
   if (!element) throw new Error("the page is damaged: a plane is missing");
   const text = element.textContent;
   element.remove();
-  const stream = new DecompressionStream("deflate");
-  const [, plane] = await Promise.all([
-    write(text, stream.writable),
-    read(stream.readable, 4 * pixels),
-  ]);
-  return plane;
+  return new Float32Array((await inflate(text, 4 * pixels)).buffer);
 }
 
 /**

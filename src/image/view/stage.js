@@ -315,25 +315,3 @@ class Stage {
     marker.style.top = `${center[1] - side / 2}px`;
   }
 }
-
-/** Paints a region of an image onto a canvas, of every block of `step` pixels one. */
-function paintOnto(canvas, image, paint, { x, y, columns, rows, step }) {
-  canvas.width = columns;
-  canvas.height = rows;
-  const context = canvas.getContext("2d");
-  const picture = context.createImageData(columns, rows);
-  const { data } = picture;
-  const color = new Uint8Array(3);
-  const middle = step >> 1;
-  for (let row = 0, at = 0; row < rows; row += 1) {
-    const line = Math.min(y + row * step + middle, image.height - 1) * image.width;
-    for (let column = 0; column < columns; column += 1, at += 4) {
-      paint(line + Math.min(x + column * step + middle, image.width - 1), color);
-      data[at] = color[0];
-      data[at + 1] = color[1];
-      data[at + 2] = color[2];
-      data[at + 3] = 255;
-    }
-  }
-  context.putImageData(picture, 0, 0);
-}

@@ -1,20 +1,4 @@
-// The readout: Stokes vector, degrees, angles and the ellipse of the pixel that is pointed at.
-
-const SVG = "http://www.w3.org/2000/svg";
-
-/** A value to read: four or five significant digits. */
-function shortNumber(value) {
-  if (Number.isNaN(value)) return "NaN";
-  if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
-  const size = Math.abs(value);
-  if (size === 0) return "0";
-  if (size < 1e-3 || size >= 99999.5) return minus(value.toExponential(2).replace("e+", "e"));
-  return minus(value.toPrecision(size < 0.1 ? 4 : 5));
-}
-
-const minus = (text) => text.replace(/-/g, "−");
-const degrees = (radians) => `${minus(((radians * 180) / Math.PI).toFixed(1))}°`;
-const percent = (share) => `${(100 * share).toFixed(share < 0.0995 ? 2 : 1)}%`;
+// The readout: Stokes vector, degrees, angles and the ellipse of a pixel, or of the mean of an image.
 
 /** The columns of the table: channels, and with three of them their luminance. */
 function columnsOf(image, luminance) {
@@ -95,13 +79,6 @@ function makeTable(image, pixel, luminance) {
   return make("table", {}, ...rows);
 }
 
-function svg(name, attributes, ...children) {
-  const element = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  element.append(...children);
-  return element;
-}
-
 /**
  * The ellipse that the field's end draws, as one looks at the image: the shape of the polarized
  * part, in a circle whose filled share is the degree of polarization.
@@ -145,15 +122,4 @@ function ellipseWords(light) {
   return Math.abs(angle) < 1e-6
     ? `linear at ${degrees(light.aolp)}`
     : `${hand} handed, axis at ${degrees(light.aolp)}`;
-}
-
-/** Shows a pixel of all images. */
-function showPixel(images, [x, y], luminance) {
-  document.getElementById("place").textContent = `${x}, ${y}`;
-  const blocks = images.map((image) => {
-    const table = makeTable(image, y * image.width + x, luminance);
-    if (images.length === 1) return table;
-    return make("figure", {}, make("figcaption", { textContent: labelOf(image) }), table);
-  });
-  document.getElementById("vectors").replaceChildren(...blocks);
 }

@@ -1,16 +1,5 @@
 // Legends: what the colors of a map mean, as under the pictures of `sunstone visualize`.
 
-/** A number with three significant digits, without trailing zeros. */
-function threeDigits(value) {
-  const size = Math.abs(value);
-  if (size !== 0 && !(size >= 1e-4 && size < 1e5)) {
-    return value.toExponential(2).replace("e+", "e");
-  }
-  const digits = size === 0 ? 0 : Math.max(0, 2 - Math.floor(Math.log10(size)));
-  const text = value.toFixed(digits);
-  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
-}
-
 /** What an analyzer is called. */
 function analyzerWords({ analyzer, angle }) {
   switch (analyzer) {
@@ -31,14 +20,6 @@ function legendOf(state, data) {
     ? map.legends[0].title
     : `intensity ${analyzerWords(state)}`;
   return { ...map.legends[0], title, ticks };
-}
-
-const css = ([r, g, b]) => `rgb(${r}, ${g}, ${b})`;
-
-function make(name, properties = {}, ...children) {
-  const element = Object.assign(document.createElement(name), properties);
-  element.append(...children);
-  return element;
 }
 
 /** A bar with one column of pixels for every color of the scale. */
@@ -76,7 +57,7 @@ function makeDisk(palette, scale) {
   return canvas;
 }
 
-/** Draws the legend of what is shown into its element. */
+/** Draws the legend of what is shown into an element. */
 function showLegend(element, state, data, palette) {
   const { title, ticks, swatches, disk } = legendOf(state, data);
   const { scale } = state.map;
@@ -96,7 +77,7 @@ function showLegend(element, state, data, palette) {
   const body = make(
     "div", { className: "strip" },
     make("div", { className: "legend-title" },
-      make("span", { id: "legend-title", textContent: title }), ...names),
+      make("span", { className: "legend-name", textContent: title }), ...names),
     makeBar(palette, scale),
     make("div", { className: "ticks" }, ...marks),
   );
