@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::image::StokesImage;
 use crate::image::palette::encode_srgb;
 use crate::image::visualize::{View, aolp, dop, range_of, signed_range, stokes_at};
+use crate::math::elementary::{atan2, hypot};
 
 /// The code of an ellipticity of 0; those from 0 to twice this are -45 to 45 degrees.
 const LINEAR: f32 = 127.0;
@@ -70,7 +71,7 @@ fn ellipticity_code(stokes: [f32; 4]) -> u8 {
     if stokes[0] <= 0.0 {
         return NO_LIGHT;
     }
-    let angle = 0.5 * stokes[3].atan2(stokes[1].hypot(stokes[2]));
+    let angle = 0.5 * atan2(stokes[3], hypot(stokes[1], stokes[2]));
     (LINEAR + LINEAR / FRAC_PI_4 * angle).round() as u8
 }
 
