@@ -13,6 +13,7 @@ pub mod processor;
 mod progress;
 mod render;
 mod rescue;
+mod tev;
 mod visualize;
 
 use std::io::Write;

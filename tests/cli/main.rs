@@ -11,4 +11,5 @@ mod images;
 mod program;
 mod readme;
 mod render;
+mod tev;
 mod work;
