@@ -16,7 +16,7 @@ use super::gate::Gate;
 use super::order::{Checksums, Order, checksum_of_image};
 use super::results::Record;
 use super::scenes::{LARGE, Scenes};
-use crate::image::{self, OutputError, StokesImage};
+use crate::image::{self, OutputError};
 use crate::render::doubts::doubts;
 use crate::render::memory::triangles_of;
 use crate::render::threads::Threads;
@@ -24,6 +24,8 @@ use crate::render::{RenderError, Renderer, Stop};
 
 /// Pixels in work for every thread, beyond which jobs wait for others: their films take memory.
 const PIXELS_OF_THREAD: u64 = 1 << 16;
+/// Pixels of an image that is packed by one thread.
+const SMALL: u64 = 1 << 13;
 /// Jobs in work beside one for every thread, so that threads render while files are written.
 const MORE: usize = 2;
 /// Time between two looks at whether to end.
@@ -220,23 +222,28 @@ impl Work<'_> {
             return Ok(None);
         }
         let (settings, doubts) = (*renderer.settings(), doubts(&renderer, &world));
-        let mut image = renderer.finish();
+        let mut image = renderer.finish_rows();
         if !settings.variance {
-            image.variance = None;
+            image.drop_variance();
         }
         let doubts = doubts.about(&image);
         warnings.extend(doubts.iter().map(|doubt| format!("warning: {doubt}")));
-        batch.add_metadata(&mut image, order, start.elapsed());
+        batch.add_metadata(&mut image.metadata, order, start.elapsed());
         let failed = |error| OutputError::write(&order.output, error);
         fs::create_dir_all(image::folder_of(&order.output)).map_err(failed)?;
-        image::save(&image, &order.output)?;
+        let save = || image::save(&image, &order.output);
+        // Of a small one, waiting for the disk takes longer than packing, and no thread is to wait.
+        match room <= SMALL {
+            true => save(),
+            false => batch.threads.run(save),
+        }?;
         checksum_of_image(&order.output).map(Some).map_err(JobError::Again)
     }
 }
 
 impl Batch<'_> {
     /// Adds what the renderer does not know.
-    fn add_metadata(&self, image: &mut StokesImage, order: &Order, time: Duration) {
+    fn add_metadata(&self, to: &mut Vec<(String, String)>, order: &Order, time: Duration) {
         let edits = order.edits.iter().map(|edit| format!("{} = {}", edit.target, edit.value));
         let own = [
             ("scene", order.scene.display().to_string()),
@@ -248,7 +255,7 @@ impl Batch<'_> {
             .into_iter()
             .filter(|(_, value)| !value.is_empty())
             .map(|(key, value)| (key.to_owned(), value));
-        image.metadata.splice(0..0, own.chain(self.facts.iter().cloned()));
+        to.splice(0..0, own.chain(self.facts.iter().cloned()));
     }
 }
 

@@ -270,6 +270,11 @@ pub struct RenderArguments {
     /// Also write the image as it is every so many seconds, without variances
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub update: Option<f64>,
+    /// Show the image as it is in the viewer tev, which listens there (127.0.0.1:14158): S0, degree
+    /// of polarization, angle of linear polarization in half turns; at most once a second, or
+    /// --update
+    #[arg(long, value_name = "HOST:PORT", help_heading = SAMPLES)]
+    pub tev: Option<String>,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
     pub seed: u32,

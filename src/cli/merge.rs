@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::image::rows::Rows;
 use crate::image::{check_savable, files_of};
 use crate::math::text::counted;
 use crate::render::merge_as_asked_for;
@@ -19,13 +20,14 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), CliError> {
     check_savable(output)?;
     let (mut image, with_variance) = merge_as_asked_for(parts)?;
     if !with_variance {
-        image.variance = None;
+        image.drop_variance();
     }
     let count = ("parts".to_owned(), parts.len().to_string());
     image.metadata.insert(0, count);
     rescue::save(&image, output)?;
     if !quiet {
-        say(closing_line(output, parts.len(), [image.width, image.height]));
+        let frame = image.frame();
+        say(closing_line(output, parts.len(), [frame.width, frame.height]));
     }
     Ok(())
 }

@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod report;
 mod rescue;
+mod tev;
 mod visualize;
 
 use std::io::Write;

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::film::Developed;
 use crate::image::StokesImage;
 use crate::image::atomic::probe_writable;
+use crate::image::rows::Rows;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
 use crate::render::doubts::doubts;
@@ -21,6 +23,7 @@ use super::checkpoint::{Checkpoints, say_how_to_go_on};
 use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
+use super::tev::{Tev, Viewer};
 use super::{job, rescue};
 
 /// Renders a scene to a file.
@@ -31,7 +34,9 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         refuse_overwriting(output, &[&arguments.scene])?;
         probe_writable(output)?;
     }
-    let mut checkpoints = Checkpoints::new(arguments)?;
+    let checkpoints = Checkpoints::new(arguments)?;
+    let updates = Updates::new(arguments)?;
+    let tev = arguments.tev.as_deref().map(Tev::connect).transpose()?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let world = threads.run(|| placed_world(arguments, &outputs))?;
     let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
@@ -39,11 +44,15 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     if !arguments.quiet {
         world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));
     }
+    let show = |tev: Tev| tev.show(&arguments.output, &renderer.rows(), updates.interval);
+    let viewer = tev.map(show).transpose()?;
+    let mut followers = Followers { checkpoints, updates, viewer, threads };
     let (start, cpu_start) = (Instant::now(), system::cpu_seconds());
-    let signal = run(arguments, &mut renderer, &mut checkpoints, start)?;
+    let signal = run(arguments, &mut renderer, &mut followers, start)?;
     let seconds = start.elapsed().as_secs_f64();
     let cpu_seconds = system::cpu_seconds().zip(cpu_start).map(|(end, start)| end - start);
 
+    let Followers { mut checkpoints, viewer, threads, .. } = followers;
     let times = Times { seconds, cpu_seconds, threads: threads.count() };
     let statistics = statistics(arguments, &renderer, times);
     let interrupted = signal.filter(|_| !renderer.is_done());
@@ -51,9 +60,16 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
         checkpoints.write_last(&mut renderer, &arguments.output);
     }
     match arguments.part {
-        Some(_) if interrupted.is_none() => save_part(&mut renderer, &arguments.output)?,
-        Some(_) => {}
-        None => finish(arguments, renderer, &world, interrupted, seconds)?,
+        Some(_) => {
+            if interrupted.is_none() {
+                save_part(&mut renderer, &arguments.output)?;
+            }
+            show_last(viewer, &renderer.rows(), &threads);
+        }
+        None => {
+            let image = finish(arguments, renderer, (&world, &threads), (interrupted, seconds))?;
+            show_last(viewer, &image, &threads);
+        }
     }
     report(arguments, &statistics)?;
     match interrupted {
@@ -65,6 +81,32 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
             checkpoints.remove();
             Ok(())
         }
+    }
+}
+
+/// What follows a render on its way.
+struct Followers {
+    checkpoints: Checkpoints,
+    updates: Updates,
+    viewer: Option<Viewer>,
+    threads: Arc<Threads>,
+}
+
+impl Followers {
+    fn hear(&mut self, arguments: &RenderArguments, so_far: &SoFar) {
+        if so_far.samples < so_far.total {
+            self.checkpoints.write(so_far);
+        }
+        self.updates.write(arguments, so_far, &self.threads);
+        if let Some(viewer) = &mut self.viewer {
+            viewer.update(&so_far.rows(), &self.threads);
+        }
+    }
+}
+
+fn show_last(viewer: Option<Viewer>, image: &dyn Rows, threads: &Threads) {
+    if let Some(viewer) = viewer {
+        viewer.finish(image, threads);
     }
 }
 
@@ -80,11 +122,10 @@ fn outputs_of(arguments: &RenderArguments) -> Result<Vec<PathBuf>, CliError> {
 fn run(
     arguments: &RenderArguments,
     renderer: &mut Renderer,
-    checkpoints: &mut Checkpoints,
+    followers: &mut Followers,
     start: Instant,
 ) -> Result<Option<Signal>, CliError> {
     let progress = progress_of(arguments, renderer);
-    let mut updates = Updates::new(arguments)?;
     let at_once = Unfinished::new(arguments);
     let interrupt = Interrupt::listen(renderer.stop_handle(), move |image, samples, signal| {
         let error = at_once.write(image, samples, signal, start.elapsed());
@@ -94,10 +135,7 @@ fn run(
     renderer.run(|so_far| {
         progress.set(so_far.samples.into());
         interrupt.keep(so_far);
-        if so_far.samples < so_far.total {
-            checkpoints.write(so_far);
-        }
-        updates.write(arguments, so_far);
+        followers.hear(arguments, so_far);
         match interrupt.signal() {
             Some(_) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),
@@ -127,30 +165,29 @@ fn save_part(renderer: &mut Renderer, path: &Path) -> Result<(), CliError> {
     other.map_or(Ok(()), |error| Err(error.into()))
 }
 
-/// Writes the image, and says what may be wrong with it.
+/// Writes the image, says what may be wrong with it and returns it.
 fn finish(
     arguments: &RenderArguments,
     renderer: Renderer,
-    world: &PlacedWorld,
-    interrupted: Option<Signal>,
-    seconds: f64,
-) -> Result<(), CliError> {
+    (world, threads): (&PlacedWorld, &Threads),
+    (interrupted, seconds): (Option<Signal>, f64),
+) -> Result<Developed<'static>, CliError> {
     let settings = *renderer.settings();
     let doubts = doubts(&renderer, world);
-    let mut image = renderer.finish();
+    let mut image = renderer.finish_rows();
     if !arguments.variance {
-        image.variance = None;
+        image.drop_variance();
     }
-    add_metadata(&mut image, &arguments.scene, seconds, interrupted);
-    rescue::save(&image, &arguments.output)?;
-    if arguments.variance && image.variance.is_none() {
+    add_metadata(&mut image.metadata, &arguments.scene, seconds, interrupted);
+    threads.run(|| rescue::save(&image, &arguments.output))?;
+    if arguments.variance && !image.frame().has_variance {
         say(why_no_variances(settings.replicates));
     }
     if !arguments.quiet {
         doubts.note().iter().for_each(|note| say(format_args!("note: {note}")));
     }
     doubts.about(&image).iter().for_each(|doubt| say(format_args!("warning: {doubt}")));
-    Ok(())
+    Ok(image)
 }
 
 /// What keeps a render from variances, and how to have them.
@@ -218,7 +255,7 @@ impl Unfinished {
         if self.is_part {
             return interrupted;
         }
-        add_metadata(&mut image, &self.scene, time.as_secs_f64(), Some(signal));
+        add_metadata(&mut image.metadata, &self.scene, time.as_secs_f64(), Some(signal));
         match rescue::save(&image, &self.output) {
             Ok(()) => interrupted,
             Err(error) => error,
@@ -244,15 +281,15 @@ impl Updates {
     }
 
     /// Writes the image if it is time. A render does not end for a failure to do so.
-    fn write(&mut self, arguments: &RenderArguments, so_far: &SoFar) {
+    fn write(&mut self, arguments: &RenderArguments, so_far: &SoFar, threads: &Threads) {
         // A part is no image before it is merged.
         let Some(interval) = self.interval.filter(|_| arguments.part.is_none()) else { return };
         if self.last.elapsed() < interval {
             return;
         }
-        let mut image = so_far.preview();
+        let mut image = so_far.rows();
         image.metadata.insert(0, ("scene".to_owned(), arguments.scene.display().to_string()));
-        if let Err(error) = crate::image::save(&image, &arguments.output) {
+        if let Err(error) = threads.run(|| crate::image::save(&image, &arguments.output)) {
             say(format_args!("warning: no update was written: {error}"));
         }
         self.last = Instant::now();
@@ -302,7 +339,12 @@ fn statistics(arguments: &RenderArguments, renderer: &Renderer, taken: Times) ->
 
 /// Adds what the renderer does not know: where the scene came from, the command, the time, and
 /// whether a signal ended it.
-fn add_metadata(image: &mut StokesImage, scene: &Path, seconds: f64, signal: Option<Signal>) {
+fn add_metadata(
+    to: &mut Vec<(String, String)>,
+    scene: &Path,
+    seconds: f64,
+    signal: Option<Signal>,
+) {
     let facts = [
         ("scene", scene.display().to_string()),
         ("command", command()),
@@ -310,7 +352,7 @@ fn add_metadata(image: &mut StokesImage, scene: &Path, seconds: f64, signal: Opt
     ];
     let interrupted = signal.map(|signal| ("interrupted", signal.name().to_owned()));
     let facts = facts.into_iter().chain(interrupted);
-    image.metadata.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
+    to.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
 }
 
 /// The command line as a shell takes it.

@@ -7,7 +7,8 @@ use std::{env, fs, io};
 
 use super::CliError;
 use super::files::say;
-use crate::image::{self, OutputError, StokesImage};
+use crate::image::rows::Rows;
+use crate::image::{self, OutputError};
 
 /// Time before a second try: a disk may have been full for a moment.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -17,7 +18,7 @@ const PAUSE: Duration = Duration::from_secs(1);
 ///
 /// # Errors
 /// When the image is not under the name that was asked for: with the reason, and where it is.
-pub(super) fn save(image: &StokesImage, path: &Path) -> Result<(), CliError> {
+pub(super) fn save(image: &dyn Rows, path: &Path) -> Result<(), CliError> {
     save_by(|path| image::save(image, path), path)
 }
 

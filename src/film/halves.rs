@@ -11,7 +11,7 @@ use super::record::{Column, Fact, Record};
 use crate::image::OutputError;
 
 /// Edge of a tile in pixels.
-const TILE: usize = 8;
+pub const TILE: usize = 8;
 
 /// The share of what blocks say that is left by the halves, above which noise explains the
 /// difference, and the blocks, which are more, know better.
@@ -72,35 +72,33 @@ impl Halves {
         Ok(())
     }
 
-    /// Narrows the variances that blocks state of a plane of pixels, whose values are at
-    /// `index_of` each among the means of `iterations`.
-    pub fn narrow(
+    /// What is left, tile by tile, of the variances that blocks state of a plane of pixels, whose
+    /// values are at `index_of` each among the means of `iterations`; nothing if no half tells.
+    pub fn shares(
         &self,
-        variances: &mut [f32],
-        width: usize,
+        [width, height]: [usize; 2],
         (mean, iterations): (&[f64], u64),
+        variance_of: impl Fn(usize) -> f32,
         index_of: impl Fn(usize) -> usize,
-    ) {
+    ) -> Option<Vec<f32>> {
         let is_half = |half: &&Half| half.iterations > 0 && 2 * half.iterations <= iterations;
-        let Some(half) = self.latest.iter().rev().find(is_half) else { return };
+        let half = self.latest.iter().rev().find(is_half)?;
         // For an error that falls with the root of the iterations from there on.
         let scale = 1.0 / (iterations as f64 / half.iterations as f64 - 1.0);
-        let height = variances.len() / width.max(1);
-        for (top, left) in tiles(width, height) {
+        let share = |(top, left)| {
             let lines = top..height.min(top + TILE);
             let pixels =
                 lines.flat_map(|y| (left..width.min(left + TILE)).map(move |x| y * width + x));
             let (mut stated, mut found) = (0.0, 0.0);
-            for pixel in pixels.clone() {
+            for pixel in pixels {
                 let index = index_of(pixel);
-                stated += f64::from(variances[pixel]);
+                stated += f64::from(variance_of(pixel));
                 found += (mean[index] - f64::from(half.mean[index])).powi(2) * scale;
             }
             let share = found / stated;
-            if share < SHARE_MAX {
-                pixels.for_each(|pixel| variances[pixel] *= share as f32);
-            }
-        }
+            if share < SHARE_MAX { share as f32 } else { 1.0 }
+        };
+        Some(tiles(width, height).map(share).collect())
     }
 }
 

@@ -1,18 +1,15 @@
 //! Floor 3: where measured light is added up, over iterations, with one owner and without an error
 //! that the order would change, in two doubles a value. No render loop.
 
-mod analyzed;
+mod developed;
 mod halves;
 pub mod record;
 mod state;
 
-use rayon::prelude::*;
-
-use crate::image::StokesImage;
 use crate::math::exact::ExactSums;
 use crate::spectrum::Color;
 
-pub use self::analyzed::spread;
+pub use self::developed::Developed;
 use self::halves::Halves;
 
 /// Stokes values per pixel, summed over iterations.
@@ -154,79 +151,24 @@ impl Film {
         }
     }
 
-    /// The image of the finished blocks; variances where there are two or more of them.
-    pub fn develop(&self) -> StokesImage {
-        let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
-        let iterations = self.iterations.max(1) as f64;
-        let (mean, deviations, halves) = match &self.finished {
-            Finished::Sums => {
-                image.planes = self.planes(|index| self.sums.get(index) / iterations);
-                return image;
-            }
-            Finished::Blocks(blocks) => return self.of_blocks(blocks).develop(),
-            Finished::Means { mean, deviations, halves } => (mean, deviations, halves),
-        };
-        image.planes = self.planes(|index| mean[index]);
-        // Blocks are of nearly equal size: the squared standard error of the weighted mean.
-        let degrees = f64::from(self.blocks.max(2) - 1) * iterations;
-        let of_mean = |index: usize| deviations[index] * (1.0 / degrees);
-        image.variance = (self.blocks > 1).then(|| self.planes(of_mean));
-        if let (Some(planes), Some(halves)) = (&mut image.variance, halves) {
-            let stride = self.values_per_pixel();
-            planes.par_iter_mut().enumerate().for_each(|(plane, variances)| {
-                let index_of = |pixel: usize| pixel * stride + plane;
-                halves.narrow(variances, self.width, (mean, self.iterations), index_of);
-            });
-        }
-        image
-    }
-
-    /// The image so far, without variances: the finished blocks and the current one, of which
-    /// `iterations` have been added.
-    pub fn preview(&self, iterations: u32) -> StokesImage {
-        let mut image = StokesImage::new(self.width, self.height, self.color, self.components);
-        let all = (self.iterations + u64::from(iterations)).max(1) as f64;
-        let share = self.iterations as f64 / all;
-        let of_finished = |index: usize| match &self.finished {
-            Finished::Sums => 0.0,
-            Finished::Means { mean, .. } => mean[index] * share,
-            Finished::Blocks(blocks) => {
-                blocks.iter().map(|block| block.sums[index]).sum::<f64>() / all
-            }
-        };
-        image.planes = self.planes(|index| of_finished(index) + self.sums.get(index) / all);
-        image
-    }
-
-    /// A film that has nothing but some blocks of this one.
-    fn of_blocks(&self, blocks: &[Block]) -> Self {
-        let size = [self.width as u32, self.height as u32];
-        let mut film = Self::new(size, self.color, self.components, self.variances, false);
-        blocks.iter().for_each(|block| film.take_block(&block.sums, block.iterations));
-        film
-    }
-
     /// Adds a block that others have made.
     fn take_block(&mut self, sums: &[f64], iterations: u32) {
         self.sums = ExactSums::of_columns(sums.to_vec(), vec![0.0; sums.len()]);
         self.finish_block(iterations);
-    }
-
-    fn planes(&self, value_at: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f32>> {
-        let stride = self.values_per_pixel();
-        let value_at = &value_at;
-        let plane = |offset: usize| {
-            (offset..self.sums.len()).step_by(stride).map(|index| value_at(index) as f32).collect()
-        };
-        (0..stride).into_par_iter().map(plane).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::StokesImage;
+    use crate::image::rows::Rows;
 
     const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
+
+    fn of(rows: &dyn Rows) -> StokesImage {
+        rows.whole().into_owned()
+    }
 
     /// Two values, three replicates: mean and squared standard error by hand.
     #[test]
@@ -236,22 +178,22 @@ mod tests {
         for value in [1.0, 2.0, 6.0] {
             plain.add(0, &[value * 4.0]);
             plain.add(1, &[4.0]);
-            assert_eq!(plain.preview(4).planes[0][1], 1.0);
+            assert_eq!(of(&plain.so_far(4)).planes[0][1], 1.0);
             plain.finish_block(4);
             film.add(0, &[value * 4.0]);
             film.add(1, &[2.0]);
             film.add(1, &[2.0]);
-            let preview = film.preview(4);
+            let preview = of(&film.so_far(4));
             film.finish_block(4);
-            assert_eq!(preview.planes, film.develop().planes);
+            assert_eq!(preview.planes, of(&film.developed()).planes);
         }
         film.add(0, &[30.0]);
-        assert_eq!(film.preview(3).planes, [vec![66.0 / 15.0, 12.0 / 15.0]]);
+        assert_eq!(of(&film.so_far(3)).planes, [vec![66.0 / 15.0, 12.0 / 15.0]]);
         film.add(0, &[-30.0]);
-        let image = film.develop();
+        let image = of(&film.developed());
         assert_eq!(image.planes, [vec![3.0, 1.0]]);
-        assert_eq!(plain.develop().planes, image.planes);
-        assert!(plain.develop().variance.is_none());
+        assert_eq!(of(&plain.developed()).planes, image.planes);
+        assert!(of(&plain.developed()).variance.is_none());
         let variance = &image.variance.expect("three replicates")[0];
         assert!((variance[0] - 14.0 / 6.0).abs() < 1e-6, "{}", variance[0]);
         assert_eq!(variance[1], 0.0);
@@ -269,8 +211,8 @@ mod tests {
                 }
             }
             let [film, later] = films;
-            assert_eq!(film.develop(), later.develop());
-            assert_eq!(film.preview(0).planes[0], later.preview(0).planes[0]);
+            assert_eq!(of(&film.developed()), of(&later.developed()));
+            assert_eq!(of(&film.so_far(0)).planes[0], of(&later.so_far(0)).planes[0]);
         }
     }
 }

@@ -14,21 +14,24 @@
 //! `handedness`, `wavelength_nm` (a float) and `order`, the order of the metadata.
 //! What is written is read back bit for bit.
 
+mod blocks;
+mod header;
+
 use std::collections::HashMap;
-use std::io::{BufReader, Cursor};
+use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
-use ::exr::image::Blocks;
 use ::exr::image::read::read as read_with;
-use ::exr::image::write::WritableImage;
-use ::exr::meta::MetaData;
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatImage, FlatSamples, Image,
-    Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text,
+    AnyChannel, AnyChannels, AttributeValue, ChannelDescription, Compression, FlatImage,
+    FlatSamples, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, SampleType, Text,
 };
 
 use super::error::OutputError;
-use super::{atomic, check_image, source};
+use super::rows::{Frame, Rows};
+use super::{atomic, source};
 use crate::image::StokesImage;
 use crate::spectrum::Color;
 
@@ -51,44 +54,48 @@ const EXPANSION_MAX: usize = 4096;
 /// Decoded bytes that are granted to any file, however small.
 const DECODED_BYTES_FREE: usize = 64 << 20;
 
-/// Writes an image with everything that it knows.
-pub fn write(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
-    check_image(image, path)?;
-    let mut channels: Vec<(String, &[f32])> = Vec::new();
-    match image.color {
-        Color::Rgb => {
-            channels.extend((0..3).map(|i| (RGB_NAMES[i].to_owned(), image.plane(0, i))));
-        }
-        Color::Mono { .. } => channels.push(("Y".to_owned(), image.plane(0, 0))),
+/// Writes an image with everything that it knows, a few blocks of rows at a time.
+pub fn write(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
+    let unwritable = |reason: String| OutputError::unwritable(path, reason);
+    if let Some(fault) = image.fault() {
+        return Err(unwritable(fault.to_owned()));
     }
-    let names = stokes_names(image.color, image.components);
-    if image.color != Color::Rgb || image.components == 4 {
-        channels.extend(names.iter().cloned().zip(image.planes.iter().map(Vec::as_slice)));
-    }
-    if let Some(variance) = &image.variance {
-        let names = names.iter().map(|name| variance_name(name));
-        channels.extend(names.zip(variance.iter().map(Vec::as_slice)));
-    }
-    let list = channels.into_iter().map(|(name, plane)| {
-        AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(plane.to_vec()))
+    let frame = image.frame();
+    let (names, planes): (Vec<String>, Vec<usize>) = channels(&frame).into_iter().unzip();
+    let described = |name| ChannelDescription::named(Text::new_or_panic(name), SampleType::F32);
+    let list = names.into_iter().map(described).collect();
+    let header = Header::new(Text::default(), (frame.width, frame.height), list)
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(attributes(image, path)?);
+    let mut refused = None;
+    let written = atomic::write_with(path, |file| {
+        blocks::write(file, header, image, &planes).map_err(|error| match error {
+            ::exr::error::Error::Io(error) => error,
+            error => {
+                refused = Some(error.to_string());
+                io::Error::other("it is refused")
+            }
+        })
     });
-    let encoding = Encoding {
-        compression: Compression::ZIP16,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
+    refused.map_or(written, |reason| Err(unwritable(reason)))
+}
+
+/// The channels of an image in the order of the file, by their names: each with the plane of a row
+/// that it holds.
+fn channels(frame: &Frame) -> Vec<(String, usize)> {
+    let mut channels: Vec<(String, usize)> = match frame.color {
+        Color::Rgb => RGB_NAMES.map(str::to_owned).into_iter().zip(0..).collect(),
+        Color::Mono { .. } => vec![("Y".to_owned(), 0)],
     };
-    let layer = Layer::new(
-        (image.width, image.height),
-        attributes(image, path)?,
-        encoding,
-        AnyChannels::sort(list.collect()),
-    );
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .to_buffered(&mut bytes)
-        .map_err(|error| OutputError::unwritable(path, error))?;
-    atomic::write(path, bytes.get_ref())
+    let names = stokes_names(frame.color, frame.components);
+    if frame.color != Color::Rgb || frame.components == 4 {
+        channels.extend(names.iter().cloned().zip(0..));
+    }
+    if frame.has_variance {
+        channels.extend(names.iter().map(|name| variance_name(name)).zip(frame.planes()..));
+    }
+    channels.sort();
+    channels
 }
 
 /// Reads an image that Sunstone, or the `stokes` integrator of Mitsuba 3, has written.
@@ -130,12 +137,12 @@ fn variance_name(name: &str) -> String {
     format!("variance.{name}")
 }
 
-fn attributes(image: &StokesImage, path: &Path) -> Result<LayerAttributes, OutputError> {
+fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputError> {
     let text = |value: &str| Text::from_slice_unchecked(value.as_bytes());
     let software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
     let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
     let other = &mut attributes.other;
-    for (key, value) in &image.metadata {
+    for (key, value) in image.metadata() {
         let name = format!("{KEY_PREFIX}{key}");
         let refused =
             |why| OutputError::unwritable(path, format!("the metadata key {key:?} {why}"));
@@ -149,12 +156,12 @@ fn attributes(image: &StokesImage, path: &Path) -> Result<LayerAttributes, Outpu
             return Err(refused("is there twice"));
         }
     }
-    let keys: Vec<&str> = image.metadata.iter().map(|(key, _)| key.as_str()).collect();
+    let keys: Vec<&str> = image.metadata().iter().map(|(key, _)| key.as_str()).collect();
     let order = serde_json::Value::from(keys).to_string();
     for (name, value) in [("order", order.as_str()), ("frame", FRAME), ("handedness", HANDEDNESS)] {
         other.insert(text(&format!("sunstone.{name}")), AttributeValue::Text(text(value)));
     }
-    if let Color::Mono { wavelength_nm } = image.color {
+    if let Color::Mono { wavelength_nm } = image.frame().color {
         other.insert(text("sunstone.wavelength_nm"), AttributeValue::F32(wavelength_nm));
     }
     Ok(attributes)

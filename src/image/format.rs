@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
+use super::rows::Rows;
 use super::{StokesImage, exr, hdr, npy, png};
 
 /// Writes an image under a name.
-pub type Write = fn(&StokesImage, &Path) -> Result<(), OutputError>;
+pub type Write = fn(&dyn Rows, &Path) -> Result<(), OutputError>;
 /// Reads the image of a name.
 pub type Read = fn(&Path) -> Result<StokesImage, OutputError>;
 
@@ -41,7 +42,7 @@ pub static FORMATS: [Format; 4] = [
         summary: "Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and \
                   Gutierrez 2016 store them, with 8 bits of precision.",
         keeps_variance: false,
-        write: Some(hdr::write),
+        write: Some(|image, path| hdr::write(&image.whole(), path)),
         read: Some(hdr::read),
         files: |path| (0..4).map(|component| hdr::component_path(path, component)).collect(),
     },
@@ -49,7 +50,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "png",
         summary: "A preview: S0 alone, at exposure 0, as sRGB.",
         keeps_variance: false,
-        write: Some(|image, path| png::write_preview(image, path, 0.0)),
+        write: Some(|image, path| png::write_preview(&image.whole(), path, 0.0)),
         read: None,
         files: one_file,
     },

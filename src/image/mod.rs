@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`rows`] | an image as whoever writes it sees it, row by row |
 //! | [`atomic`] | a file is written as a whole or not at all |
 //! | [`mod@format`] | the list of formats |
 //! | [`exr`] | OpenEXR, which keeps everything |
@@ -10,6 +11,7 @@
 //! | [`png`], [`picture`] | previews and pictures |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`analyzed`] | what analyzers let pass |
+//! | [`live`] | what is shown of a render on its way |
 //! | [`mosaic`] | what cameras of polarization record |
 //! | [`page`] | what pages have in common |
 //! | [`view`] | a page to look at images in |
@@ -26,6 +28,7 @@ pub mod format;
 pub mod hdr;
 pub mod inspect;
 mod legend;
+pub mod live;
 pub mod mosaic;
 pub mod npy;
 pub mod page;
@@ -33,6 +36,7 @@ pub mod palette;
 pub mod picture;
 pub mod png;
 mod rgbe;
+pub mod rows;
 mod source;
 mod stokes_image;
 pub mod view;
@@ -47,9 +51,10 @@ pub use source::read_bytes;
 pub use stokes_image::StokesImage;
 
 use format::named_by;
+use rows::Rows;
 
 /// Writes an image in the format that the extension names ([`format::FORMATS`]).
-pub fn save(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
+pub fn save(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
     named_by(path, "written", |format| format.write)?(image, path)
 }
 

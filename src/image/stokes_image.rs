@@ -1,10 +1,12 @@
 //! A finished Stokes image: what the film develops and what the outputs write.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::spectrum::Color;
 
-use super::{OutputError, analyzed};
+use super::rows::{Frame, Rows};
+use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
 
 /// Stokes values per pixel and channel, with what is known of their error and origin.
@@ -99,6 +101,32 @@ impl StokesImage {
     /// The plane of one Stokes component and channel.
     pub fn plane(&self, component: usize, channel: usize) -> &[f32] {
         &self.planes[component * self.color.channels() + channel]
+    }
+}
+
+impl Rows for StokesImage {
+    fn frame(&self) -> Frame {
+        let Self { width, height, color, components, .. } = *self;
+        Frame { width, height, color, components, has_variance: self.variance.is_some() }
+    }
+
+    fn metadata(&self) -> &[(String, String)] {
+        &self.metadata
+    }
+
+    fn row(&self, y: usize, numbers: &mut [f32]) {
+        let planes = self.planes.iter().chain(self.variance.iter().flatten());
+        for (numbers, plane) in numbers.chunks_exact_mut(self.width).zip(planes) {
+            numbers.copy_from_slice(&plane[y * self.width..][..self.width]);
+        }
+    }
+
+    fn whole(&self) -> Cow<'_, StokesImage> {
+        Cow::Borrowed(self)
+    }
+
+    fn fault(&self) -> Option<&'static str> {
+        check_shape(self).err()
     }
 }
 

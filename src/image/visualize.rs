@@ -174,8 +174,12 @@ pub fn stokes_at(image: &StokesImage, pixel: usize) -> [f32; 4] {
 
 /// One Stokes component of a pixel, its channels combined by luminance.
 pub(super) fn luminance_at(image: &StokesImage, component: usize, pixel: usize) -> f32 {
-    let value = |channel| image.plane(component, channel)[pixel];
-    match image.color {
+    luminance(image.color, |channel| image.plane(component, channel)[pixel])
+}
+
+/// Channels combined by luminance.
+pub(super) fn luminance(color: Color, value: impl Fn(usize) -> f32) -> f32 {
+    match color {
         Color::Rgb => LUMINANCE[0] * value(0) + LUMINANCE[1] * value(1) + LUMINANCE[2] * value(2),
         Color::Mono { .. } => value(0),
     }

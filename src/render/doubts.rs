@@ -1,6 +1,6 @@
 //! What a user should know of a finished image before trusting it.
 
-use crate::image::StokesImage;
+use crate::image::rows::{Rows, is_black};
 use crate::integrators::Integrator;
 use crate::integrators::profile::{Cut, Profile};
 use crate::transport::Sampling;
@@ -47,7 +47,7 @@ impl Doubts {
     }
 
     /// What there is to doubt about the image of the render, a sentence each.
-    pub fn about(self, image: &StokesImage) -> Vec<String> {
+    pub fn about(self, image: &dyn Rows) -> Vec<String> {
         let Self { settings, profile, warning, .. } = self;
         let doubts = about(image, (&*settings, settings.integrator), &profile);
         doubts.into_iter().chain(warning).collect()
@@ -80,12 +80,11 @@ fn blur_of_photons(share: f32) -> Option<String> {
 
 /// What there is to doubt about an image, by what its render says.
 fn about(
-    image: &StokesImage,
+    image: &dyn Rows,
     (settings, integrator): (&Settings, Integrator),
     profile: &Profile,
 ) -> Vec<String> {
     let cut = profile.cut.iter().map(Cut::share).fold(0.0, f64::max);
-    let is_black = image.planes.iter().flatten().all(|&value| value == 0.0);
     let mut doubts = Vec::new();
     if cut > CUT_MAX {
         doubts.push(format!(
@@ -112,7 +111,7 @@ fn about(
             },
         ));
     }
-    if is_black {
+    if is_black(image) {
         let name = integrator.name();
         doubts.push(format!(
             "the image is black: `{name}` has found no light. The camera may be inside \
@@ -131,6 +130,7 @@ fn about(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::StokesImage;
     use crate::render::Options;
     use crate::spectrum::Color;
 

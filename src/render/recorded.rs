@@ -4,15 +4,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
 use crate::film::{Film, Variances};
+use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
 use crate::polarization::Analyzer;
 use crate::spectrum::Color;
 
 use super::renderer::metadata;
 use super::resolved::components;
-use super::run::{Steps, developed};
+use super::run::Steps;
 use super::{Mode, PlacedWorld, Resolved};
 
 /// The program that renders: its sources, their compiler and target.
@@ -257,11 +259,12 @@ fn plain(name: &str) -> String {
 /// When a file cannot be read or is damaged, or parts are missing, given twice, not done, or not of
 /// one image: with their names.
 pub fn merge(paths: &[PathBuf]) -> Result<StokesImage, PartError> {
-    merge_as_asked_for(paths).map(|(image, _)| image)
+    merge_as_asked_for(paths).map(|(image, _)| image.whole().into_owned())
 }
 
-/// The same, and whether variances were asked for, which come with replicates anyway.
-pub fn merge_as_asked_for(paths: &[PathBuf]) -> Result<(StokesImage, bool), PartError> {
+/// The same image, of which no plane is in memory, and whether variances were asked for, which come
+/// with replicates anyway.
+pub fn merge_as_asked_for(paths: &[PathBuf]) -> Result<(Developed<'static>, bool), PartError> {
     let mut parts: Vec<Record> =
         paths.iter().map(|path| Record::open(path)).collect::<Result<_, _>>()?;
     let mut ranges: Vec<[u32; 2]> = Vec::new();
@@ -279,7 +282,7 @@ pub fn merge_as_asked_for(paths: &[PathBuf]) -> Result<(StokesImage, bool), Part
     for &index in &order {
         film.take(&mut parts[index])?;
     }
-    let mut image = developed(film.develop(), analyzer, mode);
+    let mut image = film.into_developed().behind(analyzer, mode.components());
     image.metadata = metadata;
     Ok((image, with_variance))
 }

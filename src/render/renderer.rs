@@ -7,7 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::film::Developed;
 use crate::image::StokesImage;
+use crate::image::rows::Rows;
 use crate::integrators::profile::Profile;
 use crate::scattering::{Scene, Side};
 use crate::scene::SceneError;
@@ -136,6 +138,11 @@ impl Progress<'_> {
 
     /// The image so far, without variances, and with what is known of its making as metadata.
     pub fn preview(&self) -> StokesImage {
+        self.rows().whole().into_owned()
+    }
+
+    /// The same image, of which no plane is in memory.
+    pub(crate) fn rows(&self) -> Developed<'_> {
         let mut image = self.steps.preview();
         image.metadata = metadata(self.settings, self.samples);
         image
@@ -340,7 +347,12 @@ impl Renderer {
     /// The image so far, without variances.
     pub fn preview(&self) -> StokesImage {
         let steps = &self.steps;
-        on(self.threads.as_deref(), || steps.preview())
+        on(self.threads.as_deref(), || steps.preview().whole().into_owned())
+    }
+
+    /// The same image, of which no plane is in memory.
+    pub(crate) fn rows(&self) -> Developed<'_> {
+        self.steps.preview()
     }
 
     /// The time that every stage has taken so far, and the rays and photons.
@@ -357,6 +369,13 @@ impl Renderer {
     /// The image of all samples so far, with variances if there are replicates, and with what is
     /// known of its making as metadata.
     pub fn finish(self) -> StokesImage {
+        let threads = self.threads.clone();
+        let rows = self.finish_rows();
+        on(threads.as_deref(), || rows.whole().into_owned())
+    }
+
+    /// The same image, of which no plane is in memory.
+    pub(crate) fn finish_rows(self) -> Developed<'static> {
         let metadata = metadata(&self.settings, self.samples());
         let steps = self.steps;
         let mut image = on(self.threads.as_deref(), || steps.finish());

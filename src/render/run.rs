@@ -3,19 +3,18 @@
 use std::sync::Arc;
 
 use crate::film::record::{Column, Fact, Record};
-use crate::film::{Film, Variances, spread};
-use crate::image::{OutputError, StokesImage};
+use crate::film::{Developed, Film, Variances};
+use crate::image::OutputError;
 use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
-use crate::polarization::Analyzer;
 use crate::scattering::Scene;
 use crate::transport::LightModel;
 
+use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
 use super::place::{Groups, Place};
 use super::renderer::Limit;
 use super::tiles::{Pool, wave};
-use super::{Mode, Resolved};
 
 /// Samples per pixel between two looks at the clock.
 const WAVE: u32 = 16;
@@ -28,7 +27,7 @@ pub trait Steps: Send + Sync {
     /// Samples per pixel of the whole image that come before the next.
     fn done(&self) -> u32;
     /// The image so far, without variances.
-    fn preview(&self) -> StokesImage;
+    fn preview(&self) -> Developed<'_>;
     /// What all steps so far took.
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
@@ -42,7 +41,7 @@ pub trait Steps: Send + Sync {
     fn restore(&mut self, record: &mut Record, done: u32) -> Result<(), OutputError>;
     /// The image of all that has been done, with variances where two replicates or blocks, or more,
     /// have begun.
-    fn finish(self: Box<Self>) -> StokesImage;
+    fn finish(self: Box<Self>) -> Developed<'static>;
 }
 
 /// Facts and columns of a state.
@@ -131,9 +130,9 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         self.place.done
     }
 
-    fn preview(&self) -> StokesImage {
+    fn preview(&self) -> Developed<'_> {
         let Resolved { analyzer, .. } = self.settings;
-        developed(self.film.preview(self.place.of_block), analyzer, self.settings.mode)
+        self.film.so_far(self.place.of_block).behind(analyzer, self.settings.mode.components())
     }
 
     fn profile(&self) -> Profile {
@@ -163,22 +162,14 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         }
     }
 
-    fn finish(mut self: Box<Self>) -> StokesImage {
+    fn finish(mut self: Box<Self>) -> Developed<'static> {
         self.end_block();
         // Photons and working tables take memory that the image may need.
         let (film, settings) = {
             let run = *self;
             (run.film, run.settings)
         };
-        developed(film.develop(), settings.analyzer, settings.mode)
-    }
-}
-
-/// What the film has measured, as it was asked for.
-pub fn developed(image: StokesImage, analyzer: Option<Analyzer>, mode: Mode) -> StokesImage {
-    match analyzer {
-        None => image,
-        Some(analyzer) => spread(image, analyzer, mode.components()),
+        film.into_developed().behind(settings.analyzer, settings.mode.components())
     }
 }
 

@@ -6,12 +6,23 @@ use std::process::{Command, Stdio};
 /// Seconds that all threads of this process have computed so far.
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(any(target_os = "linux", target_vendor = "apple"))]
-    {
-        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-        Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
-    }
+    return seconds_of(rustix::time::ClockId::ProcessCPUTime);
     #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
     None
+}
+
+/// Seconds that this thread has computed so far.
+pub fn thread_cpu_seconds() -> Option<f64> {
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    return seconds_of(rustix::time::ClockId::ThreadCPUTime);
+    #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+    None
+}
+
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
+fn seconds_of(clock: rustix::time::ClockId) -> Option<f64> {
+    let time = rustix::time::clock_gettime(clock);
+    Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
 }
 
 /// Bytes of memory that can still be taken without swapping: what the machine has left, or what

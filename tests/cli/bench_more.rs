@@ -54,6 +54,28 @@ fn overhead_adds_up_for_all_integrators() {
     }
 }
 
+/// Two scenes of one file name, apart in the report, the plot and the record.
+#[test]
+fn scenes_of_one_name_are_told_apart() {
+    let here = folder("overhead-names");
+    for (folder, shipped) in [("one", "mirror"), ("two", "cornell")] {
+        fs::create_dir(here.join(folder)).unwrap();
+        fs::copy(scene(shipped), here.join(folder).join("room.gltf")).unwrap();
+    }
+    let line = "overhead one/room.gltf two/room.gltf --integrator path --rounds 1 --spp 1";
+    let report =
+        json(&here, &format!("{line} --width 16 --height 16 --plot a.svg --record a.ndjson"));
+    let cases = list(&report["cases"]).iter().map(|case| case["scene"].as_str().unwrap());
+    assert_eq!(cases.collect::<Vec<_>>(), ["one/room", "two/room"]);
+    let plot = fs::read_to_string(here.join("a.svg")).unwrap();
+    assert!(plot.contains("one/room path") && plot.contains("two/room path"), "{plot}");
+    let record: Value = serde_json::from_slice(&fs::read(here.join("a.ndjson")).unwrap()).unwrap();
+    let figures = record["figures"].as_object().unwrap();
+    let of = |name: &str| figures.keys().filter(|key| key.starts_with(name)).count();
+    let [one, two] = ["overhead.one_room.path.rgb.", "overhead.two_room.path.rgb."].map(of);
+    assert!(one > 0 && one == two && one + two == figures.len(), "{figures:?}");
+}
+
 /// Shares of the overhead are those of the groups and add up to one.
 fn check_shares(case: &Value) {
     let overhead = number(&case["all_stages"]["difference"]);
@@ -327,7 +349,7 @@ fn what_cannot_be_measured_is_refused() {
         ("overhead --record missing/a.ndjson", 1, "missing/a.ndjson"),
         ("overhead --record good.gltf good.gltf", 2, "is the input good.gltf"),
         ("overhead --record broken.gltf", 1, "broken.gltf is not a usable record file: line 1"),
-        ("overhead good.gltf other/good.gltf", 2, "both called good"),
+        ("overhead good.gltf other/good.gltf ./good.gltf", 2, "good.gltf is named twice"),
         ("overhead good.gltf broken.gltf", 1, "broken.gltf"),
         ("scaling --series time", 2, "time"),
         ("scaling --series pixels,pixels", 2, "names a series twice"),

@@ -271,12 +271,15 @@ fn a_full_disk_leaves_the_former_file() {
     let here = folder_of_trouble("errors-full");
     fs::write(here.join("out.exr"), b"the former file").unwrap();
     let before = names_in(&here);
-    let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
-    let mut command = Command::new("sh");
-    command.args(["-c", script, env!("CARGO_BIN_EXE_sunstone"), "render", "good.gltf"]);
-    command.args(["-o", "out.exr", "--width", "64", "--spp", "1"]).current_dir(&here);
-    expect_error(&here, &before, &run(&mut command), 1, &["out.exr"]);
-    assert_eq!(fs::read(here.join("out.exr")).unwrap(), b"the former file");
+    // Blocks of 512 bytes: at once, and in the midst of the image.
+    for (blocks, width) in [(1, "64"), (20, "64"), (600, "800")] {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        let mut command = Command::new("sh");
+        command.args(["-c", &script, env!("CARGO_BIN_EXE_sunstone"), "render", "good.gltf"]);
+        command.args(["-o", "out.exr", "--width", width, "--spp", "1"]).current_dir(&here);
+        expect_error(&here, &before, &run(&mut command), 1, &["out.exr"]);
+        assert_eq!(fs::read(here.join("out.exr")).unwrap(), b"the former file");
+    }
 }
 
 #[test]

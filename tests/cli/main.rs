@@ -12,4 +12,5 @@ mod program;
 mod readme;
 mod render;
 mod report;
+mod tev;
 mod work;

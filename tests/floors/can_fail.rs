@@ -64,7 +64,8 @@ fn crates_out_of_place_are_found() {
         ("src/film/a.rs", "use exr::prelude::*;"),
         ("src/cli/a.rs", "use plotters::prelude::*;"),
         ("src/image/a.rs", "#[derive(clap::Parser)] struct A;"),
-        ("src/image/a.rs", "use rayon::prelude::*;"),
+        ("src/spectrum/a.rs", "use rayon::prelude::*;"),
+        ("src/render/a.rs", "use tev_client::TevClient;"),
     ];
     for (file, text) in cases {
         assert!(broken_by(file, text).contains("is known in"), "{file}: {text}");

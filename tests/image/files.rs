@@ -331,3 +331,113 @@ fn an_exr_that_promises_too_much_is_refused() {
         assert!(exr::read(&path).is_err());
     }
 }
+
+/// What `exr` itself would write, but for the level of its deflate: its own types, from scratch.
+fn write_by_library(image: &StokesImage, path: &Path) {
+    use ::exr::prelude::*;
+    let names: &[&str] = match image.color {
+        Color::Rgb => &["R", "G", "B"],
+        Color::Mono { .. } => &[""],
+    };
+    let name_of = |plane: usize| {
+        let (component, channel) = (plane / names.len(), names[plane % names.len()]);
+        format!("S{component}.{channel}").trim_end_matches('.').to_owned()
+    };
+    let mut list = Vec::new();
+    let mut add = |name: String, plane: &[f32]| {
+        let values = FlatSamples::F32(plane.to_vec());
+        list.push(AnyChannel::new(Text::new_or_panic(name), values));
+    };
+    for (channel, name) in names.iter().enumerate() {
+        let name = if name.is_empty() { "Y" } else { name };
+        add(name.to_owned(), &image.planes[channel]);
+    }
+    for (plane, values) in image.planes.iter().enumerate() {
+        if image.components == 4 || names.len() == 1 {
+            add(name_of(plane), values);
+        }
+    }
+    for (plane, values) in image.variance.iter().flatten().enumerate() {
+        add(format!("variance.{}", name_of(plane)), values);
+    }
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: ::exr::image::Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let (size, channels) = ((image.width, image.height), AnyChannels::sort(list.into()));
+    let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
+    Image::from_layer(layer).write().non_parallel().to_file(path).unwrap();
+}
+
+fn read_by_library(path: &Path) -> ::exr::prelude::FlatImage {
+    use ::exr::prelude::*;
+    read().no_deep_data().all_resolution_levels().all_channels().all_layers().all_attributes();
+    read_all_flat_layers_from_file(path).unwrap()
+}
+
+/// Sizes about those of blocks, noise that does not shrink, what shrinks to nothing, and every
+/// kind of number.
+#[test]
+fn exr_blocks_are_those_of_the_library() {
+    let folder = folder("exr_blocks");
+    let sizes = [(1, 1), (1, 16), (3, 17), (64, 64), (200, 33), (1500, 90), (5300, 3), (9000, 2)];
+    for (index, (width, height)) in sizes.into_iter().enumerate() {
+        for (color, components) in [(Color::Rgb, 4), (Color::Rgb, 1), (MONO, 4), (MONO, 1)] {
+            let mut image = sample(width, height, color, components);
+            let mut random = Random(index as u64);
+            match index % 3 {
+                0 => image.planes.iter_mut().flatten().for_each(|value| *value = 0.0),
+                1 => image.planes.iter_mut().flatten().for_each(|value| {
+                    *value = f32::from_bits(random.bits() as u32);
+                }),
+                _ => image.variance = Some(image.planes.clone()),
+            }
+            let [ours, theirs] = ["ours.exr", "theirs.exr"].map(|name| folder.join(name));
+            exr::write(&image, &ours).unwrap();
+            write_by_library(&image, &theirs);
+            let [mut ours, theirs] = [&ours, &theirs].map(|path| read_by_library(path));
+            // The one has metadata, the other has none.
+            let attributes = &mut ours.layer_data[0].attributes;
+            attributes.other.retain(|name, _| !name.to_string().starts_with("sunstone."));
+            attributes.software_name = None;
+            assert_eq!(ours.attributes, theirs.attributes);
+            let [ours, theirs] = [&ours, &theirs].map(|image| &image.layer_data[0]);
+            assert_eq!((ours.size, ours.encoding), (theirs.size, theirs.encoding));
+            assert_eq!(ours.attributes, theirs.attributes);
+            let bits = |layer: &::exr::prelude::Layer<_>| {
+                let channels: &::exr::prelude::AnyChannels<::exr::prelude::FlatSamples> =
+                    &layer.channel_data;
+                let of = |channel: &::exr::prelude::AnyChannel<::exr::prelude::FlatSamples>| {
+                    let values = channel.sample_data.values_as_f32().map(f32::to_bits);
+                    let linear = channel.quantize_linearly;
+                    (channel.name.to_string(), linear, channel.sampling, values.collect::<Vec<_>>())
+                };
+                channels.list.iter().map(of).collect::<Vec<_>>()
+            };
+            assert!(bits(ours) == bits(theirs), "{width} x {height}, {color}, {components}");
+        }
+    }
+}
+
+/// The bytes of a file depend on the image alone.
+#[test]
+fn exr_bytes_do_not_depend_on_threads() {
+    let folder = folder("exr_threads");
+    let image = sample(300, 200, Color::Rgb, 4);
+    let bytes = [1, 2, 7].map(|threads| {
+        let path = folder.join(format!("{threads}.exr"));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| exr::write(&image, &path)).unwrap();
+        fs::read(path).unwrap()
+    });
+    assert!(bytes[0] == bytes[1] && bytes[0] == bytes[2]);
+    // As OpenEXR's own library writes them.
+    let place = |name: &str| {
+        let name = format!("{name}\0");
+        bytes[0].windows(name.len()).position(|bytes| bytes == name.as_bytes()).unwrap()
+    };
+    assert!(place("compression\0compression") < place("displayWindow\0box2i"));
+    assert!(place("screenWindowWidth\0float") < place("sunstone.a\0string"));
+    assert!(place("sunstone.a\0string") < place("sunstone.scene\0string"));
+}

@@ -149,7 +149,7 @@ fn conditions(task: &Task, threads: &Threads) -> Conditions {
     let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
     Conditions {
         machine: machine(threads),
-        scene: task.subject.short_name(),
+        scene: task.subject.label.clone(),
         mode: options.mode.name().into(),
         color: options.color.to_string(),
         width,

@@ -63,7 +63,7 @@ fn case(
     let light_paths = u64::from(options.photons.light_paths([width, height]));
     let shot = light_paths * u64::from(samples / options.samples_of_photons());
     Ok(Case {
-        scene: subject.short_name(),
+        scene: subject.label.clone(),
         integrator: integrator.into(),
         samples,
         photons_shot: options.shoots_photons().then_some(shot),

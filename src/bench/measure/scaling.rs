@@ -114,7 +114,7 @@ pub fn scaling(
     let options = &base.options;
     let conditions = Conditions {
         machine: machine(&Threads::start(Some(base.threads))?),
-        scene: subject.short_name(),
+        scene: subject.label.clone(),
         integrator: options.integrator_name().into(),
         mode: options.mode.name().into(),
         color: options.color.to_string(),

@@ -16,7 +16,7 @@ use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, Rend
 use super::super::{CliError, job, numbers_may_be_negative};
 
 /// Options that mean nothing for a job of many, and why.
-const REFUSED: [(&str, &str); 10] = [
+const REFUSED: [(&str, &str); 11] = [
     ("allow_outside", "only who starts the batch can say so: sunstone batch --allow-outside"),
     ("checkpoint", "a batch that was stopped does what is left when it is started again"),
     ("checkpoint_every", "a batch that was stopped does what is left when it is started again"),
@@ -25,6 +25,7 @@ const REFUSED: [(&str, &str); 10] = [
     ("quiet", "it is an option of the batch"),
     ("resume", "a batch that was stopped does what is left when it is started again"),
     ("stats", "results.jsonl tells the time of each job"),
+    ("tev", "a job is short: look at what is done"),
     ("threads", "it is an option of the batch: all jobs share them"),
     ("update", "a job is short: look at what is done"),
 ];
@@ -199,6 +200,7 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
         iterations: _,
         time_limit: _,
         update: None,
+        tev: None,
         seed: _,
         variance: _,
         replicates: _,

@@ -100,11 +100,11 @@ pub fn refuse_photons(
 /// Refuses what would stand under one name twice.
 pub fn check_names(subjects: &[Subject], integrators: &[IntegratorName]) -> Result<(), CliError> {
     for (index, subject) in subjects.iter().enumerate() {
-        let name = subject.short_name();
-        if let Some(other) = subjects[..index].iter().find(|other| other.short_name() == name) {
+        if let Some(other) = subjects[..index].iter().find(|other| other.label == subject.label) {
+            let same = if other.name == subject.name { "" } else { ", which is the same file" };
             return Err(CliError::Usage(format!(
-                "{} and {} are both called {name} in reports and records: measure them one by one",
-                other.name, subject.name
+                "{} is named twice{same}: name every scene once",
+                other.name
             )));
         }
     }
