@@ -14,8 +14,8 @@ from ._errors import RenderWarning
 class Result(NamedTuple):
     """What has become of a job."""
 
-    #: Its place among the jobs of the file, from 0.
-    index: int
+    #: Its place among the jobs of the file, from 0; this is no tuple to be searched.
+    index: int  # type: ignore[assignment]
     #: What it is called; the jobs of a sweep share it.
     name: str
     #: The values of the sweep, by the names of its axes.

@@ -52,7 +52,7 @@ CASES: list[tuple[str, Any, Any]] = [
     ("cameras/#0/film", {"analyzer": {"kind": "linear", "axis_deg": 30}},
      lambda it, v: it["cameras"][0].setdefault("extensions", {})
      .setdefault("SUNSTONE_polarization", {}).update(film=v)),
-    ("nodes/glass ball/translation.0", -0.5,
+    ("nodes/glass ball/translation.0", 0.5,
      lambda it, v: by_name(it["nodes"], "glass ball")["matrix"].__setitem__(12, v)),
 ]
 
@@ -111,8 +111,8 @@ def test_values_are_told() -> None:
     with pytest.raises(TypeError):
         list(scene)  # type: ignore[call-overload]
     for number in (0.1, 1 / 3, math.pi, 1e-300, 123456789.123456789):
-        scene["nodes/glass ball/translation.0"] = number
-        assert scene["nodes/glass ball/translation.0"] == number
+        scene["nodes/camera/translation.0"] = number
+        assert scene["nodes/camera/translation.0"] == number
 
 
 REFUSED: list[tuple[str, Any, str]] = [
@@ -153,7 +153,7 @@ def test_names_have_to_be_unique(tmp_path: pathlib.Path) -> None:
     with pytest.raises(sunstone.SceneError, match="several materials are called so: #0, #1"):
         scene["white"].doubleSided = True
     scene["materials/#1"].doubleSided = True
-    with pytest.raises(sunstone.SceneError, match="snow: nothing is called so\n  help: .*nodes/"):
+    with pytest.raises(sunstone.SceneError, match="snow: nothing is called so\n  help: .*white"):
         scene["snow"]
     # A node and a camera have this name: the key tells.
     scene["camera"].perspective.yfov = 0.4
@@ -203,7 +203,8 @@ def grid(folder: pathlib.Path, edge: int) -> pathlib.Path:
         ],
         "cameras": [{"type": "perspective", "name": "eye",
                      "perspective": {"yfov": 0.7, "znear": 0.1}}],
-        "materials": [{"name": "sheet", "doubleSided": True}],
+        "materials": [{"name": "sheet", "doubleSided": True,
+                       "extensions": {"SUNSTONE_polarization": {"bsdf": "diffuse"}}}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
         "extensionsUsed": ["KHR_lights_punctual"],
         "extensions": {"KHR_lights_punctual": {"lights": [
@@ -231,7 +232,7 @@ def cpu(work: Any) -> float:
 
 
 def test_the_tree_is_built_once(tmp_path: pathlib.Path) -> None:
-    path = grid(tmp_path, 300)
+    path = grid(tmp_path, 200)
     scenes: list[sunstone.Scene] = []
     placing = cpu(lambda: scenes.append(sunstone.load(path)))
     scene = scenes[0]
@@ -244,7 +245,7 @@ def test_the_tree_is_built_once(tmp_path: pathlib.Path) -> None:
     cheap = min(
         edit(target, value)
         for target, value in [
-            ("materials/sheet/pbrMetallicRoughness.metallicFactor", 0.0),
+            ("materials/sheet/reflectance", 0.25),
             ("cameras/eye/perspective.yfov", 0.5),
             ("lights/sun/intensity", 100),
             ("nodes/#1/translation.2", 2.5),
@@ -321,10 +322,11 @@ def test_worlds_share_trees() -> None:
     world.set_camera("eye", yfov=0.7, position=(0, 0, 3))
     placing = cpu(world.place)
     scene = world.place()
-    before = pixels(scene)
+    before = pixels(scene, max_path_length=2)
     editing = cpu(lambda: scene.__setitem__("materials/sheet/reflectance", 0.25))
     assert editing < 0.2 * placing, (editing, placing)
-    np.testing.assert_allclose(pixels(scene)[..., 0], before[..., 0] / 2, rtol=1e-5)
+    after = pixels(scene, max_path_length=2)
+    np.testing.assert_allclose(after[..., 0], before[..., 0] / 2, rtol=1e-5)
     # The world itself goes on with its tree where only that is added which is no shape.
     world.set_camera("other", yfov=0.5, position=(0, 0, 3))
     assert cpu(world.place) < 0.2 * placing
@@ -332,7 +334,7 @@ def test_worlds_share_trees() -> None:
 
 def test_a_render_keeps_what_it_began_with() -> None:
     scene = sunstone.load(CORNELL)
-    expected = pixels(scene, spp=64, threads=1)
+    expected = pixels(scene, spp=16, threads=1)
     begun, images = threading.Event(), []
 
     def progress(done: int, total: int) -> None:
@@ -340,7 +342,7 @@ def test_a_render_keeps_what_it_began_with() -> None:
         time.sleep(0.001)
 
     def render() -> None:
-        options: Any = {**SMALL, "spp": 64, "threads": 1}
+        options: Any = {**SMALL, "spp": 16, "threads": 1}
         images.append(scene.render(**options, progress=progress).stokes)
 
     worker = threading.Thread(target=render)
@@ -349,7 +351,7 @@ def test_a_render_keeps_what_it_began_with() -> None:
     scene["materials/glass/ior"] = 2.0
     worker.join(60)
     assert np.array_equal(images[0], expected)
-    assert not np.array_equal(pixels(scene, spp=64), expected)
+    assert not np.array_equal(pixels(scene, spp=16), expected)
 
 
 def test_no_edit_is_lost_among_threads() -> None:
