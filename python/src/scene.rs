@@ -246,8 +246,10 @@ impl Scene {
             Ok(Some((placed, Source { file, camera })))
         })?;
         // They lock what they share, and so do those who use them.
-        let of = |(placed, source)| {
-            Self { placed, source: Some(source), users: Arc::clone(&self.users) }
+        let of = |(placed, source)| Self {
+            placed,
+            source: Some(source),
+            users: Arc::clone(&self.users),
         };
         Ok(edited.map_err(of_render)?.map(of))
     }

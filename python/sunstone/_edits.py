@@ -216,6 +216,9 @@ class Object:
         inner = f"/{self._inner[:-1]}" if self._inner else ""
         return f"<{' or '.join(self._paths)}{inner} of {self._scene!r}>"
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Object, (self._scene, self._paths, self._inner)
+
     def _target(self, key: str) -> str:
         return f"{self._path(key)}/{self._inner}{key}"
 

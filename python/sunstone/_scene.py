@@ -176,10 +176,12 @@ class Scene:
     def edits(self) -> dict[str, Any]:
         """The edits that count: values by KIND/NAME/KEY. `edit` makes them of another scene.
 
-        What is within an edited value belongs to it, and of one place the last edit counts.
+        What is within an edited value belongs to it, and of one place the last edit counts. It is a
+        copy, of lists and dictionaries.
         """
         native, source = self._state.value
-        return dict(source) if isinstance(source, Parts) else native.edits()
+        edits: dict[str, Any] = plain(source if isinstance(source, Parts) else native.edits())
+        return edits
 
     def _edit(self, edits: Mapping[str, Any], level: int) -> None:
         for target in edits:

@@ -179,6 +179,9 @@ def test_copies_are_edited_by_themselves(room: sunstone.World) -> None:
         other = copy.copy(scene)
         other.edit({})
         assert other.edits == scene.edits
+        thing = scene["glass"]
+        for same in (copy.copy(thing), pickle.loads(pickle.dumps(thing))):
+            assert same.ior == 1.9 and repr(same) == repr(thing)
 
 
 def grid(folder: pathlib.Path, edge: int) -> pathlib.Path:

@@ -85,8 +85,7 @@ impl Prepared {
         let mut records = Results::look(&self.results);
         self.orders.iter().map(move |order| {
             let record = records.remove(&order.output_name);
-            let is_done =
-                |record: &Record| order.is_done_by(record, &self.folder, &self.checksums);
+            let is_done = |record: &Record| order.is_done_by(record, &self.folder, &self.checksums);
             (order, record.filter(is_done))
         })
     }
