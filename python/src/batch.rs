@@ -102,7 +102,7 @@ impl Batch {
         let State::Prepared(prepared) = &self.state else { return Ok(Vec::new()) };
         let rows: Vec<Row> =
             py.detach(|| prepared.look().map(|(order, it)| Row::known(order, it)).collect());
-        rows.into_iter().map(|row| row.to_python(py)).collect()
+        rows.into_iter().map(|row| row.into_python(py)).collect()
     }
 
     /// Begins to render what is left; returns what was done before.
@@ -120,7 +120,7 @@ impl Batch {
         let begun = wait_for(py, None, &nothing, |_| Ok(()), move |_, _| prepared.begin())?;
         let begun = begun.map_err(of_results)?;
         let done = begun.done().iter().map(|(order, it)| Row::known(order, Some(it.clone())));
-        let done = done.map(|row| row.to_python(py)).collect::<PyResult<_>>()?;
+        let done = done.map(|row| row.into_python(py)).collect::<PyResult<_>>()?;
         let (cost, stop) = (begun.cost(), Arc::new(AtomicBool::new(false)));
         let (sender, told) = mpsc::channel();
         let of_thread = Arc::clone(&stop);
@@ -143,7 +143,7 @@ impl Batch {
         let State::Running(running) = &mut self.state else { return Ok(None) };
         let next = running.next(py, progress.as_ref());
         match next {
-            Ok(Some(row)) => row.to_python(py).map(Some),
+            Ok(Some(row)) => row.into_python(py).map(Some),
             Ok(None) => {
                 let unwritten = running.unwritten.take();
                 self.state = State::Over;
@@ -271,7 +271,7 @@ impl Row {
     }
 
     /// What `sunstone.Result` is made of.
-    fn to_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
+    fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
         let Self { record, index, name, values, output, warnings, was_done } = self;
         let seconds = record.as_ref().map(|record| record.seconds);
         let (error, checksum) = record.map_or((None, None), |it| (it.error, it.checksum));
