@@ -21,6 +21,7 @@ use sunstone::internals::cli::batch::reader;
 
 use crate::errors::{ERROR, RENDER_ERROR, of_image, of_system};
 use crate::json::dict;
+use crate::options::option;
 use crate::threads::Pool;
 use crate::wait::wait_for;
 
@@ -109,9 +110,10 @@ impl Batch {
     fn begin<'py>(
         &mut self,
         py: Python<'py>,
-        threads: Option<usize>,
+        options: &Bound<PyDict>,
     ) -> PyResult<Vec<Bound<'py, PyTuple>>> {
         self.refuse_in_child()?;
+        let threads = option(options, "threads")?;
         let State::Prepared(prepared) = std::mem::replace(&mut self.state, State::Over) else {
             return Ok(Vec::new());
         };

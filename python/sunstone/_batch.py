@@ -65,8 +65,8 @@ class Batch(Iterator[Result]):
             raise StopIteration
         if self._known is None:
             self._known = iter(())
-            look = self._native.look() if self._dry_run else self._native.begin(self._threads)
-            self._known = iter(look)
+            native, options = self._native, {"threads": self._threads}
+            self._known = iter(native.look() if self._dry_run else native.begin(options))
         row = next(self._known, None)
         if row is None and not self._dry_run:
             row = self._native.next(self._progress)

@@ -147,6 +147,8 @@ def test_all_that_is_wrong_is_raised_at_once(
         sunstone.batch(jobs)
     with pytest.raises(sunstone.RenderError, match="threads must be from 1 to 4096, not 0"):
         list(sunstone.batch(lab(SWEEP), threads=0))
+    with pytest.raises(sunstone.RenderError, match="threads must be a whole number"):
+        list(sunstone.batch(lab(SWEEP), threads=-1))
 
 
 def test_lines_of_json_are_jobs_too(
