@@ -38,8 +38,8 @@ class Batch(Iterator[Result]):
     """A batch on its way: its results, as jobs end. What `batch` returns.
 
     It begins with the first result that is asked for. `close`, the end of a `with` block, or
-    nothing that refers to it any more ends it: jobs in work are dropped, and a batch that is started
-    again does them.
+    nothing that refers to it any more ends it: jobs in work are dropped, and a batch that is
+    started again does them.
     """
 
     def __init__(
@@ -128,8 +128,8 @@ def batch(
 
     Raises:
         OSError: if the job file cannot be read; and in the end, if results could not be noted.
-        Error: if the job file is wrong, with all that is; nothing is rendered then. If another batch
-            is at work on the same results.
+        Error: if the job file is wrong, with all that is; nothing is rendered then. If another
+            batch is at work on the same results.
 
     Warns:
         RenderWarning: of what there is to doubt about images and scenes, once each.

@@ -296,7 +296,7 @@ def test_scenes_made_in_code_are_edited(room: sunstone.World) -> None:
     for target, value, text in [
         ("materials/glass/ior", -1, "material `glass`, ior: -1 must be"),
         ("materials/glass/axis_deg", 1, "axis_deg: means nothing for"),
-        ("materials/snow/ior", 1, "no material is called `snow`\n  help: the materials are #0 wall"),
+        ("materials/snow/ior", 1, "is called `snow`\n  help: the materials are #0 wall"),
         ("shapes/a/b", 1, "`shapes` is no kind of object"),
         ("lights/a/intensity", 1, "the scene has no lights"),
         ("nodes/ball/position.5", 1, "its list has 3 items"),
