@@ -77,7 +77,8 @@ class Scene:
     the extension's and glTF's own, and of `World` those of its methods (of meshes and spheres, too,
     by the kind nodes; not the environment and the medium of the scene); dots lead inwards. Shapes
     and their tree are built again only if they change: where an edit is of a material, a light, a
-    medium, a camera or an index, it takes milliseconds.
+    medium, a camera or an index, it takes milliseconds, and a tenth of a second where there are a
+    million triangles.
 
     A loaded scene pickles as its path and its edits, and is loaded anew, so its files must be there
     (warnings are not repeated); one that was made in code pickles as all that it is made of. A copy

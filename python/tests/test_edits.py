@@ -254,7 +254,8 @@ def test_the_tree_is_built_once(tmp_path: pathlib.Path) -> None:
             ("nodes/#1/translation.2", 2.5),
         ]
     )
-    assert cheap < 0.1 * min(moved, placing), (cheap, moved, placing)
+    # What is left is to look at all triangles.
+    assert cheap < 0.3 * min(moved, placing), (cheap, moved, placing)
     assert not np.array_equal(pixels(scene), before)
 
 
@@ -327,12 +328,12 @@ def test_worlds_share_trees() -> None:
     scene = world.place()
     before = pixels(scene, max_path_length=2)
     editing = cpu(lambda: scene.__setitem__("materials/sheet/reflectance", 0.25))
-    assert editing < 0.2 * placing, (editing, placing)
+    assert editing < 0.3 * placing, (editing, placing)
     after = pixels(scene, max_path_length=2)
     np.testing.assert_allclose(after[..., 0], before[..., 0] / 2, rtol=1e-5)
     # The world itself goes on with its tree where only that is added which is no shape.
     world.set_camera("other", yfov=0.5, position=(0, 0, 3))
-    assert cpu(world.place) < 0.2 * placing
+    assert cpu(world.place) < 0.3 * placing
 
 
 def test_a_render_keeps_what_it_began_with() -> None:
