@@ -100,7 +100,9 @@ pub use crate::render::{
     Mode, Options, Part, PartError, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer,
     Resolved, Rule, Settings, SettingsError, Stop, merge,
 };
-pub use crate::scene::{Edit, Reading, SceneError, SceneFile, World, load, load_with, world};
+pub use crate::scene::{
+    Edit, EditedFile, Reading, SceneError, SceneFile, World, load, load_with, world,
+};
 pub use crate::spectrum::{Color, Spectrum};
 pub use crate::transport::Sampling;
 pub use {glam, hecs};

@@ -8,15 +8,21 @@
 //! | `threads` | pools, which no fork can take along |
 //! | `wait` | work on another thread, and the interpreter free meanwhile |
 //! | `options` | what `render` is asked for |
-//! | `scene` | a placed world: loaded, described, rendered |
+//! | `scene` | a placed world: loaded, described, edited, rendered |
+//! | `batch` | many renders from one job file |
+//! | `cell` | a value that threads replace without losing what others put there |
 //! | `image` | arrays to images and back, files, pictures |
+//! | `json` | values of scene files and job files |
 //! | `keys` | keyword arguments, each used or refused |
 //! | `material`, `medium`, `geometry`, `place` | what worlds are made of |
 //! | `world` | worlds made in code |
 
+mod batch;
+mod cell;
 mod errors;
 mod geometry;
 mod image;
+mod json;
 mod keys;
 mod material;
 mod medium;
@@ -36,11 +42,15 @@ mod _sunstone {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::batch::Batch;
+    #[pymodule_export]
+    use super::cell::Cell;
+    #[pymodule_export]
     use super::geometry::Geometry;
     #[pymodule_export]
     use super::image::{load_image, picture, save_image};
     #[pymodule_export]
-    use super::scene::{Scene, load};
+    use super::scene::{Scene, keys_of, load};
     #[pymodule_export]
     use super::world::World;
 

@@ -10,12 +10,15 @@ use std::time::Instant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::internals::render::doubts::doubts;
+use sunstone::internals::scene::keys_of_kind;
 use sunstone::{
-    PlacedWorld, Reading, RenderError, Renderer, SceneError, Settings, StokesImage, Stop,
+    EditedFile, PlacedWorld, RenderError, Renderer, SceneError, SceneFile, Settings, StokesImage,
+    Stop,
 };
 
-use crate::errors::{RENDER_ERROR, of_render, of_scene, of_settings, of_system};
+use crate::errors::{RENDER_ERROR, SCENE_ERROR, of_render, of_scene, of_settings, of_system};
 use crate::image::{Parts, parts};
+use crate::json::{edits, to_python};
 use crate::options::{option, settings};
 use crate::wait::wait_for;
 
@@ -23,7 +26,16 @@ use crate::wait::wait_for;
 #[pyclass(frozen, module = "sunstone._sunstone")]
 pub struct Scene {
     placed: PlacedWorld,
+    /// The file that it was read from.
+    source: Option<Source>,
     users: Arc<Users>,
+}
+
+/// A file with what was edited, and the camera that was chosen.
+#[derive(Clone)]
+struct Source {
+    file: EditedFile,
+    camera: Option<String>,
 }
 
 /// Who works with a scene. What they lock while they do is locked for ever in a process that is
@@ -68,31 +80,29 @@ struct Rendered {
     doubts: Vec<String>,
 }
 
-/// Loads a .gltf or .glb file.
+/// Loads a .gltf or .glb file, with edits.
 #[pyfunction]
 pub fn load(
     py: Python,
     path: PathBuf,
     camera: Option<String>,
     allow_outside: bool,
+    changes: &Bound<PyDict>,
 ) -> PyResult<Scene> {
     // The system's own word for a file that is not there, or may not be read.
     if let Err(error) = std::fs::File::open(&path) {
         return Err(of_system(&path, &error, format!("cannot read {}: {error}", path.display())));
     }
-    let placed = wait_for(
-        py,
-        None,
-        &Stop::default(),
-        |_| Ok(()),
-        move |pool, _| {
-            pool.threads.run(|| {
-                let reading = Reading { camera: camera.as_deref(), allow_outside };
-                PlacedWorld::new(sunstone::load_with(&path, reading)?)
-            })
-        },
-    )?;
-    placed.map(Scene::of).map_err(of_render)
+    let edits = edits(changes)?;
+    let read = move || {
+        let file = Arc::new(SceneFile::read(&path, allow_outside)?);
+        let file = EditedFile::new(file).edit(edits)?;
+        let placed = PlacedWorld::new(file.world(camera.as_deref())?)?;
+        Ok(Scene { placed, source: Some(Source { file, camera }), users: Arc::default() })
+    };
+    let nothing = Stop::default();
+    let scene = wait_for(py, None, &nothing, |_| Ok(()), move |pool, _| pool.threads.run(read))?;
+    scene.map_err(of_render)
 }
 
 #[pymethods]
@@ -113,6 +123,48 @@ impl Scene {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.placed.warnings().map(str::to_owned).collect()
+    }
+
+    /// The same file with further edits.
+    fn edit(&self, py: Python, changes: &Bound<PyDict>) -> PyResult<Self> {
+        let edits = edits(changes)?;
+        let edited = self.edited(py, move |file| file.edit(edits).map(Some))?;
+        edited.ok_or_else(|| SCENE_ERROR.says("nothing has been edited"))
+    }
+
+    /// The same file without the edits of a place; none if there are no such edits.
+    fn take_back(&self, py: Python, target: String) -> PyResult<Option<Self>> {
+        self.edited(py, move |file| file.take_back(&target))
+    }
+
+    /// The value of a place, and whether the file or an edit states it.
+    fn value<'py>(
+        &self,
+        py: Python<'py>,
+        target: &str,
+    ) -> PyResult<(bool, Option<Bound<'py, PyAny>>)> {
+        let value = self.source()?.file.value(target).map_err(of_scene)?;
+        let is_stated = value.is_some();
+        Ok((is_stated, value.map(|value| to_python(py, &value)).transpose()?))
+    }
+
+    /// What holds where the file does not state the value of a place, in words.
+    fn default_of(&self, target: &str) -> PyResult<Option<String>> {
+        Ok(self.source()?.file.default_of(target))
+    }
+
+    /// The objects that a name may mean, as KIND/NAME.
+    fn objects(&self, name: &str) -> PyResult<Vec<String>> {
+        self.source()?.file.objects(name).map_err(of_scene)
+    }
+
+    /// The edits that count.
+    fn edits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let edits = PyDict::new(py);
+        for edit in self.source()?.file.edits() {
+            edits.set_item(&edit.target, to_python(py, &edit.value)?)?;
+        }
+        Ok(edits)
     }
 
     /// What is in it, in words.
@@ -173,7 +225,40 @@ impl Scene {
 impl Scene {
     /// A world in its place.
     pub fn of(placed: PlacedWorld) -> Self {
-        Self { placed, users: Arc::default() }
+        Self { placed, source: None, users: Arc::default() }
+    }
+
+    fn source(&self) -> PyResult<&Source> {
+        let made = || SCENE_ERROR.says("the scene was made in code, and has no file");
+        self.source.as_ref().ok_or_else(made)
+    }
+
+    /// The scene of a changed file, with the tree of this one if that is the same.
+    fn edited(
+        &self,
+        py: Python,
+        change: impl FnOnce(&EditedFile) -> Result<Option<EditedFile>, SceneError> + Send + 'static,
+    ) -> PyResult<Option<Self>> {
+        let Source { file, camera } = self.source()?.clone();
+        let edited = self.ask(py, None, move |placed| {
+            let Some(file) = change(&file)? else { return Ok(None) };
+            let placed = placed.beside(file.world(camera.as_deref())?)?;
+            Ok(Some((placed, Source { file, camera })))
+        })?;
+        // They lock what they share, and so do those who use them.
+        let of = |(placed, source)| Self {
+            placed,
+            source: Some(source),
+            users: Arc::clone(&self.users),
+        };
+        Ok(edited.map_err(of_render)?.map(of))
+    }
+
+    /// A world that is made in code, with the tree of this one if that is the same.
+    pub fn beside(&self, py: Python, world: sunstone::World) -> PyResult<Self> {
+        let placed = self.ask(py, None, move |placed| placed.beside(world))?;
+        let placed = placed.map_err(of_render)?;
+        Ok(Self { placed, source: None, users: Arc::clone(&self.users) })
     }
 
     /// Asks the placed world something that takes threads.
@@ -223,6 +308,12 @@ fn render(
     let facts = [("scene", scene), ("seconds", format!("{seconds:.3}"))];
     image.metadata.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
     Rendered { image, doubts }
+}
+
+/// The keys that edits of a kind of objects may have.
+#[pyfunction]
+pub fn keys_of(kind: &str) -> Vec<&'static str> {
+    keys_of_kind(kind).collect()
 }
 
 /// A world that is made in code, placed.

@@ -127,12 +127,12 @@ impl World {
         Ok(self.world()?.warnings().to_vec())
     }
 
-    /// Places the world, which is gone then.
-    fn place(&mut self, py: Python) -> PyResult<Scene> {
-        self.world()?;
-        match self.world.take() {
-            Some(world) => crate::scene::place(py, world),
-            None => Err(gone()),
+    /// Places the world, which is gone then; with the tree of another scene if that is the same.
+    fn place(&mut self, py: Python, beside: Option<&Scene>) -> PyResult<Scene> {
+        match (self.world.take(), beside) {
+            (Some(world), Some(beside)) => beside.beside(py, world),
+            (Some(world), None) => crate::scene::place(py, world),
+            (None, _) => Err(gone()),
         }
     }
 }

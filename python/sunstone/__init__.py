@@ -7,7 +7,11 @@
 (32, 32, 3, 4)
 >>> image.save("cornell.exr")
 
-`load` reads a glTF scene, `World` makes one in code, `Scene.render` renders it to an `Image`.
+`load` reads a glTF scene, `World` makes one in code, `Scene.render` renders it to an `Image`, and
+`batch` renders all that a job file asks for. Scenes are edited by name:
+
+>>> scene["materials/glass/ior"] = 1.33       # KIND/NAME/KEY, or scene["glass"].ior
+
 Lengths are in meters, angles in radians unless a name ends in `_deg`, wavelengths in nanometers,
 radiance in W/(m^2 sr). Stokes vectors are those of Mitsuba 3: the frame of a pixel has x to the
 right in the image, y up and k towards the sensor; S1 > 0 is polarized along x, S2 > 0 along x + y,
@@ -23,6 +27,8 @@ from . import _processor
 
 _processor.check()
 
+from ._batch import Batch, Result, batch  # noqa: E402
+from ._edits import Object  # noqa: E402
 from ._errors import (  # noqa: E402
     Error,
     RenderError,
@@ -36,15 +42,19 @@ from ._sunstone import Geometry, __version__  # noqa: E402
 from ._world import World  # noqa: E402
 
 __all__ = [
+    "Batch",
     "Error",
     "Geometry",
     "Image",
+    "Object",
     "RenderError",
     "RenderWarning",
+    "Result",
     "Scene",
     "SceneError",
     "SceneWarning",
     "World",
     "__version__",
+    "batch",
     "load",
 ]

@@ -11,9 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _sunstone
+from ._edits import Parts, plain
 from ._errors import SceneWarning
 from ._image import Image
-from ._scene import Scene, _complete
+from ._scene import Scene, _complete, native_world
 from ._sunstone import Geometry
 
 #: The same at every wavelength; red, green and blue; or values at wavelengths in nanometers:
@@ -48,6 +49,8 @@ class World:
         self._steps: list[tuple[str, tuple[Any, ...]]] = []
         self._native: _sunstone.World | None = _sunstone.World(name)
         self._scene: Scene | None = None
+        #: The latest scene, whose tree the next one has if its shapes are the same.
+        self._latest: _sunstone.Scene | None = None
 
     @property
     def name(self) -> str:
@@ -339,14 +342,16 @@ class World:
 
     def set_environment(self, radiance: Spectrum) -> None:
         """Has light of a radiance in W/(m^2 sr) come from everywhere outside."""
-        self._add("set_environment", _plain(radiance))
+        self._add("set_environment", plain(radiance))
 
     def set_scene_medium(self, name: str | None) -> None:
         """Fills what is outside all boundaries with a medium, or with none."""
         self._add("set_scene_medium", name)
 
     def place(self) -> Scene:
-        """The scene as it is now, ready to be rendered; the world may go on.
+        """The scene as it is now, ready to be rendered and edited; the world may go on.
+
+        Edits of the scene are its own, and leave the world as it is.
 
         Raises:
             SceneError: if there is no camera, or things do not go together.
@@ -354,7 +359,7 @@ class World:
         Warns:
             SceneWarning: of what is not rendered as it was described.
         """
-        return self._warned(self._scene, self._placed())
+        return copy.copy(self._warned(self._scene, self._placed()))
 
     def render(self, **options: Any) -> Image:
         """Renders the world as it is now: `Scene.render` of `place`, with its options."""
@@ -364,9 +369,9 @@ class World:
     def _placed(self) -> Scene:
         if self._scene is None:
             native, self._native = self._filled(), None
-            placed = native.place()
+            self._latest = native.place(self._latest)
             # The world may go on, and what the scene is made of may not.
-            self._scene = Scene._of(placed, (_placed, (self._name, list(self._steps))))
+            self._scene = Scene._of(self._latest, Parts(self._name, list(self._steps)))
         return self._scene
 
     def _warned(self, known: Scene | None, scene: Scene) -> Scene:
@@ -378,10 +383,7 @@ class World:
     def _filled(self) -> _sunstone.World:
         """The native world of all steps."""
         if self._native is None:
-            native = _sunstone.World(self._name)
-            for function, arguments in self._steps:
-                getattr(native, function)(*arguments)
-            self._native = native
+            self._native = native_world(self._name, self._steps)
         return self._native
 
     def _add(self, function: str, *arguments: Any) -> None:
@@ -390,6 +392,9 @@ class World:
         getattr(self._filled(), function)(*arguments)
         self._steps.append((function, arguments))
         self._scene = None
+        if function in ("add_mesh", "add_sphere"):
+            # Two trees would be in the memory at once.
+            self._latest = None
 
     def __repr__(self) -> str:
         return f"<sunstone.World {self._name!r} of {len(self._steps)} things>"
@@ -404,7 +409,6 @@ class World:
         return self.__copy__()
 
 
-
 def _world(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> World:
     world = World(name)
     for function, arguments in steps:
@@ -412,24 +416,11 @@ def _world(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> World:
     return world
 
 
-def _placed(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> Scene:
-    return _world(name, steps)._placed()
-
-
 def _given(**keys: Any) -> dict[str, Any]:
     """The keys that have a value, as plain numbers, lists and dictionaries."""
-    return {key: _plain(value) for key, value in keys.items() if value is not None}
+    return {key: plain(value) for key, value in keys.items() if value is not None}
 
 
 def _numbers(values: npt.ArrayLike | None) -> Any:
     """Nested lists of an array."""
     return None if values is None else np.asarray(values, np.float64).tolist()
-
-
-def _plain(value: Any) -> Any:
-    """What is an array as lists."""
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): _plain(inner) for key, inner in value.items()}
-    return value

@@ -1,4 +1,4 @@
-"""A tour of Sunstone in ten examples, each of which runs as a test.
+"""A tour of Sunstone in twelve examples, each of which runs as a test.
 
 They render small and noisy, to be quick; give more `spp`.
 """
@@ -151,3 +151,41 @@ def test_10_what_is_wrong_is_said() -> None:
     same = pickle.loads(pickle.dumps(scene))
     options = dict(integrator="path", spp=1, width=8, height=8)
     assert np.array_equal(same.render(**options).stokes, scene.render(**options).stokes)
+
+
+def test_11_sweeps() -> None:
+    """Edit a scene by name; the tree of its shapes is kept, and the bits are those of the file."""
+    scene = sunstone.load(SCENES / "cornell.gltf")
+    options = dict(integrator="path", spp=1, width=8, height=8)
+    images = []
+    for angle in (0, 22.5, 45):
+        scene["materials/half-wave plate/axis_deg"] = angle
+        images.append(scene.render(**options).stokes)
+    assert scene["half-wave plate"].axis_deg == 45
+    assert not np.array_equal(images[0], images[2])
+    scene.edit({"materials/glass/ior": 1.33, "cameras/camera/perspective.yfov": 0.5})
+    assert scene.edits["materials/glass/ior"] == 1.33
+    del scene["half-wave plate"].axis_deg  # as the file has it
+
+
+def test_12_batches(tmp_path: pathlib.Path) -> None:
+    """Many renders from one job file; what is done is not done again."""
+    (tmp_path / "jobs.toml").write_text(
+        f"""
+        version = 1
+        [defaults]
+        scene = "{SCENES / 'cornell.gltf'}"
+        integrator = "path"
+        spp = 1
+        width = 8
+        height = 8
+        [[jobs]]
+        name = "glass"
+        output = "out/{{name}}-{{ior}}.exr"
+        sweep = [{{ name = "ior", key = "materials/glass/ior", values = [1.33, 1.5] }}]
+        """
+    )
+    for result in sunstone.batch(tmp_path / "jobs.toml"):
+        assert result.error is None and result.values["ior"] in (1.33, 1.5)
+        assert sunstone.Image.load(result.output).stokes.shape == (8, 8, 3, 4)
+    assert all(result.was_done for result in sunstone.batch(tmp_path / "jobs.toml"))

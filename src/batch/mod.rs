@@ -6,16 +6,20 @@
 //! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
 //! | [`sweep`], [`pattern`] | axes of values, and names made of them |
 //! | [`order`] | a job that has been checked |
+//! | [`check`] | what the job file alone shows to be wrong |
+//! | [`prepared`] | from the file to what is left to do, and its results noted |
 //! | [`results`] | `results.jsonl`: what has been done |
 //! | [`report`] | a page of what has been done |
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
 
+pub mod check;
 pub mod file;
 mod gate;
 pub mod order;
 mod pattern;
+pub mod prepared;
 pub mod report;
 pub mod results;
 pub mod run;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{LazyLock, Mutex};
+use std::sync::Mutex;
 
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
@@ -13,8 +13,8 @@ use super::gate::locked;
 use super::results::Record;
 use crate::image;
 use crate::math::text::excerpt;
-use crate::render::Settings;
 use crate::render::settings::SAMPLES_MAX;
+use crate::render::{BUILD, Settings};
 use crate::scene::Edit;
 
 /// A job in which nothing can be wrong but what its scene and the machine know.
@@ -76,7 +76,7 @@ impl Order {
         let edits: Vec<_> =
             edits.iter().map(|edit| (&edit.target, edit.value.to_string())).collect();
         // Debug output tells floats apart to the last bit.
-        let text = format!("{scene:?} {camera:?} {edits:?} {settings:?} {}", *BUILD);
+        let text = format!("{scene:?} {camera:?} {edits:?} {settings:?} {BUILD}");
         hex(Sha256::digest(text.as_bytes()).as_slice())
     }
 
@@ -92,13 +92,6 @@ impl Order {
             && checksum_of_image(&self.output).ok() == record.checksum
     }
 }
-
-/// The version, the system and the program itself: two builds are not taken for one.
-static BUILD: LazyLock<String> = LazyLock::new(|| {
-    let program = std::env::current_exe().and_then(|path| checksum(&path)).unwrap_or_default();
-    let version = env!("CARGO_PKG_VERSION");
-    format!("{version} {} {} {program}", std::env::consts::ARCH, std::env::consts::OS)
-});
 
 /// Checksums of files that do not change while the program runs.
 #[derive(Default)]

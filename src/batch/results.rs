@@ -86,14 +86,18 @@ impl Results {
         let failed = |source| ResultsError::Write { path: path.to_owned(), source };
         let mut file = lock(path)?;
         let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(failed)?;
+        // Who wants no results may name a device, of which there may be no end.
+        if file.metadata().is_ok_and(|found| found.is_file()) {
+            file.read_to_end(&mut bytes).map_err(failed)?;
+        }
         let (lines, is_cut) = lines_of(&bytes);
         Ok(Self { path: path.to_owned(), file, is_cut, lines })
     }
 
     /// What a file holds, to be looked at.
     pub fn look(path: &Path) -> HashMap<String, Record> {
-        let bytes = std::fs::read(path).unwrap_or_default();
+        let bytes = if path.is_file() { std::fs::read(path) } else { Ok(Vec::new()) };
+        let bytes = bytes.unwrap_or_default();
         latest(&lines_of(&bytes).0)
     }
 

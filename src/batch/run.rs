@@ -14,7 +14,7 @@ use std::{fs, io, thread};
 
 use super::gate::Gate;
 use super::order::{Checksums, Order, checksum_of_image};
-use super::results::Record;
+use super::results::{Record, ResultsError};
 use super::scenes::{LARGE, Scenes};
 use crate::image::{self, OutputError};
 use crate::render::doubts::doubts;
@@ -50,9 +50,11 @@ pub struct Batch<'a> {
 }
 
 /// What a batch tells on its way.
-pub enum News {
+pub enum News<'a> {
     /// A job has come to an end.
     Ended {
+        /// Which.
+        order: &'a Order,
         /// What has become of it.
         record: Box<Record>,
         /// What is to be known of its image and its scene.
@@ -60,6 +62,8 @@ pub enum News {
     },
     /// So many samples have been rendered, by the reckoning of [`Order::cost`].
     Progress(u64),
+    /// What has become of a job could not be noted. It is told once.
+    Unwritten(ResultsError),
 }
 
 /// Why a job has no image.
@@ -80,8 +84,8 @@ enum JobError {
 }
 
 /// What a thread has brought about.
-enum Outcome {
-    Ended(Box<Record>, Vec<String>),
+enum Outcome<'a> {
+    Ended(&'a Order, Box<Record>, Vec<String>),
     /// Ended from outside: as if it had not begun.
     Dropped,
 }
@@ -127,7 +131,9 @@ impl Batch<'_> {
             drop(sender);
             loop {
                 let mut told = match news.recv_timeout(POLL) {
-                    Ok(Outcome::Ended(record, warnings)) => hear(News::Ended { record, warnings }),
+                    Ok(Outcome::Ended(order, record, warnings)) => {
+                        hear(News::Ended { order, record, warnings })
+                    }
                     Ok(Outcome::Dropped) | Err(RecvTimeoutError::Timeout) => {
                         ControlFlow::Continue(())
                     }
@@ -137,16 +143,16 @@ impl Batch<'_> {
                     told = hear(News::Progress(work.done.load(Ordering::Relaxed)));
                 }
                 if told.is_break() {
-                    work.stop.stop();
+                    work.stop.give_up();
                 }
             }
         });
     }
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
     /// Takes one job after the other.
-    fn take_all(&self, sender: &Sender<Outcome>) {
+    fn take_all(&self, sender: &Sender<Outcome<'a>>) {
         while !self.stop.is_set() {
             let index = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(order) = self.batch.orders.get(index) else { return };
@@ -156,7 +162,7 @@ impl Work<'_> {
     }
 
     /// Does a job, and says what has become of it.
-    fn account(&self, order: &Order) -> Outcome {
+    fn account(&self, order: &'a Order) -> Outcome<'a> {
         let start = Instant::now();
         let counted = AtomicU64::new(0);
         let mut inputs = BTreeMap::new();
@@ -184,7 +190,7 @@ impl Work<'_> {
             key: order.key(),
             inputs,
         };
-        Outcome::Ended(Box::new(record), warnings)
+        Outcome::Ended(order, Box::new(record), warnings)
     }
 
     /// Makes the image of a job; returns its checksum, or nothing if it was stopped.
@@ -198,6 +204,9 @@ impl Work<'_> {
         let batch = self.batch;
         let start = Instant::now();
         let (world, permit) = self.scenes.world(order, &self.gate)?;
+        if self.stop.is_set() {
+            return Ok(None);
+        }
         warnings.extend(world.warnings().map(|warning| format!("warning: {warning}")));
         let files = world.world().files();
         *inputs = batch.checksums.of_all(files, &batch.folder).map_err(JobError::Inputs)?;

@@ -1,7 +1,7 @@
 //! Floor 12: the command line. Arguments as typed become a validated job; verbs run it.
 
 mod args;
-mod batch;
+pub mod batch;
 mod bench;
 mod checkpoint;
 mod files;

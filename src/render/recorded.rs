@@ -18,7 +18,7 @@ use super::run::Steps;
 use super::{Mode, PlacedWorld, Resolved};
 
 /// The program that renders: its sources, their compiler and target.
-const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("SUNSTONE_BUILD"));
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("SUNSTONE_BUILD"));
 
 /// What the names of facts begin with that have to be the same in all parts of an image.
 const OF_IMAGE: &str = "image: ";

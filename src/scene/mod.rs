@@ -17,6 +17,7 @@ pub mod world;
 pub use self::bake::{Plan, bake, bake_camera, bake_optics, bake_shapes, plan_shapes};
 pub use self::error::SceneError;
 pub use self::gltf::{
-    Edit, Editable, Reading, SceneFile, extension_keys, load, load_from_memory, load_with,
+    Edit, Editable, EditedFile, Reading, SceneFile, extension_keys, keys_of_kind, load,
+    load_from_memory, load_with,
 };
 pub use self::world::World;

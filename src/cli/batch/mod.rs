@@ -1,9 +1,8 @@
 //! The verb `batch`: many renders from one job file.
 
-mod check;
 mod options;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,10 +10,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::HumanDuration;
 
-use crate::batch::file::JobFile;
-use crate::batch::order::{Checksums, Order};
-use crate::batch::results::{Record, Results};
-use crate::batch::run::{Batch, News};
+use crate::batch::file::Job;
+use crate::batch::order::Order;
+use crate::batch::prepared::{Asked, Begun, Prepared};
+use crate::batch::results::ResultsError;
+use crate::batch::run::News;
 use crate::math::text::{counted, excerpt};
 use crate::render::threads::Threads;
 
@@ -24,85 +24,54 @@ use super::interrupt::{Signal, signals};
 use super::progress::Progress;
 use super::{CliError, job, render};
 
-use check::Inputs;
+use options::Reader;
 
-/// Most troubles of a job file that are listed.
-const TOLD_MAX: usize = 1000;
-/// Most characters of a trouble, and of a warning.
+/// Most characters of a warning.
 const CHARACTERS_MAX: usize = 2000;
 const JOBS: [&str; 2] = ["job", "jobs"];
 
 /// Renders what a job file asks for and what has not been done.
 pub(super) fn batch(arguments: &BatchArguments) -> Result<(), CliError> {
     job::check_threads(arguments.threads)?;
-    let path = &arguments.jobs;
-    let file = JobFile::read(path).map_err(|wrong| refused(path, &[wrong]))?;
-    let beside = || file.folder.join("results.jsonl");
-    let results_path = arguments.results.clone().unwrap_or_else(beside);
-    let inputs = Inputs { jobs: path, results: &results_path };
-    let orders = check::orders(&file, &inputs, arguments.allow_outside);
-    let orders = orders.map_err(|wrong| refused(path, &wrong))?;
-    let jobs = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let checksums = Checksums::default();
-    if arguments.dry_run {
-        return list(&file, &orders, &Results::look(&results_path), &checksums);
-    }
-    let refuse = |error: crate::batch::results::ResultsError| {
-        CliError::Refused(format!("{error}\n  nothing has been rendered"))
-    };
-    let mut results = Results::open(&results_path).map_err(refuse)?;
-    let (done, left) = divided(&file, orders, &results.records(), &checksums, &jobs);
-    results.begin(&jobs, &done).map_err(refuse)?;
-    let threads = Arc::new(Threads::start(arguments.threads)?);
-    let batch = Batch {
-        orders: &left,
-        jobs,
-        folder: file.folder.clone(),
-        threads,
+    let refuse = |text: String| CliError::Refused(text + "\n  nothing has been rendered");
+    let asked = Asked {
+        jobs: arguments.jobs.clone(),
+        results: arguments.results.clone(),
         allow_outside: arguments.allow_outside,
-        checksums: &checksums,
-        facts: vec![("command".to_owned(), render::command())],
     };
+    let prepared = Prepared::read(asked, &mut reader());
+    let prepared = prepared.map_err(|refused| refuse(refused.to_string()))?;
+    if arguments.dry_run {
+        return list(&prepared);
+    }
+    let begun = prepared.begin().map_err(|error: ResultsError| refuse(error.to_string()));
+    let mut begun = begun?;
+    let threads = Arc::new(Threads::start(arguments.threads)?);
     let start = Instant::now();
-    let mut course = Course::new(arguments, &left, results);
+    let (done, left) = (begun.done().len(), begun.left().len());
+    let mut course = Course::new(arguments, &begun);
     let signal = signals()?;
-    batch.run(|news| {
+    begun.run(&threads, vec![("command".to_owned(), render::command())], |news| {
         course.hear(news);
         if signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     course.progress.finish();
-    course.close(arguments, (done.len(), left.len()), start.elapsed(), signal())
+    course.close(arguments, (done, left), start.elapsed(), signal())
 }
 
-/// All that is wrong with a job file.
-fn refused(path: &Path, wrong: &[String]) -> CliError {
-    let path = excerpt(&path.display().to_string(), CHARACTERS_MAX);
-    let mut text = match wrong {
-        [only] => format!("{path}: {only}"),
-        _ => {
-            let lines = wrong.iter().take(TOLD_MAX).map(|text| format!("\n  {text}"));
-            format!("{path}: {} things are wrong{}", wrong.len(), lines.collect::<String>())
-        }
-    };
-    if wrong.len() > TOLD_MAX {
-        text += &format!("\n  and {} more", wrong.len() - TOLD_MAX);
-    }
-    CliError::Refused(text + "\n  nothing has been rendered")
+/// What reads the options of jobs, which are those of `render`.
+pub fn reader() -> impl FnMut(&Job, &Path) -> Result<Order, Vec<String>> {
+    let mut reader = Reader::new();
+    move |job, folder| reader.order(job, folder)
 }
 
 /// Prints what would be done.
-fn list(
-    file: &JobFile,
-    orders: &[Order],
-    records: &HashMap<String, Record>,
-    checksums: &Checksums,
-) -> Result<(), CliError> {
-    let mut left = 0;
-    for order in orders {
-        let record = records.get(&order.output_name);
-        let is_done = record.is_some_and(|it| order.is_done_by(it, &file.folder, checksums));
-        left += usize::from(!is_done);
-        let state = if is_done { "done" } else { "to do" };
+fn list(prepared: &Prepared) -> Result<(), CliError> {
+    let (mut all, mut left) = (0, 0);
+    for (order, record) in prepared.look() {
+        all += 1;
+        left += usize::from(record.is_none());
+        let state = if record.is_some() { "done" } else { "to do" };
         print(format_args!(
             "{:>5}  {state:<5}  {}  {}",
             order.index,
@@ -110,34 +79,12 @@ fn list(
             order.label()
         ))?;
     }
-    print(format_args!("{}, {left} to do", counted(orders.len(), JOBS)))
-}
-
-/// The records of the jobs that have been done, and the orders of the others.
-fn divided(
-    file: &JobFile,
-    orders: Vec<Order>,
-    records: &HashMap<String, Record>,
-    checksums: &Checksums,
-    jobs: &str,
-) -> (Vec<Record>, Vec<Order>) {
-    let (mut done, mut left) = (Vec::new(), Vec::new());
-    for order in orders {
-        match records.get(&order.output_name) {
-            Some(record) if order.is_done_by(record, &file.folder, checksums) => {
-                let Order { index, name, values, .. } = order;
-                done.push(Record { jobs: jobs.to_owned(), index, name, values, ..record.clone() });
-            }
-            _ => left.push(order),
-        }
-    }
-    (done, left)
+    print(format_args!("{}, {left} to do", counted(all, JOBS)))
 }
 
 /// A batch on its way.
-struct Course<'a> {
-    orders: HashMap<usize, &'a Order>,
-    results: Results,
+struct Course {
+    asked: usize,
     progress: Progress,
     ended: usize,
     failed: usize,
@@ -147,41 +94,34 @@ struct Course<'a> {
     said: BTreeSet<String>,
 }
 
-impl<'a> Course<'a> {
-    fn new(arguments: &BatchArguments, orders: &'a [Order], results: Results) -> Self {
-        let cost = orders.iter().map(Order::cost).fold(0, u64::saturating_add);
+impl Course {
+    fn new(arguments: &BatchArguments, begun: &Begun) -> Self {
         let template = "{wide_bar} {msg}, {eta} left";
         let progress = match arguments.quiet {
             true => Progress::none(),
-            false => Progress::of(cost, "samples", template),
+            false => Progress::of(begun.cost(), "samples", template),
         };
-        let orders = orders.iter().map(|order| (order.index, order)).collect();
-        let (said, unwritten) = (BTreeSet::new(), None);
-        let course = Self { orders, results, progress, ended: 0, failed: 0, unwritten, said };
+        let (asked, said, unwritten) = (begun.left().len(), BTreeSet::new(), None);
+        let course = Self { asked, progress, ended: 0, failed: 0, unwritten, said };
         course.tell();
         course
     }
 
     fn tell(&self) {
-        self.progress.tell(format!("{} of {}", self.ended, counted(self.orders.len(), JOBS)));
+        self.progress.tell(format!("{} of {}", self.ended, counted(self.asked, JOBS)));
     }
 
     /// Notes what has happened, and says it if it is worth it.
     fn hear(&mut self, news: News) {
         match news {
             News::Progress(done) => self.progress.set(done),
-            News::Ended { record, warnings } => {
+            News::Unwritten(error) => {
+                self.say(&format!("error: {error}"));
+                self.unwritten = Some(error.to_string());
+            }
+            News::Ended { order, record, warnings } => {
                 self.ended += 1;
-                if let Err(error) = self.results.add(&record)
-                    && self.unwritten.is_none()
-                {
-                    self.say(&format!("error: {error}"));
-                    self.unwritten = Some(error.to_string());
-                }
-                let label = match self.orders.get(&record.index) {
-                    Some(order) => order.label(),
-                    None => record.name.clone(),
-                };
+                let label = order.label();
                 if let Some(error) = &record.error {
                     self.failed += 1;
                     self.say(&format!("error: job {} {label}: {error}", record.index));

@@ -37,7 +37,7 @@ impl Document {
 
     /// Validates the bytes of a scene, and reads everything that it refers to.
     pub fn parse(bytes: &[u8], files: Files) -> Result<Self, SceneError> {
-        let (value, binary) = json_of(bytes)?;
+        let (mut value, binary) = json_of(bytes)?;
         validate::check(&value)?;
         let root = typed(&value)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
@@ -45,6 +45,7 @@ impl Document {
             let label = validate::label(&value, "buffers", index);
             buffers.push(read_buffer(buffer, index, &label, &files, binary)?);
         }
+        forget_data(&mut value);
         Ok(Self { value, root, buffers: Arc::new(buffers), files })
     }
 
@@ -110,6 +111,16 @@ fn json_of(bytes: &[u8]) -> Result<(Value, Option<&[u8]>), SceneError> {
 /// Text without the mark that some editors put before UTF-8.
 fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
+/// Takes the contents of buffers out of the JSON, which edits copy: they have been read.
+fn forget_data(value: &mut Value) {
+    for buffer in objects(value, "buffers") {
+        let is_data = |uri: &&mut Value| uri.as_str().is_some_and(|uri| uri.starts_with("data:"));
+        if let Some(uri) = buffer.get_mut("uri").filter(is_data) {
+            *uri = Value::from("data:");
+        }
+    }
 }
 
 /// The typed document, without what nobody reads: errors in that are no reason to refuse the rest.

@@ -73,6 +73,17 @@ impl Editable {
 
 /// Makes edits, all or none.
 pub fn apply(value: &mut Value, edits: &[Edit]) -> Result<(), SceneError> {
+    for (places, edit) in found(value, edits)? {
+        places.iter().for_each(|place| set(value, place, &edit.value));
+    }
+    Ok(())
+}
+
+/// The places of edits that are made at once.
+pub fn found<'a>(
+    value: &Value,
+    edits: &'a [Edit],
+) -> Result<Vec<(Vec<Place>, &'a Edit)>, SceneError> {
     let mut findings = Findings::default();
     let mut taken = Taken::default();
     let mut found = Vec::with_capacity(edits.len());
@@ -81,13 +92,10 @@ pub fn apply(value: &mut Value, edits: &[Edit]) -> Result<(), SceneError> {
             taken.add(&edit.target, &places)?;
             Ok(places)
         });
-        found.extend(findings.note(places).map(|places| (places, &edit.value)));
+        found.extend(findings.note(places).map(|places| (places, edit)));
     }
     findings.result()?;
-    for (places, new) in found {
-        places.iter().for_each(|place| set(value, place, new));
-    }
-    Ok(())
+    Ok(found)
 }
 
 /// Places that have been set, by what.
@@ -112,35 +120,36 @@ impl<'a> Taken<'a> {
 
 /// A step inwards.
 #[derive(Clone, Debug, PartialEq)]
-enum Step {
+pub enum Step {
     Key(String),
     Index(usize),
 }
 
 /// The way to a value from the root of the file.
-type Place = Vec<Step>;
+pub type Place = Vec<Step>;
 
 fn key(name: &str) -> Step {
     Step::Key(name.to_owned())
 }
 
 /// A kind of objects that edits are about.
-struct Kind {
+pub struct Kind {
     /// What edits call it.
-    name: &'static str,
+    pub name: &'static str,
     /// One of it.
     one: &'static str,
     /// Its keys in the extension.
-    keys: &'static Keys,
+    pub keys: &'static Keys,
     /// glTF's own keys that are read, with those of other extensions.
-    own: &'static [&'static str],
+    pub own: &'static [&'static str],
     /// Whether the object itself is of the extension, with the keys in it.
     is_of_extension: bool,
     /// Where the lists of its objects stand that a scene may have; all that are there are alike.
-    lists: fn(&Value) -> Vec<Place>,
+    pub lists: fn(&Value) -> Vec<Place>,
 }
 
-const KINDS: [Kind; 5] = [
+/// All kinds.
+pub const KINDS: [Kind; 5] = [
     Kind {
         name: "materials",
         one: "material",
@@ -228,7 +237,7 @@ fn forms(object: &[Step], name: &str) -> [Place; 3] {
 }
 
 /// What stands in a place.
-fn at<'a>(value: &'a Value, place: &[Step]) -> Option<&'a Value> {
+pub fn at<'a>(value: &'a Value, place: &[Step]) -> Option<&'a Value> {
     place.iter().try_fold(value, |inner, step| match step {
         Step::Key(name) => inner.get(name),
         Step::Index(index) => inner.get(index),
@@ -236,7 +245,7 @@ fn at<'a>(value: &'a Value, place: &[Step]) -> Option<&'a Value> {
 }
 
 /// Puts a value into a place, with the objects around it that are not there.
-fn set(value: &mut Value, place: &[Step], new: &Value) {
+pub fn set(value: &mut Value, place: &[Step], new: &Value) {
     let mut inner = value;
     for step in place {
         inner = match step {
@@ -257,7 +266,7 @@ fn set(value: &mut Value, place: &[Step], new: &Value) {
 }
 
 /// The places of what an edit is about.
-fn places(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
+pub fn places(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
     let refuse = |problem: String, remedy: String| SceneError::new(target, problem, remedy);
     let parts = target.split_once('/').and_then(|(kind, rest)| {
         let (name, key) = rest.rsplit_once('/')?;
@@ -391,7 +400,7 @@ fn refuse_overruled(node: Option<&Value>, name: &str) -> Result<(), Wrong> {
 }
 
 /// The extension's key that a path begins with, in any of its forms, and what follows.
-fn of_extension<'a, 'b>(kind: &Kind, words: &'a [&'b str]) -> Option<(&'b str, &'a [&'b str])> {
+pub fn of_extension<'a, 'b>(kind: &Kind, words: &'a [&'b str]) -> Option<(&'b str, &'a [&'b str])> {
     let (name, rest) = match words {
         ["extensions", EXTENSION, name, rest @ ..] | ["extras", "sunstone", name, rest @ ..] => {
             (*name, rest)

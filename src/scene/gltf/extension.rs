@@ -143,6 +143,7 @@ pub const ALL: [&Keys; 15] = [
 pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
     match (keys.definition, name) {
         ("camera", "film") => Some(&FILM),
+        ("film", "analyzer") => Some(&ANALYZER),
         ("scene", "environment") => Some(&ENVIRONMENT),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),

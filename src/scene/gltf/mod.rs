@@ -7,6 +7,7 @@ mod accessors;
 mod cameras;
 mod document;
 mod edit;
+mod edited;
 mod extension;
 mod files;
 mod hierarchy;
@@ -27,6 +28,7 @@ use hecs::Entity;
 
 use self::document::Document;
 pub use self::edit::{Edit, Editable};
+pub use self::edited::{EditedFile, keys_of_kind};
 use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;

@@ -6,12 +6,10 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::batch::file::{Job, JobFile};
-use crate::batch::order::Order;
+use super::file::{Job, JobFile};
+use super::order::Order;
 use crate::image::{self, atomic};
 use crate::scene::{Editable, SceneError};
-
-use super::options::Reader;
 
 /// All that is wrong, each said once.
 #[derive(Default)]
@@ -46,6 +44,10 @@ pub struct Inputs<'a> {
     pub results: &'a Path,
 }
 
+/// What reads the options of a job, which is in this folder, or says in words all that is wrong
+/// with them.
+pub type ReadOptions<'a> = &'a mut dyn FnMut(&Job, &Path) -> Result<Order, Vec<String>>;
+
 /// The orders of a job file.
 ///
 /// # Errors
@@ -54,13 +56,13 @@ pub fn orders(
     file: &JobFile,
     inputs: &Inputs,
     allow_outside: bool,
+    read: ReadOptions,
 ) -> Result<Vec<Order>, Vec<String>> {
     let mut wrong = Wrong::default();
     file.wrong.iter().for_each(|text| wrong.add(text.clone()));
-    let mut reader = Reader::new();
     let mut orders = Vec::with_capacity(file.jobs.len());
     for job in &file.jobs {
-        match reader.order(job, &file.folder) {
+        match read(job, &file.folder) {
             Ok(order) => orders.push((job, order)),
             Err(texts) => texts.iter().for_each(|text| wrong.of(job, text)),
         }

@@ -1,0 +1,405 @@
+"""Edits by name: bits, trees, errors, copies, threads."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import os
+import pathlib
+import pickle
+import struct
+import threading
+import time
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sunstone
+from conftest import CORNELL
+
+SMALL: dict[str, Any] = dict(integrator="path", spp=2, width=16, height=16)
+
+
+def pixels(scene: Any, **options: Any) -> Any:
+    return scene.render(**{**SMALL, **options}).stokes
+
+
+def extension(material: Any) -> Any:
+    return material["extensions"]["SUNSTONE_polarization"]
+
+
+def by_name(objects: Any, name: str) -> Any:
+    return next(item for item in objects if item.get("name") == name)
+
+
+#: An edit, and the same in the file.
+CASES: list[tuple[str, Any, Any]] = [
+    ("materials/half-wave plate/axis_deg", 12.5,
+     lambda it, v: extension(by_name(it["materials"], "half-wave plate")).update(axis_deg=v)),
+    ("materials/#5/ior", np.float32(1.75),
+     lambda it, v: extension(it["materials"][5]).update(ior=v)),
+    ("materials/white/reflectance", np.array([0.1, 0.2, 0.3]),
+     lambda it, v: extension(it["materials"][0]).update(reflectance=v)),
+    ("materials/white/reflectance", {"nm": [400, 700], "value": (0.2, 0.75)},
+     lambda it, v: extension(it["materials"][0]).update(reflectance=v)),
+    ("materials/light/emissiveFactor", (0.25, 0.5, 1),
+     lambda it, v: by_name(it["materials"], "light").update(emissiveFactor=v)),
+    ("cameras/camera/perspective.yfov", 0.5,
+     lambda it, v: it["cameras"][0]["perspective"].update(yfov=v)),
+    ("cameras/#0/film", {"analyzer": {"kind": "linear", "axis_deg": 30}},
+     lambda it, v: it["cameras"][0].setdefault("extensions", {})
+     .setdefault("SUNSTONE_polarization", {}).update(film=v)),
+    ("nodes/glass ball/translation.0", 0.5,
+     lambda it, v: by_name(it["nodes"], "glass ball")["matrix"].__setitem__(12, v)),
+]
+
+
+@pytest.mark.parametrize(("target", "value", "change"), CASES, ids=lambda it: str(it)[:20])
+def test_edits_are_those_of_the_file(
+    target: str, value: Any, change: Any, tmp_path: pathlib.Path
+) -> None:
+    scene = sunstone.load(CORNELL)
+    before = pixels(scene)
+    document = json.loads(CORNELL.read_text())
+    plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    change(document, plain)
+    (tmp_path / "edited.gltf").write_text(json.dumps(document))
+    for file in CORNELL.parent.iterdir():
+        if file.is_file() and file.suffix != ".gltf":
+            (tmp_path / file.name).symlink_to(file)
+    edited = sunstone.load(tmp_path / "edited.gltf", allow_outside=True)
+    scene[target] = value
+    after = pixels(scene)
+    assert np.array_equal(after, pixels(edited)) and not np.array_equal(after, before)
+    del scene[target]
+    assert scene.edits == {} and np.array_equal(pixels(scene), before)
+
+
+def test_values_are_told() -> None:
+    scene = sunstone.load(CORNELL)
+    assert scene["materials/half-wave plate/axis_deg"] == scene["half-wave plate"].axis_deg == 45
+    assert "materials/half-wave plate/axis_deg" in scene and "materials/white/eta" not in scene
+    assert "materials/snow/eta" not in scene and "snow" not in scene and 3 not in scene
+    assert scene["white"]["pbrMetallicRoughness.baseColorFactor"][3] == 1
+    assert isinstance(scene["nodes/glass ball/matrix"], tuple)
+    with pytest.raises(KeyError, match="exterior_ior is not stated, by default 1"):
+        scene["materials/glass/exterior_ior"]
+    with pytest.raises(KeyError, match="not stated, and there is no default"):
+        scene["materials/white/eta"]
+    with pytest.raises(KeyError, match=r"doubleSided is not stated, by default false"):
+        scene["materials/white/doubleSided"]
+    with pytest.raises(sunstone.SceneError, match="the node has a `matrix`, which says where"):
+        scene["nodes/camera/scale"]
+    assert scene.get("materials/white/eta") is None and scene.get("materials/white/eta", 3) == 3
+    with pytest.raises(AttributeError, match="by default 1"):
+        scene["glass"].exterior_ior
+    assert "axis_deg" in dir(scene["half-wave plate"]) and "yfov" not in dir(scene["camera"])
+    assert "perspective" in dir(scene["camera"])
+    # Nobody changes a copy and takes it for the scene.
+    scene["cameras/camera/film"] = {"analyzer": {"kind": "linear"}}
+    with pytest.raises(TypeError):
+        scene["cameras/camera/film"]["analyzer"] = None
+    assert scene["camera"].film.analyzer.kind == "linear"
+    scene["camera"].film.analyzer.axis_deg = 45
+    expected = {"kind": "linear", "axis_deg": 45}
+    assert scene.edits == {"cameras/camera/film": {"analyzer": expected}}
+    with pytest.raises(TypeError):
+        scene["nodes/glass ball/matrix"][0] = 1
+    with pytest.raises(TypeError):
+        list(scene)  # type: ignore[call-overload]
+    for number in (0.1, 1 / 3, math.pi, 1e-300, 123456789.123456789):
+        scene["nodes/camera/translation.0"] = number
+        assert scene["nodes/camera/translation.0"] == number
+
+
+REFUSED: list[tuple[str, Any, str]] = [
+    ("materials/snow/ior", 1.5, r"cornell.gltf: materials/snow/ior: no material is called `snow`"),
+    ("materials/glass/iro", 1.5, r"a material has no key `iro`\n  help: keys are axis_deg"),
+    ("shapes/glass/ior", 1.5, r"`shapes` is no kind of object\n  help: kinds are materials"),
+    ("glass", 1.5, r"glass: is no edit\n  help: write KIND/NAME/KEY"),
+    ("materials/glass/ior", -1, r'material 5 "glass", .*ior: -1 must be greater than 0'),
+    ("materials/glass/ior", "much", r"ior"),
+    ("materials/glass/ior", math.nan, r"materials/glass/ior: must be finite"),
+    ("materials/glass/ior", 10**30, r"materials/glass/ior: the number is too large"),
+    ("materials/glass/ior", object(), r"materials/glass/ior: cannot be a object"),
+    ("nodes/glass ball/matrix.77", 1, r"its list has 16 items, from 0 on"),
+    ("cameras/camera/perspective.yfov", 0, r"yfov"),
+    ("nodes/glass ball/camera", 99, r"99 is not an index"),
+]
+
+
+@pytest.mark.parametrize(("target", "value", "text"), REFUSED, ids=lambda it: str(it)[:24])
+def test_what_cannot_be_is_refused(target: str, value: Any, text: str) -> None:
+    scene = sunstone.load(CORNELL)
+    expected = pixels(scene)
+    with pytest.raises(sunstone.SceneError, match=text):
+        scene[target] = value
+    with pytest.raises(sunstone.SceneError, match=text):
+        scene.edit({"materials/white/reflectance": 0.1, target: value})
+    assert scene.edits == {} and np.array_equal(pixels(scene), expected)
+    with pytest.raises(KeyError, match="has not been edited"):
+        del scene["materials/glass/ior"]
+    with pytest.raises(TypeError, match="not by a int"):
+        scene[3]  # type: ignore[index]
+
+
+def test_names_have_to_be_unique(tmp_path: pathlib.Path) -> None:
+    text = CORNELL.read_text().replace('"name": "red"', '"name": "white"')
+    (tmp_path / "twins.gltf").write_text(text)
+    scene = sunstone.load(tmp_path / "twins.gltf", allow_outside=True)
+    with pytest.raises(sunstone.SceneError, match="several materials are called so: #0, #1"):
+        scene["white"].doubleSided = True
+    scene["materials/#1"].doubleSided = True
+    with pytest.raises(sunstone.SceneError, match="snow: nothing is called so\n  help: .*white"):
+        scene["snow"]
+    # A node and a camera have this name: the key tells.
+    scene["camera"].perspective.yfov = 0.4
+    assert "cameras/camera/perspective.yfov" in scene.edits
+    with pytest.raises(sunstone.SceneError, match="several things are called so: nodes/camera, c"):
+        scene["camera"].nothing = 1
+
+
+def test_copies_are_edited_by_themselves(room: sunstone.World) -> None:
+    for scene, target, value in [
+        (sunstone.load(CORNELL), "materials/glass/ior", 1.9),
+        (room.place(), "materials/glass/ior", 1.9),
+    ]:
+        before = pixels(scene)
+        scene[target] = value
+        after = pixels(scene)
+        assert not np.array_equal(before, after)
+        for same in (copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
+            assert same.edits == scene.edits == {target: value}
+            assert np.array_equal(pixels(same), after)
+            del same[target]
+            assert np.array_equal(pixels(same), before) and scene.edits == {target: value}
+        other = copy.copy(scene)
+        other.edit({})
+        assert other.edits == scene.edits
+        thing = scene["glass"]
+        for same in (copy.copy(thing), pickle.loads(pickle.dumps(thing))):
+            assert same.ior == 1.9 and repr(same) == repr(thing)
+
+
+def grid(folder: pathlib.Path, edge: int) -> pathlib.Path:
+    """A scene with a mesh of many triangles above which a camera looks down."""
+    x, y = np.meshgrid(np.linspace(-1, 1, edge), np.linspace(-1, 1, edge))
+    positions = np.stack([x, y, 0.05 * np.sin(9 * x) * np.cos(7 * y)], axis=-1)
+    corner = (np.arange(edge - 1)[:, None] * edge + np.arange(edge - 1)).ravel()
+    a, b = [corner, corner + 1, corner + edge + 1], [corner, corner + edge + 1, corner + edge]
+    triangles = np.concatenate([np.stack(a, axis=-1), np.stack(b, axis=-1)])
+    data = positions.astype("<f4").tobytes() + triangles.astype("<u4").tobytes()
+    (folder / "grid.bin").write_bytes(data)
+    vertices, split = edge * edge, 12 * edge * edge
+    low, high = positions.reshape(-1, 3).min(0), positions.reshape(-1, 3).max(0)
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [
+            {"mesh": 0, "name": "waves"},
+            {"camera": 0, "translation": [0, 0, 3]},
+            {"name": "sun", "extensions": {"KHR_lights_punctual": {"light": 0}}},
+        ],
+        "cameras": [{"type": "perspective", "name": "eye",
+                     "perspective": {"yfov": 0.7, "znear": 0.1}}],
+        "materials": [{"name": "sheet", "doubleSided": True,
+                       "extensions": {"SUNSTONE_polarization": {"bsdf": "diffuse"}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [
+            {"type": "directional", "intensity": 683, "name": "sun"}]}},
+        "buffers": [{"uri": "grid.bin", "byteLength": len(data)}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": split},
+            {"buffer": 0, "byteOffset": split, "byteLength": len(data) - split},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3",
+             "min": np.float32(low).tolist(), "max": np.float32(high).tolist()},
+            {"bufferView": 1, "componentType": 5125, "count": triangles.size, "type": "SCALAR"},
+        ],
+    }
+    path = folder / "grid.gltf"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def cpu(work: Any) -> float:
+    start = time.process_time()
+    work()
+    return time.process_time() - start
+
+
+def test_the_tree_is_built_once(tmp_path: pathlib.Path) -> None:
+    path = grid(tmp_path, 200)
+    scenes: list[sunstone.Scene] = []
+    placing = cpu(lambda: scenes.append(sunstone.load(path)))
+    scene = scenes[0]
+    before = pixels(scene)
+
+    def edit(target: str, value: Any) -> float:
+        return cpu(lambda: scene.__setitem__(target, value))
+
+    moved = edit("nodes/waves/translation", [0, 0, 0.5])
+    cheap = min(
+        edit(target, value)
+        for target, value in [
+            ("materials/sheet/reflectance", 0.25),
+            ("cameras/eye/perspective.yfov", 0.5),
+            ("lights/sun/intensity", 100),
+            ("nodes/#1/translation.2", 2.5),
+        ]
+    )
+    # What is left is to look at all triangles.
+    assert cheap < 0.3 * min(moved, placing), (cheap, moved, placing)
+    assert not np.array_equal(pixels(scene), before)
+
+
+def test_scenes_made_in_code_are_edited(room: sunstone.World) -> None:
+    scene = room.place()
+    before = pixels(scene)
+    assert room.place() is not scene
+    scene["glass"].ior = 1.7
+    scene["nodes/ball/position"] = (0, -0.6, 0)
+    scene["ball"].position[0]
+    scene["nodes/ball/position.0"] = 0.1
+    scene["nodes/ball/radius"] = 0.3
+    scene["eye"].yfov = 1.0
+    assert scene["ball"].position == (0.1, -0.6, 0) and scene["nodes/ball/radius"] == 0.3
+    other = sunstone.World("room")
+    for function, arguments in room._steps:
+        name, *rest = arguments
+        keys = dict(rest[-1])
+        rest = [*rest[:-1], keys]
+        if name == "glass":
+            keys["ior"] = 1.7
+        if name == "ball":
+            rest[0], keys["position"] = 0.3, (0.1, -0.6, 0)
+        if name == "eye":
+            keys["yfov"] = 1.0
+        other._add(function, name, *rest)
+    assert np.array_equal(pixels(scene), pixels(other))
+    # The world is as it was.
+    assert np.array_equal(pixels(room), before)
+    assert set(scene.edits) == {
+        "materials/glass/ior", "nodes/ball/position", "nodes/ball/radius", "cameras/eye/yfov"
+    }
+    again = room.place()
+    again.edit(scene.edits)
+    assert np.array_equal(pixels(again), pixels(scene))
+    for target in scene.edits:
+        del scene[target]
+    assert scene.edits == {} and np.array_equal(pixels(scene), before)
+    for target, value, text in [
+        ("materials/glass/ior", -1, "material `glass`, ior: -1 must be"),
+        ("materials/glass/axis_deg", 1, "axis_deg: means nothing for"),
+        ("materials/snow/ior", 1, "is called `snow`\n  help: the materials are #0 wall"),
+        ("shapes/a/b", 1, "`shapes` is no kind of object"),
+        ("lights/a/intensity", 1, "the scene has no lights"),
+        ("nodes/ball/position.5", 1, "its list has 3 items"),
+        ("nodes/ball/velocity.5", 1, "there is no `velocity` in it"),
+        ("glass", 1, "is no edit"),
+    ]:
+        with pytest.raises(sunstone.SceneError, match=text):
+            scene[target] = value
+    with pytest.raises(sunstone.SceneError, match="nothing is called so"):
+        scene["snow"]
+    with pytest.raises(KeyError, match="exterior_ior is not stated"):
+        scene["materials/glass/exterior_ior"]
+    assert scene.edits == {}
+
+
+def test_worlds_share_trees() -> None:
+    edge = 300
+    x, y = np.meshgrid(np.linspace(-1, 1, edge), np.linspace(-1, 1, edge))
+    positions = np.stack([x, y, 0.05 * np.sin(9 * x)], axis=-1).reshape(-1, 3)
+    corner = (np.arange(edge - 1)[:, None] * edge + np.arange(edge - 1)).ravel()
+    triangles = np.stack([corner, corner + 1, corner + edge + 1], axis=-1)
+    world = sunstone.World("waves")
+    world.add_material("sheet", "diffuse", reflectance=0.5, two_sided=True)
+    world.add_mesh("waves", sunstone.Geometry(positions, triangles), "sheet")
+    world.add_light("sun", "directional", 1.0)
+    world.set_camera("eye", yfov=0.7, position=(0, 0, 3))
+    placing = cpu(world.place)
+    scene = world.place()
+    before = pixels(scene, max_path_length=2)
+    editing = cpu(lambda: scene.__setitem__("materials/sheet/reflectance", 0.25))
+    assert editing < 0.3 * placing, (editing, placing)
+    after = pixels(scene, max_path_length=2)
+    np.testing.assert_allclose(after[..., 0], before[..., 0] / 2, rtol=1e-5)
+    # The world itself goes on with its tree where only that is added which is no shape.
+    world.set_camera("other", yfov=0.5, position=(0, 0, 3))
+    assert cpu(world.place) < 0.3 * placing
+
+
+def test_a_render_keeps_what_it_began_with() -> None:
+    scene = sunstone.load(CORNELL)
+    expected = pixels(scene, spp=16, threads=1)
+    begun, images = threading.Event(), []
+
+    def progress(done: int, total: int) -> None:
+        begun.set()
+        time.sleep(0.001)
+
+    def render() -> None:
+        options: Any = {**SMALL, "spp": 16, "threads": 1}
+        images.append(scene.render(**options, progress=progress).stokes)
+
+    worker = threading.Thread(target=render)
+    worker.start()
+    assert begun.wait(60)
+    scene["materials/glass/ior"] = 2.0
+    worker.join(60)
+    assert np.array_equal(images[0], expected)
+    assert not np.array_equal(pixels(scene, spp=16), expected)
+
+
+def test_no_edit_is_lost_among_threads() -> None:
+    scene = sunstone.load(CORNELL)
+    names = ["white", "red", "green", "blue"]
+
+    def work(name: str) -> None:
+        for index in range(6):
+            scene[f"materials/{name}/reflectance"] = 0.1 + 0.1 * index
+            scene.render(integrator="path", spp=1, width=2, height=2)
+
+    workers = [threading.Thread(target=work, args=(name,)) for name in names]
+    [worker.start() for worker in workers]
+    [worker.join(120) for worker in workers]
+    assert set(scene.edits) == {f"materials/{name}/reflectance" for name in names}
+    assert all(value == 0.1 + 0.1 * 5 for value in scene.edits.values())
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system does not fork")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
+def test_forked_processes_edit() -> None:
+    scene = sunstone.load(CORNELL)
+    scene["materials/glass/ior"] = 1.6
+    reader, writer = os.pipe()
+    if (child := os.fork()) == 0:
+        scene["materials/glass/ior"] = 1.7
+        os.write(writer, struct.pack("d", float(pixels(scene).sum())))
+        os._exit(0)
+    value = struct.unpack("d", os.read(reader, 8))[0]
+    os.waitpid(child, 0)
+    assert scene["glass"].ior == 1.6
+    scene["glass"].ior = 1.7
+    assert float(pixels(scene).sum()) == value
+
+
+def test_warnings_come_with_edits(tmp_path: pathlib.Path) -> None:
+    scene = sunstone.load(CORNELL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene["materials/glass/ior"] = 1.6
+    # A ball within the aluminum block, or the like, overlaps it.
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        scene["glass ball"].matrix = scene["gold ball"].matrix
+        scene.edit({"materials/gold/doubleSided": True})
+    assert all(it.filename == __file__ for it in heard)
+    assert len({str(it.message) for it in heard}) == len(heard)
