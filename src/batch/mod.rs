@@ -6,16 +6,23 @@
 //! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
 //! | [`sweep`], [`pattern`] | axes of values, and names made of them |
 //! | [`order`] | a job that has been checked |
-//! | [`results`] | `results.jsonl`: what has been done |
+//! | [`share`] | what one task of many does |
+//! | [`results`], [`known`] | `results.jsonl`, and those of tasks: what has been done |
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
+//! | [`merging`] | images of the parts that tasks have rendered |
+//! | [`farm`] | scripts and templates for engines that run tasks |
 
+pub mod farm;
 pub mod file;
 mod gate;
+pub mod known;
+pub mod merging;
 pub mod order;
 mod pattern;
 pub mod results;
 pub mod run;
 mod scenes;
+pub mod share;
 mod sweep;

@@ -145,6 +145,7 @@ fn run_command() -> ExitCode {
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Batch(arguments) => batch::batch(&arguments),
+        Command::Farm(arguments) => batch::farm::farm(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };
     match result {
