@@ -19,7 +19,8 @@ def main() -> None:
         a, b = channels(one), channels(other)
         assert sorted(a) == sorted(b) and any(name.startswith("variance") for name in a), other
         for name in a:
-            assert a[name].dtype == np.float32 and a[name].tobytes() == b[name].tobytes(), (other, name)
+            assert a[name].dtype == np.float32, (other, name)
+            assert a[name].tobytes() == b[name].tobytes(), (other, name)
         assert any(pixels.any() for pixels in a.values()), f"{one} is black"
     print(f"{len(found)} images, {len(a)} channels each: the same bits")
 

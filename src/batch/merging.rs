@@ -17,6 +17,8 @@ pub struct Merging<'a> {
     pub known: &'a Known,
     /// Parts of each image; one if tasks have rendered images.
     pub parts: u32,
+    /// Parts that are there, of whatever division.
+    pub there: &'a Leftovers,
 }
 
 /// An image whose parts have become one.
@@ -78,7 +80,7 @@ impl Merging<'_> {
             }
         }
         if !left.is_empty() {
-            return Err(self.why_not(&left));
+            return Err(self.why_not(order, &left));
         }
         let paths: Vec<PathBuf> = pieces.into_iter().map(|piece| piece.output).collect();
         let (mut image, with_variance) = merge_as_asked_for(&paths)?;
@@ -89,8 +91,8 @@ impl Merging<'_> {
         Ok(Merged { image, inputs, seconds })
     }
 
-    /// Why there is no image, by the pieces that are left.
-    fn why_not(&self, left: &[&Order]) -> MergingError {
+    /// Why there is no image of a job, by the pieces that are left.
+    fn why_not(&self, order: &Order, left: &[&Order]) -> MergingError {
         let mut failed: Vec<(&str, Vec<String>)> = Vec::new();
         let mut missing = Vec::new();
         for piece in left {
@@ -110,7 +112,11 @@ impl Merging<'_> {
         let told =
             |(error, names): (&str, Vec<String>)| format!("{} failed: {error}", listed(names));
         let reasons = missing.into_iter().chain(failed.into_iter().map(told));
-        MergingError::Missing(listed(reasons))
+        let other = self.there.of_other_number(&order.output, self.parts);
+        let advice = other.map_or(String::new(), |other| {
+            format!(" (there is {}: is --parts what the tasks had?)", other.display())
+        });
+        MergingError::Missing(listed(reasons) + &advice)
     }
 
     fn why_missing(&self, piece: &Order) -> String {
@@ -156,6 +162,13 @@ impl Leftovers {
             }
         }
         Self(found)
+    }
+
+    /// One of an image of which there are more or fewer parts than so many.
+    fn of_other_number(&self, output: &Path, parts: u32) -> Option<&PathBuf> {
+        let own = format!("-of-{parts}.part");
+        let mut files = self.0.get(output).into_iter().flatten();
+        files.find(|path| !path.to_string_lossy().ends_with(&own))
     }
 
     /// Removes those of an image.

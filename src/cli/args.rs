@@ -379,11 +379,11 @@ A batch that is started again does what is left, and again what has failed or wh
 options, program or image has changed. Exit codes: 0 all done, 1 some jobs failed, 2 the job file \
 is wrong and nothing was rendered, 128 + N signal N ended it.
 
-On many machines that share a folder each does a share with --task K/N, of parts of images if \
-there are to be some, and --merge makes one batch of all shares. A task tries again, once, what the \
-system has refused (a full disk, a server that does not answer), and ends with 0 unless something \
-is left that another try might do: jobs that cannot be rendered are told by --merge. 'sunstone \
-farm' writes what has an engine run all that.";
+Many machines that share a folder do a share each with --task K/N, of parts of images if there are \
+to be some, and --merge makes one batch of all shares. A task tries again, once, what the system \
+has refused (a full disk, a server that does not answer), and ends with 0 unless something is \
+left that another try might do: jobs that cannot be rendered are told by --merge. 'sunstone farm' \
+writes what has an engine run all that.";
 
 /// `batch` as typed.
 #[derive(Debug, Args)]

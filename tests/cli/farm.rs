@@ -180,6 +180,10 @@ fn a_merge_names_what_is_missing_and_tasks_do_what_is_left() {
     }
     assert!(strange.exists() && !here.join("still.hdr.1-of-3.part").exists());
     assert_eq!(records(&here).len(), 5);
+    let merge = batch(&here, &["--merge", "--parts", "1"]);
+    let words =
+        "the image is missing: there is no out/swept path-0.exr (there is out/swept path-0.exr.";
+    assert!(merge.code == 1 && merge.stderr.contains(words), "{}", merge.stderr);
     let words: String = tasks(&here, 2).into_iter().map(|run| run.stderr).collect();
     assert_eq!(words.matches(" 2 parts in ").count(), 2, "{words}");
     batch(&here, &["--merge"]).done();

@@ -1,5 +1,6 @@
-//! What has an engine run the tasks of a batch, and merge what they leave when all are done. Another
-//! engine is a file here and a line in [`ENGINES`].
+//! What has an engine run the tasks of a batch, and merge what they leave when all are done.
+//!
+//! Another engine is a file here and a line in [`ENGINES`].
 
 mod openjd;
 mod slurm;

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{Engine, Plan};
@@ -19,6 +20,17 @@ pub const ENGINE: Engine = Engine {
 
 /// Most characters of a word in a template, and of a default.
 const CHARACTERS_MAX: usize = 1024;
+
+/// A template, in the order in which it is read.
+#[derive(Serialize)]
+struct Template {
+    #[serde(rename = "specificationVersion")]
+    version: &'static str,
+    name: String,
+    #[serde(rename = "parameterDefinitions")]
+    parameters: Value,
+    steps: [Value; 2],
+}
 
 fn write(plan: &Plan) -> Result<String, String> {
     if let Some(option) = plan.options.iter().find(|option| option.contains("{{")) {
@@ -52,12 +64,12 @@ fn write(plan: &Plan) -> Result<String, String> {
                 json!({"amounts": [{"name": "amount.worker.vcpu", "min": cpus}]});
         }
     }
-    let template = json!({
-        "specificationVersion": "jobtemplate-2023-09",
-        "name": plan.name(),
-        "parameterDefinitions": parameters(plan)?,
-        "steps": steps,
-    });
+    let template = Template {
+        version: "jobtemplate-2023-09",
+        name: plan.name(),
+        parameters: parameters(plan)?,
+        steps,
+    };
     let text = serde_json::to_string_pretty(&template).map_err(|error| error.to_string())?;
     Ok(text + "\n")
 }

@@ -20,16 +20,16 @@ pub struct TaskArguments {
     /// Note in the results what all tasks have done, make images of parts, and remove these
     #[arg(long, conflicts_with = "dry_run")]
     pub merge: bool,
-    /// Parts of each image, with --task and --merge [default: those of the job file's [farm], or 1]
+    /// Parts of each image, with --task and --merge [default: those of [farm] in the file, or 1]
     #[arg(long, value_name = "N")]
     pub parts: Option<u32>,
 }
 
 const FARM_NOTES: &str = "\
-All machines need the same build of sunstone and one folder that they share, with the job file, its \
-scenes and its outputs. What is written runs 'sunstone batch JOBS --task K/N' for every K, on any \
-machine and in any order, and after them 'sunstone batch JOBS --merge'. Run again, it does what is \
-left.
+All machines need the same build of sunstone and one folder that they share, with the job file, \
+its scenes and its outputs. What is written runs 'sunstone batch JOBS --task K/N' for every K, on \
+any machine and in any order, and after them 'sunstone batch JOBS --merge'. Run again, it does \
+what is left.
 
   sunstone farm slurm jobs.toml --tasks 100 --cpus 16 -o jobs.sh
   bash jobs.sh --partition=long --time=4:00:00 --mem=16G     # any options of sbatch

@@ -15,7 +15,7 @@ use super::super::args::BatchArguments;
 use super::super::files::say;
 use super::super::interrupt::Signal;
 use super::super::progress::Progress;
-use super::{CHARACTERS_MAX, JOBS};
+use super::CHARACTERS_MAX;
 
 /// What has become of a batch so far.
 pub struct Course<'a> {
@@ -24,6 +24,8 @@ pub struct Course<'a> {
     orders: HashMap<&'a str, &'a Order>,
     results: Results,
     progress: Progress,
+    /// What there is one of for every order: a job or a part.
+    unit: [&'static str; 2],
     ended: usize,
     failed: usize,
     /// How many of these another try might mend.
@@ -36,7 +38,12 @@ pub struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// At its beginning.
-    pub fn new(arguments: &'a BatchArguments, orders: &'a [Order], results: Results) -> Self {
+    pub fn new(
+        arguments: &'a BatchArguments,
+        orders: &'a [Order],
+        unit: [&'static str; 2],
+        results: Results,
+    ) -> Self {
         let cost = orders.iter().map(Order::cost).fold(0, u64::saturating_add);
         let template = "{wide_bar} {msg}, {eta} left";
         let progress = match arguments.quiet {
@@ -48,6 +55,7 @@ impl<'a> Course<'a> {
             orders: orders.iter().map(|order| (&*order.output_name, order)).collect(),
             results,
             progress,
+            unit,
             ended: 0,
             failed: 0,
             passing: 0,
@@ -59,7 +67,7 @@ impl<'a> Course<'a> {
     }
 
     fn tell(&self) {
-        self.progress.tell(format!("{} of {}", self.ended, counted(self.orders.len(), JOBS)));
+        self.progress.tell(format!("{} of {}", self.ended, counted(self.orders.len(), self.unit)));
     }
 
     /// Notes what has happened, and says it if it is worth it. Returns the record of a job that has
@@ -118,16 +126,16 @@ impl<'a> Course<'a> {
     }
 
     /// Says what has become of the batch, in which so many had been done before. What is made is
-    /// called `unit`.
+    /// called `made`.
     pub fn close(
         self,
-        unit: [&str; 2],
+        made: [&str; 2],
         done: usize,
         time: Duration,
         signal: Option<Signal>,
     ) -> Result<(), CliError> {
         self.progress.finish();
-        let Self { ended, failed, passing, unwritten, .. } = self;
+        let Self { unit, ended, failed, passing, unwritten, .. } = self;
         let rendered = ended - failed;
         if let Some(signal) = signal.filter(|_| ended < self.orders.len()) {
             let left = self.orders.len() - ended;
@@ -138,17 +146,17 @@ impl<'a> Course<'a> {
         if !self.arguments.quiet {
             let before =
                 if done > 0 { format!(", {done} were done before") } else { String::new() };
-            let rendered = counted(rendered, unit);
+            let rendered = counted(rendered, made);
             say(format_args!("{path}: {rendered} in {}{before}", HumanDuration(time)));
         }
         let is_task = self.arguments.tasks.task.is_some();
         if failed > 0 && is_task && passing == 0 && unwritten.is_none() {
-            let failed = counted(failed, JOBS);
+            let failed = counted(failed, unit);
             say(format_args!("{path}: {failed} failed, and would again; --merge will tell"));
             return Ok(());
         }
         if failed > 0 {
-            return Err(CliError::System(format!("{path}: {} failed", counted(failed, JOBS))));
+            return Err(CliError::System(format!("{path}: {} failed", counted(failed, unit))));
         }
         unwritten.map_or(Ok(()), |text| Err(CliError::System(text)))
     }

@@ -178,7 +178,7 @@ impl<'a> Asked<'a> {
     }
 
     /// What pieces are called, by whether they are images or parts.
-    fn unit<'w>(&self, [image, part]: [[&'w str; 2]; 2]) -> [&'w str; 2] {
+    fn unit(&self, [image, part]: [[&'static str; 2]; 2]) -> [&'static str; 2] {
         if self.parts > 1 && !self.arguments.tasks.merge { part } else { image }
     }
 
@@ -214,7 +214,7 @@ impl<'a> Asked<'a> {
         for record in &done {
             leftovers.remove(&self.orders[record.index].output).map_err(is_left)?;
         }
-        let merging = Merging { known: &known, parts: self.parts };
+        let merging = Merging { known: &known, parts: self.parts, there: &leftovers };
         let remove = |record: &Record| leftovers.remove(&self.orders[record.index].output);
         self.run(How::Merging(&merging), &left, done.len(), results, remove)?;
         remove_files_of_tasks(&self.results, &self.jobs).map_err(is_left)
@@ -240,7 +240,8 @@ impl<'a> Asked<'a> {
             facts: vec![("command".to_owned(), render::command())],
         };
         let start = Instant::now();
-        let mut course = Course::new(self.arguments, left, results);
+        let unit = self.unit([JOBS, PARTS]);
+        let mut course = Course::new(self.arguments, left, unit, results);
         let signal = signals()?;
         batch.run(|news| {
             if let Some(record) = course.hear(news)
@@ -250,7 +251,6 @@ impl<'a> Asked<'a> {
             }
             if signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        let unit = self.unit([IMAGES, PARTS]);
-        course.close(unit, done, start.elapsed(), signal())
+        course.close(self.unit([IMAGES, PARTS]), done, start.elapsed(), signal())
     }
 }
