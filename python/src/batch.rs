@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use sunstone::Stop;
 use sunstone::internals::batch::order::Order;
-use sunstone::internals::batch::prepared::{Asked, Begun, Prepared};
+use sunstone::internals::batch::prepared::{Asked, Begun, Prepared, Work};
 use sunstone::internals::batch::results::{Record, ResultsError};
 use sunstone::internals::batch::run::News;
 use sunstone::internals::cli::batch::reader;
@@ -90,7 +90,7 @@ impl Batch {
             let text = format!("cannot read {}: {error}", jobs.display());
             return Err(of_system(&jobs, &error, text));
         }
-        let asked = Asked { jobs, results, allow_outside };
+        let asked = Asked { jobs, results, allow_outside, work: Work::All };
         let read = move || Prepared::read(asked, &mut reader());
         let nothing = Stop::default();
         let prepared = wait_for(py, None, &nothing, |_| Ok(()), move |_, _| read())?;
@@ -241,13 +241,15 @@ fn run(mut begun: Begun, pool: Pool, sender: &Sender<Told>, stop: &AtomicBool) {
     let mut latest = 0;
     begun.run(&pool.threads, Vec::new(), |news| {
         let told = match news {
-            News::Ended { order, record, warnings } => {
+            News::Ended { order, record, warnings, may_pass: _ } => {
                 Some(Told::Row(Box::new(Row { warnings, ..Row::new(order, Some(*record)) })))
             }
             News::Progress(done) => {
                 (std::mem::replace(&mut latest, done) != done).then_some(Told::Progress(done))
             }
             News::Unwritten(error) => Some(Told::Unwritten(error)),
+            // Of tasks and merges, which only the command line does.
+            News::Again { .. } | News::Left(_) => None,
         };
         let is_heard = told.is_none_or(|told| sender.send(told).is_ok());
         match is_heard && !stop.load(Ordering::Relaxed) {

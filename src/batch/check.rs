@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::file::{Job, JobFile};
 use super::order::Order;
 use crate::image::{self, atomic};
+use crate::render::{Part, SettingsError, check_part};
 use crate::scene::{Editable, SceneError};
 
 /// All that is wrong, each said once.
@@ -42,6 +43,8 @@ pub struct Inputs<'a> {
     pub jobs: &'a Path,
     /// Where the results go.
     pub results: &'a Path,
+    /// Parts of each image.
+    pub parts: u32,
 }
 
 /// What reads the options of a job, which is in this folder, or says in words all that is wrong
@@ -67,6 +70,9 @@ pub fn orders(
             Err(texts) => texts.iter().for_each(|text| wrong.of(job, text)),
         }
     }
+    if inputs.parts != 1 {
+        check_parts(&orders, inputs.parts, &mut wrong);
+    }
     check_edits(file, &mut wrong);
     check_outputs(&orders, file, inputs, allow_outside, &mut wrong);
     let wrong = wrong.list();
@@ -74,6 +80,19 @@ pub fn orders(
         return Ok(orders.into_iter().map(|(_, order)| order).collect());
     }
     Err(wrong)
+}
+
+/// Checks that every image has so many parts, whatever its scene.
+fn check_parts(orders: &[(&Job, Order)], parts: u32, wrong: &mut Wrong) {
+    let last = match Part::new(parts, parts) {
+        Ok(last) => last,
+        Err(_) => return wrong.add(format!("parts must be from 1 on, not {parts}")),
+    };
+    for (job, order) in orders {
+        if let Err(SettingsError { setting, rule }) = check_part(&order.settings, last) {
+            wrong.of(job, &format!("{setting} {rule}"));
+        }
+    }
 }
 
 /// Checks that edits are of something that is there. A scene that cannot be read is told by the

@@ -39,10 +39,10 @@ pub struct JobFile {
 /// How a farm divides a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Farm {
-    /// Shares of jobs, at least one.
-    pub tasks: u64,
+    /// Shares of the work, at least one.
+    pub tasks: u32,
     /// Parts of each image, at least one.
-    pub parts: u64,
+    pub parts: u32,
 }
 
 /// One image.
@@ -208,9 +208,9 @@ fn farm_of(table: &Table, wrong: &mut Vec<String>) -> Farm {
     }
     let mut count = |key: &str| match table.get(key).map(Value::as_u64) {
         None => 1,
-        Some(Some(count)) if count > 0 => count,
+        Some(Some(count)) if (1..=VALUES_MAX as u64).contains(&count) => count as u32,
         Some(_) => {
-            wrong.push(format!("farm: `{key}` must be a whole number from 1 on"));
+            wrong.push(format!("farm: `{key}` must be a whole number from 1 to {VALUES_MAX}"));
             1
         }
     };

@@ -10,13 +10,20 @@
 //! | [`prepared`] | from the file to what is left to do, and its results noted |
 //! | [`results`] | `results.jsonl`: what has been done |
 //! | [`report`] | a page of what has been done |
+//! | [`share`] | what one task of many does |
+//! | [`results`], [`known`] | `results.jsonl`, and those of tasks: what has been done |
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
+//! | [`merging`] | images of the parts that tasks have rendered |
+//! | [`farm`] | scripts and templates for engines that run tasks |
 
 pub mod check;
+pub mod farm;
 pub mod file;
 mod gate;
+pub mod known;
+pub mod merging;
 pub mod order;
 mod pattern;
 pub mod prepared;
@@ -24,4 +31,5 @@ pub mod report;
 pub mod results;
 pub mod run;
 mod scenes;
+pub mod share;
 mod sweep;

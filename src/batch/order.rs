@@ -14,7 +14,7 @@ use super::results::Record;
 use crate::image;
 use crate::math::text::excerpt;
 use crate::render::settings::SAMPLES_MAX;
-use crate::render::{BUILD, Settings};
+use crate::render::{BUILD, Options, Part, Settings, SettingsError};
 use crate::scene::Edit;
 
 /// A job in which nothing can be wrong but what its scene and the machine know.
@@ -28,18 +28,22 @@ pub struct Order {
     pub values: Map<String, Value>,
     /// The scene, from the current folder.
     pub scene: PathBuf,
+    /// The same as the job file has it.
+    pub scene_name: PathBuf,
     /// The camera, if one was chosen.
     pub camera: Option<String>,
     /// What is other than in the scene file.
     pub edits: Vec<Edit>,
-    /// What is rendered of it.
+    /// What is rendered of it: an image, or a part of one.
     pub settings: Settings,
-    /// Where the image goes, from the current folder.
+    /// Where that goes, from the current folder.
     pub output: PathBuf,
     /// The same as the job file has it.
     pub output_name: String,
 }
 
+/// What the files of parts end with.
+const PART: &str = "part";
 /// Most characters of a name, and of values, in what is said of a job.
 const NAME: usize = 60;
 const VALUES: usize = 400;
@@ -50,16 +54,42 @@ impl Order {
     /// How it is called in what is said of it.
     pub fn label(&self) -> String {
         let name = excerpt(&self.name, NAME);
+        let part = self.settings.part.map_or(String::new(), |part| format!(", part {part}"));
         if self.values.is_empty() {
-            return format!("\"{name}\"");
+            return format!("\"{name}\"{part}");
         }
         let values = self.values.iter().map(|(name, value)| format!("{name} {value}"));
         let values = values.collect::<Vec<_>>().join(", ");
-        format!("\"{name}\" ({})", excerpt(&values, VALUES))
+        format!("\"{name}\" ({}){part}", excerpt(&values, VALUES))
     }
 
-    /// What it takes, in samples, as far as is known before the scene is.
-    pub fn cost(&self) -> u64 {
+    /// The order of a part of the image, whose file is beside that of the image:
+    /// `out/a.exr.2-of-7.part`.
+    ///
+    /// # Errors
+    /// When the settings allow of no parts.
+    pub fn part(&self, part: Part) -> Result<Self, SettingsError> {
+        let settings = Settings::new(Options { part: Some(part), ..self.settings.options() })?;
+        let suffix = format!(".{}-of-{}.{PART}", part.number(), part.of());
+        let mut output = self.output.clone().into_os_string();
+        output.push(&suffix);
+        let output_name = format!("{}{suffix}", self.output_name);
+        Ok(Self { settings, output: output.into(), output_name, ..self.clone() })
+    }
+
+    /// The files that it makes.
+    ///
+    /// # Errors
+    /// When no format is called as the output ends.
+    pub fn files(&self) -> Result<Vec<PathBuf>, image::OutputError> {
+        match self.settings.part {
+            Some(_) => Ok(vec![self.output.clone()]),
+            None => image::files_of(&self.output),
+        }
+    }
+
+    /// What the whole image takes, in samples, as far as is known before the scene is.
+    pub fn cost_of_image(&self) -> u64 {
         let options = &*self.settings;
         let [width, height] = match (options.width.map(u64::from), options.height.map(u64::from)) {
             (Some(width), Some(height)) => [width, height],
@@ -67,12 +97,17 @@ impl Order {
             (None, None) => [EDGE; 2],
         };
         let samples = options.iterations.unwrap_or(options.samples).clamp(1, SAMPLES_MAX);
-        width * height * u64::from(samples)
+        (width * height * u64::from(samples)).max(1)
+    }
+
+    /// What this takes of it.
+    pub fn cost(&self) -> u64 {
+        self.cost_of_image().div_ceil(self.settings.part.map_or(1, |part| part.of().into()))
     }
 
     /// What decides on its image beside the files that it reads: options, edits and the program.
     pub fn key(&self) -> String {
-        let Self { scene, camera, edits, settings, .. } = self;
+        let Self { scene_name: scene, camera, edits, settings, .. } = self;
         let edits: Vec<_> =
             edits.iter().map(|edit| (&edit.target, edit.value.to_string())).collect();
         // Debug output tells floats apart to the last bit.
@@ -89,8 +124,35 @@ impl Order {
             && record.key == self.key()
             && record.inputs.iter().all(is_as_before)
             && record.checksum.is_some()
-            && checksum_of_image(&self.output).ok() == record.checksum
+            && self.checksum().ok() == record.checksum
     }
+
+    /// The SHA-256 of its file as it is now, of its files in turn if there are several.
+    ///
+    /// # Errors
+    /// When one cannot be read.
+    pub fn checksum(&self) -> io::Result<String> {
+        checksum_of(&self.files().map_err(io::Error::other)?)
+    }
+}
+
+/// The SHA-256 of an image, of its files in turn if it is of several.
+///
+/// # Errors
+/// When one cannot be read.
+pub fn checksum_of_image(path: &Path) -> io::Result<String> {
+    checksum_of(&image::files_of(path).map_err(io::Error::other)?)
+}
+
+fn checksum_of(files: &[PathBuf]) -> io::Result<String> {
+    let mut digest = Sha256::new();
+    // A format may leave files away: those of Stokes components that were not measured.
+    let (first, others) = files.split_first().ok_or(io::ErrorKind::NotFound)?;
+    add_file(&mut digest, first)?;
+    for file in others.iter().filter(|file| file.exists()) {
+        add_file(&mut digest, file)?;
+    }
+    Ok(hex(digest.finalize().as_slice()))
 }
 
 /// Checksums of files that do not change while the program runs.
@@ -136,22 +198,6 @@ fn add_file(digest: &mut Sha256, path: &Path) -> io::Result<()> {
             count => digest.update(&block[..count]),
         }
     }
-}
-
-/// The SHA-256 of an image, of its files in turn if it is of several.
-///
-/// # Errors
-/// When one cannot be read.
-pub fn checksum_of_image(path: &Path) -> io::Result<String> {
-    let files = image::files_of(path).map_err(io::Error::other)?;
-    let mut digest = Sha256::new();
-    // A format may leave files away: those of Stokes components that were not measured.
-    let (first, others) = files.split_first().ok_or(io::ErrorKind::NotFound)?;
-    add_file(&mut digest, first)?;
-    for file in others.iter().filter(|file| file.exists()) {
-        add_file(&mut digest, file)?;
-    }
-    Ok(hex(digest.finalize().as_slice()))
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -1,17 +1,19 @@
 //! A batch from its file to its end, the same for whoever starts one: what is wrong is told before
 //! anything is rendered, what is done is left out, and what becomes of jobs is noted.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::check::{Inputs, ReadOptions, orders};
-use super::file::JobFile;
+use super::file::{Farm, JobFile};
+use super::known::{Known, folder_of_tasks, remove_files_of_tasks};
+use super::merging::{Leftovers, Merging};
 use super::order::{Checksums, Order};
 use super::results::{Record, Results, ResultsError};
-use super::run::{Batch, News};
+use super::run::{Batch, How, News};
+use super::share::Share;
 use crate::math::text::excerpt;
 use crate::render::threads::Threads;
 
@@ -29,6 +31,20 @@ pub struct Asked {
     pub results: Option<PathBuf>,
     /// Whether scenes may read, and jobs write, files outside their folders.
     pub allow_outside: bool,
+    /// What of the batch is to be done.
+    pub work: Work,
+}
+
+/// What of a batch is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// All of it.
+    All,
+    /// What one task of many does, of images or of so many parts of each, by default as many as the
+    /// job file says.
+    Share(Share, Option<u32>),
+    /// What tasks have done becomes one batch; with the parts of each image.
+    Merge(Option<u32>),
 }
 
 /// All that is wrong with a job file.
@@ -43,22 +59,36 @@ pub struct Refused {
 /// A batch that may begin: what the file alone shows is good.
 pub struct Prepared {
     asked: Asked,
-    /// What paths are relative to.
-    folder: PathBuf,
-    /// The file name of the job file.
-    jobs: String,
+    file: Place,
+    farm: Farm,
     results: PathBuf,
     orders: Vec<Order>,
+    /// What a share has of these.
+    pieces: Option<Vec<Order>>,
+    parts: u32,
     checksums: Checksums,
+}
+
+/// Where a job file is.
+#[derive(Clone, Debug)]
+struct Place {
+    /// What its paths are relative to.
+    folder: PathBuf,
+    /// Its file name.
+    jobs: String,
 }
 
 /// A batch that has begun: nobody else writes its results.
 pub struct Begun {
     asked: Asked,
-    folder: PathBuf,
-    jobs: String,
+    file: Place,
+    path: PathBuf,
     results: Results,
+    parts: u32,
     checksums: Checksums,
+    known: Known,
+    /// Parts of images, where these are merged.
+    leftovers: Option<Leftovers>,
     done: Vec<(Order, Record)>,
     left: Vec<Order>,
 }
@@ -73,21 +103,71 @@ impl Prepared {
         let file = JobFile::read(&asked.jobs).map_err(|wrong| refused(vec![wrong]))?;
         let beside = || file.folder.join("results.jsonl");
         let results = asked.results.clone().unwrap_or_else(beside);
-        let inputs = Inputs { jobs: &asked.jobs, results: &results };
+        let parts = match asked.work {
+            Work::All => 1,
+            Work::Share(_, parts) | Work::Merge(parts) => parts.unwrap_or(file.farm.parts),
+        };
+        let inputs = Inputs { jobs: &asked.jobs, results: &results, parts };
         let orders = orders(&file, &inputs, asked.allow_outside, read).map_err(refused)?;
+        let pieces = match asked.work {
+            Work::Share(share, _) => {
+                let pieces = share.pieces(&orders, parts);
+                Some(pieces.map_err(|error| refused(vec![error.to_string()]))?)
+            }
+            Work::All | Work::Merge(_) => None,
+        };
         let jobs = asked.jobs.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let checksums = Checksums::default();
-        Ok(Self { asked, folder: file.folder, jobs, results, orders, checksums })
+        let (JobFile { folder, farm, .. }, checksums) = (file, Checksums::default());
+        let file = Place { folder, jobs };
+        Ok(Self { asked, file, farm, results, orders, pieces, parts, checksums })
     }
 
-    /// The jobs in their order, with what has become of those that are done.
+    /// The jobs.
+    pub fn orders(&self) -> &[Order] {
+        &self.orders
+    }
+
+    /// What paths are relative to.
+    pub fn folder(&self) -> &Path {
+        &self.file.folder
+    }
+
+    /// Where it is noted what has been done.
+    pub fn results(&self) -> &Path {
+        &self.results
+    }
+
+    /// How a farm divides it, by the job file.
+    pub fn farm(&self) -> Farm {
+        self.farm
+    }
+
+    /// Parts of each image; one where images are rendered as a whole.
+    pub fn parts(&self) -> u32 {
+        self.parts
+    }
+
+    /// What there is to do in its order, with what has become of that which is done; of parts whose
+    /// image is there, with that of the image.
     pub fn look(&self) -> impl Iterator<Item = (&Order, Option<Record>)> {
-        let mut records = Results::look(&self.results);
-        self.orders.iter().map(move |order| {
-            let record = records.remove(&order.output_name);
-            let is_done = |record: &Record| order.is_done_by(record, &self.folder, &self.checksums);
-            (order, record.filter(is_done))
-        })
+        let known = self.known(Results::look(&self.results));
+        self.all().iter().map(move |order| (order, self.done_by(&known, order).cloned()))
+    }
+
+    fn all(&self) -> &[Order] {
+        self.pieces.as_deref().unwrap_or(&self.orders)
+    }
+
+    /// What is known of these and of what tasks have done.
+    fn known(&self, records: impl IntoIterator<Item = Record>) -> Known {
+        Known::with_tasks(records, &self.results, &self.file.jobs)
+    }
+
+    /// By what an order is done: a part is not needed either when its image is there.
+    fn done_by<'k>(&self, known: &'k Known, order: &Order) -> Option<&'k Record> {
+        let of = |order| known.done(order, &self.file.folder, &self.checksums);
+        let image = || order.settings.part.and_then(|_| of(&self.orders[order.index]));
+        image().or_else(|| of(order))
     }
 
     /// Takes the file of results for this process, and finds out what is left to do.
@@ -95,20 +175,50 @@ impl Prepared {
     /// # Errors
     /// When it cannot be written, or another process has it.
     pub fn begin(self) -> Result<Begun, ResultsError> {
-        let Self { asked, folder, jobs, results, orders, checksums } = self;
-        let mut results = Results::open(&results)?;
-        let (done, left) = divided(orders, &results.records(), |order, record| {
-            order.is_done_by(record, &folder, &checksums)
-        });
-        let name_anew = |(order, record): (Order, Record)| {
-            let (jobs, index) = (jobs.clone(), order.index);
-            let (name, values) = (order.name.clone(), order.values.clone());
-            (order, Record { jobs, index, name, values, ..record })
+        let mut results = match self.asked.work {
+            Work::All | Work::Merge(_) => Results::open(&self.results)?,
+            // Nobody else writes the file of a share.
+            Work::Share(share, _) => {
+                let name = share.file_name(&self.file.jobs);
+                Results::open_of_task(&folder_of_tasks(&self.results).join(name))?
+            }
         };
-        let done: Vec<_> = done.into_iter().map(name_anew).collect();
-        let records: Vec<Record> = done.iter().map(|(_, record)| record.clone()).collect();
-        results.begin(&jobs, &records)?;
-        Ok(Begun { asked, folder, jobs, results, checksums, done, left })
+        let known = match self.asked.work {
+            Work::All => self.known(results.records()),
+            // What failed is told by tasks; errors in the results are those of former merges.
+            Work::Merge(_) => self.known(results.records().filter(|it| it.error.is_none())),
+            Work::Share(..) => self.known(Results::look(&self.results)),
+        };
+        let (done, left) = self.divided(&known);
+        let leftovers = match self.asked.work {
+            Work::Merge(_) => Some(Leftovers::find(&self.orders)),
+            Work::All | Work::Share(..) => None,
+        };
+        if self.pieces.is_none() {
+            let records: Vec<Record> = done.iter().map(|(_, record)| record.clone()).collect();
+            results.begin(&self.file.jobs, &records)?;
+        }
+        let Self { asked, file, results: path, parts, checksums, .. } = self;
+        Ok(Begun { asked, file, path, results, parts, checksums, known, leftovers, done, left })
+    }
+
+    /// The orders that have been done, with their records, and the others.
+    fn divided(&self, known: &Known) -> (Vec<(Order, Record)>, Vec<Order>) {
+        let (mut done, mut left) = (Vec::new(), Vec::new());
+        for order in self.all() {
+            match self.done_by(known, order) {
+                Some(record) => {
+                    let Order { index, name, values, .. } = order.clone();
+                    let jobs = self.file.jobs.clone();
+                    done.push((
+                        order.clone(),
+                        Record { jobs, index, name, values, ..record.clone() },
+                    ));
+                }
+                None => left.push(order.clone()),
+            }
+        }
+        (done, left)
     }
 }
 
@@ -137,50 +247,74 @@ impl Begun {
         facts: Vec<(String, String)>,
         mut hear: impl FnMut(News) -> ControlFlow<()>,
     ) {
+        let Self { asked, file, path, results, parts, checksums, known, .. } = self;
+        let Self { leftovers, done, left, .. } = self;
+        let merging = leftovers.as_ref().map(|there| Merging { known, parts: *parts, there });
+        let how = match (&merging, asked.work) {
+            (Some(merging), _) => How::Merging(merging),
+            (None, Work::Share(..)) => How::Again,
+            (None, Work::All | Work::Merge(_)) => How::Once,
+        };
         let batch = Batch {
-            orders: &self.left,
-            jobs: self.jobs.clone(),
-            folder: self.folder.clone(),
+            orders: left,
+            how,
+            jobs: file.jobs.clone(),
+            folder: file.folder.clone(),
             threads: Arc::clone(threads),
-            allow_outside: self.asked.allow_outside,
-            checksums: &self.checksums,
+            allow_outside: asked.allow_outside,
+            checksums,
             facts,
         };
-        let (results, mut is_told) = (&mut self.results, false);
+        let mut notes = Notes { results, leftovers: leftovers.as_ref(), made: 0, is_told: false };
+        let left_over = done.iter().filter_map(|(order, _)| notes.removed(order));
+        if left_over.map(&mut hear).any(|answer| answer.is_break()) {
+            return;
+        }
         batch.run(|news| {
-            let noted = match &news {
-                News::Ended { record, .. } => results.add(record),
-                News::Progress(_) | News::Unwritten(_) => Ok(()),
-            };
-            let told = match noted {
-                Err(error) if !is_told => {
-                    is_told = true;
-                    hear(News::Unwritten(error))
-                }
-                Ok(()) | Err(_) => ControlFlow::Continue(()),
-            };
-            match (hear(news), told) {
-                (ControlFlow::Continue(()), ControlFlow::Continue(())) => ControlFlow::Continue(()),
-                _ => ControlFlow::Break(()),
-            }
+            let more = notes.note(&news).map_or(ControlFlow::Continue(()), &mut hear);
+            if hear(news).is_break() { ControlFlow::Break(()) } else { more }
         });
+        // What tasks have noted stands in the results now.
+        if leftovers.is_some()
+            && notes.made == left.len()
+            && let Err(error) = remove_files_of_tasks(path, &file.jobs)
+        {
+            let _ = hear(News::Left(error));
+        }
     }
 }
 
-/// The orders that have been done, with their records, and the others.
-fn divided(
-    orders: Vec<Order>,
-    records: &HashMap<String, Record>,
-    is_done: impl Fn(&Order, &Record) -> bool,
-) -> (Vec<(Order, Record)>, Vec<Order>) {
-    let (mut done, mut left) = (Vec::new(), Vec::new());
-    for order in orders {
-        match records.get(&order.output_name) {
-            Some(record) if is_done(&order, record) => done.push((order, record.clone())),
-            _ => left.push(order),
+/// What is written down of a batch on its way.
+struct Notes<'a> {
+    results: &'a mut Results,
+    leftovers: Option<&'a Leftovers>,
+    /// Images, or parts, that were made and noted.
+    made: usize,
+    /// Whether it has been told that something could not be noted.
+    is_told: bool,
+}
+
+impl Notes<'_> {
+    /// Notes what has become of a job; says what went wrong in that.
+    fn note(&mut self, news: &News) -> Option<News<'static>> {
+        let News::Ended { order, record, .. } = news else { return None };
+        match self.results.add(record) {
+            Ok(()) if record.error.is_none() => {
+                self.made += 1;
+                self.removed(order)
+            }
+            Ok(()) => None,
+            Err(error) => {
+                let was_told = std::mem::replace(&mut self.is_told, true);
+                (!was_told).then_some(News::Unwritten(error))
+            }
         }
     }
-    (done, left)
+
+    /// Removes what is no longer needed when an image is there; says so if it cannot be.
+    fn removed(&self, order: &Order) -> Option<News<'static>> {
+        self.leftovers?.remove(&order.output).err().map(News::Left)
+    }
 }
 
 impl std::error::Error for Refused {}

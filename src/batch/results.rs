@@ -1,17 +1,17 @@
 //! `results.jsonl`: a line for every job that has come to an end, written when it does.
 //!
 //! Of several lines of one output the last counts; lines that are cut off count for nothing. Who
-//! writes holds the file's lock.
+//! writes holds the file's lock; a task, who writes a file of its own, needs none.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::image::{OutputError, atomic, read_bytes};
+use crate::image::{OutputError, atomic, folder_of, read_bytes};
 
 /// Most bytes of a file that is looked at.
 const BYTES_MAX: u64 = 1 << 31;
@@ -83,8 +83,22 @@ impl Results {
     /// # Errors
     /// When it cannot be written, or another process has it.
     pub fn open(path: &Path) -> Result<Self, ResultsError> {
+        Self::of(path, lock(path)?)
+    }
+
+    /// Opens the file of a task, which is made with its folder if it is not there. Nobody else
+    /// writes it, or else lines are lost, and what they tell is done again.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn open_of_task(path: &Path) -> Result<Self, ResultsError> {
         let failed = |source| ResultsError::Write { path: path.to_owned(), source };
-        let mut file = lock(path)?;
+        fs::create_dir_all(folder_of(path)).map_err(failed)?;
+        Self::of(path, open(path).map_err(failed)?)
+    }
+
+    fn of(path: &Path, mut file: File) -> Result<Self, ResultsError> {
+        let failed = |source| ResultsError::Write { path: path.to_owned(), source };
         let mut bytes = Vec::new();
         // Who wants no results may name a device, of which there may be no end.
         if file.metadata().is_ok_and(|found| found.is_file()) {
@@ -94,11 +108,11 @@ impl Results {
         Ok(Self { path: path.to_owned(), file, is_cut, lines })
     }
 
-    /// What a file holds, to be looked at.
-    pub fn look(path: &Path) -> HashMap<String, Record> {
-        let bytes = if path.is_file() { std::fs::read(path) } else { Ok(Vec::new()) };
-        let bytes = bytes.unwrap_or_default();
-        latest(&lines_of(&bytes).0)
+    /// What a file holds, to be looked at; nothing if it cannot be read.
+    pub fn look(path: &Path) -> Vec<Record> {
+        let bytes = if path.is_file() { fs::read(path) } else { Ok(Vec::new()) };
+        let lines = lines_of(&bytes.unwrap_or_default()).0;
+        lines.into_iter().filter_map(|line| line.record).collect()
     }
 
     /// The latest record of every output, by job file and index, and the number of lines that are
@@ -113,14 +127,17 @@ impl Results {
         let (lines, _) = lines_of(&bytes);
         let is_none = |line: &&Line| line.record.is_none() && !line.text.trim().is_empty();
         let broken = lines.iter().filter(is_none).count();
-        let mut records: Vec<Record> = latest(&lines).into_values().collect();
+        let records = lines.into_iter().filter_map(|line| line.record);
+        let latest: HashMap<String, Record> =
+            records.map(|record| (record.output.clone(), record)).collect();
+        let mut records: Vec<Record> = latest.into_values().collect();
         records.sort_by(|a, b| (&a.jobs, a.index, &a.output).cmp(&(&b.jobs, b.index, &b.output)));
         Ok((records, broken))
     }
 
-    /// The latest record of every output.
-    pub fn records(&self) -> HashMap<String, Record> {
-        latest(&self.lines)
+    /// What it held when it was opened.
+    pub fn records(&self) -> impl Iterator<Item = Record> {
+        self.lines.iter().filter_map(|line| line.record.clone())
     }
 
     /// Makes these records all that there is of the job file of this name; what others have
@@ -164,13 +181,16 @@ fn line_of(record: &Record) -> String {
     serde_json::to_string(record).unwrap_or_default()
 }
 
+fn open(path: &Path) -> io::Result<File> {
+    OpenOptions::new().create(true).read(true).append(true).open(path)
+}
+
 /// Opens and locks the file that has the name, and not one that has just been replaced.
 fn lock(path: &Path) -> Result<File, ResultsError> {
     const TRIED: usize = 100;
     let failed = |source| ResultsError::Write { path: path.to_owned(), source };
     for _ in 0..TRIED {
-        let file =
-            OpenOptions::new().create(true).read(true).append(true).open(path).map_err(failed)?;
+        let file = open(path).map_err(failed)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(ResultsError::Taken(path.to_owned())),
@@ -204,11 +224,6 @@ fn lines_of(bytes: &[u8]) -> (Vec<Line>, bool) {
     (whole.lines().map(line).collect(), end < bytes.len())
 }
 
-fn latest(lines: &[Line]) -> HashMap<String, Record> {
-    let records = lines.iter().filter_map(|line| line.record.clone());
-    records.map(|record| (record.output.clone(), record)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,11 +247,10 @@ mod tests {
         std::fs::write(&path, &text[..text.len() - 5]).unwrap();
         let mut results = Results::open(&path).unwrap();
         assert!(matches!(Results::open(&path), Err(ResultsError::Taken(_))));
-        assert_eq!(results.records().keys().len(), 2);
+        assert_eq!(results.records().collect::<Vec<_>>(), [a, other.clone()]);
         results.add(&b).unwrap();
         results.add(&c).unwrap();
-        assert_eq!(Results::look(&path)["a"], c);
-        assert_eq!(Results::look(&path)["b"], b);
+        assert_eq!(Results::look(&path)[2..], [b.clone(), c.clone()]);
         results.begin("j.toml", std::slice::from_ref(&c)).unwrap();
         results.add(&b).unwrap();
         drop(results);

@@ -5,7 +5,7 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
@@ -13,14 +13,17 @@ use std::time::{Duration, Instant};
 use std::{fs, io, thread};
 
 use super::gate::Gate;
-use super::order::{Checksums, Order, checksum_of_image};
+use super::merging::{Merged, Merging, MergingError};
+use super::order::{Checksums, Order};
 use super::results::{Record, ResultsError};
 use super::scenes::{LARGE, Scenes};
+use crate::files;
+use crate::film::Developed;
 use crate::image::{self, OutputError};
 use crate::render::doubts::doubts;
 use crate::render::memory::triangles_of;
 use crate::render::threads::Threads;
-use crate::render::{RenderError, Renderer, Stop};
+use crate::render::{PartError, PlacedWorld, RenderError, Renderer, Stop};
 
 /// Pixels in work for every thread, beyond which jobs wait for others: their films take memory.
 const PIXELS_OF_THREAD: u64 = 1 << 16;
@@ -30,11 +33,17 @@ const SMALL: u64 = 1 << 13;
 const MORE: usize = 2;
 /// Time between two looks at whether to end.
 const POLL: Duration = Duration::from_millis(50);
+/// Time before a second try: a server may have been busy for a moment.
+const PAUSE: Duration = Duration::from_secs(3);
+/// Bytes that a pixel takes in the file of a part, or more.
+const BYTES_OF_PIXEL: u64 = 64;
 
 /// What all jobs of a batch share.
 pub struct Batch<'a> {
-    /// The jobs to be done.
+    /// The jobs to be done, or parts of them.
     pub orders: &'a [Order],
+    /// How.
+    pub how: How<'a>,
     /// The file name of the job file.
     pub jobs: String,
     /// What its paths are relative to.
@@ -49,6 +58,17 @@ pub struct Batch<'a> {
     pub facts: Vec<(String, String)>,
 }
 
+/// How jobs are done.
+#[derive(Clone, Copy)]
+pub enum How<'a> {
+    /// Rendered.
+    Once,
+    /// Rendered, and once more where that fails for what may pass.
+    Again,
+    /// Put together of what others have rendered.
+    Merging(&'a Merging<'a>),
+}
+
 /// What a batch tells on its way.
 pub enum News<'a> {
     /// A job has come to an end.
@@ -59,11 +79,22 @@ pub enum News<'a> {
         record: Box<Record>,
         /// What is to be known of its image and its scene.
         warnings: Vec<String>,
+        /// Whether it has failed and may not when it is tried another time, or elsewhere.
+        may_pass: bool,
+    },
+    /// A job has failed and is tried again.
+    Again {
+        /// Which.
+        order: &'a Order,
+        /// Why.
+        error: String,
     },
     /// So many samples have been rendered, by the reckoning of [`Order::cost`].
     Progress(u64),
     /// What has become of a job could not be noted. It is told once.
     Unwritten(ResultsError),
+    /// What is no longer needed could not be removed.
+    Left(io::Error),
 }
 
 /// Why a job has no image.
@@ -79,15 +110,44 @@ enum JobError {
     Again(io::Error),
     #[error("the output is a file of the scene, {}", .0.display())]
     OverScene(PathBuf),
+    #[error(transparent)]
+    Part(#[from] PartError),
+    #[error(transparent)]
+    Merging(#[from] MergingError),
     #[error("the program failed: {0}")]
     Panic(String),
 }
 
-/// What a thread has brought about.
-enum Outcome<'a> {
-    Ended(&'a Order, Box<Record>, Vec<String>),
-    /// Ended from outside: as if it had not begun.
-    Dropped,
+impl JobError {
+    /// Whether the same job may not fail a moment later, or on another machine.
+    fn may_pass(&self) -> bool {
+        match self {
+            Self::Render(RenderError::Scene(error)) => error.may_pass(),
+            Self::Render(RenderError::Memory(_)) => true,
+            Self::Image(error)
+            | Self::Part(PartError::File(error))
+            | Self::Merging(MergingError::Part(PartError::File(error))) => {
+                error.of_system().is_some_and(|error| files::may_pass(error.kind()))
+            }
+            Self::Inputs(error) | Self::Again(error) => files::may_pass(error.kind()),
+            Self::Render(RenderError::Settings(_))
+            | Self::OverScene(_)
+            | Self::Part(_)
+            | Self::Merging(_)
+            | Self::Panic(_) => false,
+        }
+    }
+}
+
+/// What is known of a job in work.
+#[derive(Default)]
+struct Account {
+    /// Samples of it that have been counted.
+    counted: AtomicU64,
+    inputs: BTreeMap<String, String>,
+    warnings: Vec<String>,
+    /// What others have spent on it.
+    seconds: f64,
 }
 
 /// What is in work.
@@ -97,7 +157,7 @@ struct Work<'a> {
     gate: Gate,
     next: AtomicUsize,
     /// Samples so far.
-    done: AtomicU64,
+    samples: AtomicU64,
     /// Ends all of it.
     stop: Stop,
 }
@@ -112,10 +172,10 @@ impl Batch<'_> {
             scenes: Scenes::new(self.allow_outside),
             gate: Gate::new(count as u64 * PIXELS_OF_THREAD),
             next: AtomicUsize::new(0),
-            done: AtomicU64::new(0),
+            samples: AtomicU64::new(0),
             stop: Stop::default(),
         };
-        let (sender, news) = mpsc::channel();
+        let (sender, told) = mpsc::channel();
         thread::scope(|scope| {
             for started in 0..(count + MORE).min(self.orders.len()) {
                 let (work, of_thread) = (&work, sender.clone());
@@ -130,19 +190,15 @@ impl Batch<'_> {
             }
             drop(sender);
             loop {
-                let mut told = match news.recv_timeout(POLL) {
-                    Ok(Outcome::Ended(order, record, warnings)) => {
-                        hear(News::Ended { order, record, warnings })
-                    }
-                    Ok(Outcome::Dropped) | Err(RecvTimeoutError::Timeout) => {
-                        ControlFlow::Continue(())
-                    }
+                let mut answer = match told.recv_timeout(POLL) {
+                    Ok(news) => hear(news),
+                    Err(RecvTimeoutError::Timeout) => ControlFlow::Continue(()),
                     Err(RecvTimeoutError::Disconnected) => break,
                 };
-                if told.is_continue() {
-                    told = hear(News::Progress(work.done.load(Ordering::Relaxed)));
+                if answer.is_continue() {
+                    answer = hear(News::Progress(work.samples.load(Ordering::Relaxed)));
                 }
-                if told.is_break() {
+                if answer.is_break() {
                     work.stop.give_up();
                 }
             }
@@ -152,30 +208,42 @@ impl Batch<'_> {
 
 impl<'a> Work<'a> {
     /// Takes one job after the other.
-    fn take_all(&self, sender: &Sender<Outcome<'a>>) {
+    fn take_all(&self, sender: &Sender<News<'a>>) {
         while !self.stop.is_set() {
             let index = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(order) = self.batch.orders.get(index) else { return };
-            // Nobody hears of it any more if the batch is over.
-            let _ = sender.send(self.account(order));
+            if let Some(news) = self.done(order, sender) {
+                // Nobody hears of it any more if the batch is over.
+                let _ = sender.send(news);
+            }
         }
     }
 
-    /// Does a job, and says what has become of it.
-    fn account(&self, order: &'a Order) -> Outcome<'a> {
+    /// Does a job, and says what has become of it; nothing if it was ended from outside, which is
+    /// as if it had not begun.
+    fn done(&self, order: &'a Order, sender: &Sender<News<'a>>) -> Option<News<'a>> {
         let start = Instant::now();
-        let counted = AtomicU64::new(0);
-        let mut inputs = BTreeMap::new();
-        let mut warnings = Vec::new();
-        let made = catch_unwind(AssertUnwindSafe(|| {
-            self.make(order, &counted, &mut inputs, &mut warnings)
-        }));
-        let made = made.unwrap_or_else(|panic| Err(JobError::Panic(words_of(&*panic))));
-        let left = order.cost().saturating_sub(counted.load(Ordering::Relaxed));
-        self.done.fetch_add(left, Ordering::Relaxed);
+        let mut account = Account::default();
+        let mut made = self.try_to_make(order, &mut account);
+        if let (How::Again, Err(error)) = (self.batch.how, &made)
+            && error.may_pass()
+        {
+            let _ = sender.send(News::Again { order, error: error.to_string() });
+            self.pause();
+            if self.stop.is_set() {
+                return None;
+            }
+            self.scenes.forget(&order.scene);
+            let counted = account.counted;
+            account = Account { counted, ..Account::default() };
+            made = self.try_to_make(order, &mut account);
+        }
+        let Account { counted, inputs, warnings, seconds } = account;
+        let left = order.cost().saturating_sub(counted.into_inner());
+        self.samples.fetch_add(left, Ordering::Relaxed);
+        let may_pass = made.as_ref().is_err_and(JobError::may_pass);
         let (error, checksum) = match made {
-            Ok(Some(checksum)) => (None, Some(checksum)),
-            Ok(None) => return Outcome::Dropped,
+            Ok(checksum) => (None, Some(checksum?)),
             Err(error) => (Some(error.to_string()), None),
         };
         let record = Record {
@@ -184,23 +252,38 @@ impl<'a> Work<'a> {
             name: order.name.clone(),
             values: order.values.clone(),
             output: order.output_name.clone(),
-            seconds: start.elapsed().as_secs_f64(),
+            seconds: seconds + start.elapsed().as_secs_f64(),
             error,
             checksum,
             key: order.key(),
             inputs,
         };
-        Outcome::Ended(order, Box::new(record), warnings)
+        Some(News::Ended { order, record: Box::new(record), warnings, may_pass })
     }
 
-    /// Makes the image of a job; returns its checksum, or nothing if it was stopped.
-    fn make(
+    /// Waits, unless the batch is over.
+    fn pause(&self) {
+        let start = Instant::now();
+        while start.elapsed() < PAUSE && !self.stop.is_set() {
+            thread::sleep(POLL);
+        }
+    }
+
+    /// Makes the file of a job; returns its checksum, or nothing if it was stopped.
+    fn try_to_make(
         &self,
         order: &Order,
-        counted: &AtomicU64,
-        inputs: &mut BTreeMap<String, String>,
-        warnings: &mut Vec<String>,
+        account: &mut Account,
     ) -> Result<Option<String>, JobError> {
+        let made = catch_unwind(AssertUnwindSafe(|| match self.batch.how {
+            How::Once | How::Again => self.render(order, account),
+            How::Merging(merging) => self.merge(merging, order, account).map(Some),
+        }));
+        made.unwrap_or_else(|panic| Err(JobError::Panic(words_of(&*panic))))
+    }
+
+    fn render(&self, order: &Order, account: &mut Account) -> Result<Option<String>, JobError> {
+        let Account { counted, inputs, warnings, .. } = account;
         let batch = self.batch;
         let start = Instant::now();
         let (world, permit) = self.scenes.world(order, &self.gate)?;
@@ -210,7 +293,7 @@ impl<'a> Work<'a> {
         warnings.extend(world.warnings().map(|warning| format!("warning: {warning}")));
         let files = world.world().files();
         *inputs = batch.checksums.of_all(files, &batch.folder).map_err(JobError::Inputs)?;
-        refuse_overwriting(&order.output, files)?;
+        refuse_overwriting(order, files)?;
         let [width, height] = world.film_size(&order.settings).map_err(RenderError::from)?;
         // Tables of large scenes take a quarter of what their shapes do, for every job in work.
         let room = match triangles_of(world.world()) {
@@ -223,34 +306,82 @@ impl<'a> Work<'a> {
         renderer.run(|so_far| {
             let share = f64::from(so_far.samples) / f64::from(so_far.total);
             let now = (order.cost() as f64 * share) as u64;
-            let before = counted.swap(now, Ordering::Relaxed);
-            self.done.fetch_add(now.saturating_sub(before), Ordering::Relaxed);
+            let before = counted.fetch_max(now, Ordering::Relaxed);
+            self.samples.fetch_add(now.saturating_sub(before), Ordering::Relaxed);
             ControlFlow::Continue(())
         });
         if self.stop.is_set() {
             return Ok(None);
         }
-        let (settings, doubts) = (*renderer.settings(), doubts(&renderer, &world));
+        make_folder_of(order)?;
+        if order.settings.part.is_some() {
+            renderer.save(&order.output)?;
+        } else {
+            let image = self.finished(renderer, &world, warnings);
+            batch.save(image, order, start.elapsed(), room <= SMALL)?;
+        }
+        order.checksum().map(Some).map_err(JobError::Again)
+    }
+
+    /// The image of a render that is done; adds what may be wrong with it to the warnings.
+    fn finished(
+        &self,
+        renderer: Renderer,
+        world: &PlacedWorld,
+        warnings: &mut Vec<String>,
+    ) -> Developed<'static> {
+        let (settings, doubts) = (*renderer.settings(), doubts(&renderer, world));
         let mut image = renderer.finish_rows();
         if !settings.variance {
             image.drop_variance();
         }
         let doubts = doubts.about(&image);
         warnings.extend(doubts.iter().map(|doubt| format!("warning: {doubt}")));
-        batch.add_metadata(&mut image.metadata, order, start.elapsed());
-        let failed = |error| OutputError::write(&order.output, error);
-        fs::create_dir_all(image::folder_of(&order.output)).map_err(failed)?;
-        let save = || image::save(&image, &order.output);
-        // Of a small one, waiting for the disk takes longer than packing, and no thread is to wait.
-        match room <= SMALL {
-            true => save(),
-            false => batch.threads.run(save),
-        }?;
-        checksum_of_image(&order.output).map(Some).map_err(JobError::Again)
+        image
+    }
+
+    /// Makes the image of a job of its parts; returns its checksum.
+    fn merge(
+        &self,
+        merging: &Merging,
+        order: &Order,
+        account: &mut Account,
+    ) -> Result<String, JobError> {
+        let batch = self.batch;
+        let first = merging.file_of_first(order)?;
+        let bytes = fs::metadata(first).map_or(0, |found| found.len());
+        let _permit = self.gate.enter(bytes / BYTES_OF_PIXEL);
+        let Merged { image, inputs, seconds } =
+            merging.image(order, &batch.folder, batch.checksums)?;
+        let files: Vec<PathBuf> = inputs.keys().map(|name| batch.folder.join(name)).collect();
+        refuse_overwriting(order, &files)?;
+        make_folder_of(order)?;
+        let is_small = bytes / BYTES_OF_PIXEL <= SMALL;
+        batch.save(image, order, Duration::from_secs_f64(seconds), is_small)?;
+        (account.inputs, account.seconds) = (inputs, seconds);
+        order.checksum().map_err(JobError::Again)
     }
 }
 
 impl Batch<'_> {
+    /// Writes an image that took so long.
+    fn save(
+        &self,
+        mut image: Developed,
+        order: &Order,
+        time: Duration,
+        is_small: bool,
+    ) -> Result<(), JobError> {
+        self.add_metadata(&mut image.metadata, order, time);
+        let save = || image::save(&image, &order.output);
+        // Of a small one, waiting for the disk takes longer than packing, and no thread is to wait.
+        match is_small {
+            true => save(),
+            false => self.threads.run(save),
+        }?;
+        Ok(())
+    }
+
     /// Adds what the renderer does not know.
     fn add_metadata(&self, to: &mut Vec<(String, String)>, order: &Order, time: Duration) {
         let edits = order.edits.iter().map(|edit| format!("{} = {}", edit.target, edit.value));
@@ -268,9 +399,14 @@ impl Batch<'_> {
     }
 }
 
+fn make_folder_of(order: &Order) -> Result<(), JobError> {
+    let failed = |error| OutputError::write(&order.output, error);
+    Ok(fs::create_dir_all(image::folder_of(&order.output)).map_err(failed)?)
+}
+
 /// Refuses to replace what the scene was read from.
-fn refuse_overwriting(output: &Path, inputs: &[PathBuf]) -> Result<(), JobError> {
-    for file in image::files_of(output)? {
+fn refuse_overwriting(order: &Order, inputs: &[PathBuf]) -> Result<(), JobError> {
+    for file in order.files()? {
         let Ok(target) = fs::canonicalize(&file) else { continue };
         let is_it = |input: &&PathBuf| fs::canonicalize(input).is_ok_and(|input| input == target);
         if let Some(input) = inputs.iter().find(is_it) {

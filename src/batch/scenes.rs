@@ -73,6 +73,11 @@ impl Scenes {
         Ok((world, permit))
     }
 
+    /// Reads a scene anew when it is asked for again.
+    pub fn forget(&self, path: &Path) {
+        locked(&self.kept).retain(|(known, _)| known != path);
+    }
+
     fn kept(&self, path: &Path) -> Arc<Kept> {
         let mut all = locked(&self.kept);
         let found = all.iter().position(|(known, _)| known == path);

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
@@ -49,6 +50,8 @@ Examples:
       many renders from one job file: sweeps over materials, lights, media, cameras and options
   sunstone report scenes -o report.html
       a page of what has become of them: maps, times, errors, plots over the sweep's axes
+  sunstone farm slurm scenes/malus.toml -o malus.sh
+      the same on the machines of a cluster: a script that has Slurm run tasks
   sunstone bench table1
       what polarization costs: the paper's Table 1, measured on this machine
   sunstone bench overhead scenes/cornell.gltf --integrator path,bdpt
@@ -92,6 +95,8 @@ pub enum Command {
     Batch(BatchArguments),
     /// Make a page of a batch: its images, times and errors, with filters and plots
     Report(ReportArguments),
+    /// Write what has a cluster or a render farm do a batch in tasks
+    Farm(FarmArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
 }
@@ -381,7 +386,13 @@ bare name. All jobs have the same seed unless they say another; seed = \"job\" g
 
 A batch that is started again does what is left, and again what has failed or whose scene, \
 options, program or image has changed. Exit codes: 0 all done, 1 some jobs failed, 2 the job file \
-is wrong and nothing was rendered, 128 + N signal N ended it.";
+is wrong and nothing was rendered, 128 + N signal N ended it.
+
+Many machines that share a folder do a share each with --task K/N, of parts of images if there are \
+to be some, and --merge makes one batch of all shares. A task tries again, once, what the system \
+has refused (a full disk, a server that does not answer), and ends with 0 unless something is \
+left that another try might do: jobs that cannot be rendered are told by --merge. 'sunstone farm' \
+writes what has an engine run all that.";
 
 /// `batch` as typed.
 #[derive(Debug, Args)]
@@ -399,6 +410,9 @@ pub struct BatchArguments {
     /// Let scenes read, and jobs write, files outside their folders: only for those that you trust
     #[arg(long, help_heading = RUN)]
     pub allow_outside: bool,
+    /// Tasks.
+    #[command(flatten)]
+    pub tasks: TaskArguments,
     /// Threads for all jobs together [default: all processors]
     #[arg(long, value_name = "N", help_heading = RUN)]
     pub threads: Option<usize>,

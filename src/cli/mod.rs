@@ -148,6 +148,7 @@ fn run_command() -> ExitCode {
         Command::Inspect(arguments) => images::inspect(&arguments),
         Command::Batch(arguments) => batch::batch(&arguments),
         Command::Report(arguments) => report::report(&arguments),
+        Command::Farm(arguments) => batch::farm::farm(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };
     match result {

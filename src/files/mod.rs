@@ -2,3 +2,21 @@
 
 pub mod cache;
 pub mod temporary;
+
+use std::io::ErrorKind;
+
+/// Whether what the system refuses may go well a moment later: a full disk, a server that does not
+/// answer; not a file that is not there, or that nobody may read.
+pub fn may_pass(kind: ErrorKind) -> bool {
+    let stays = [
+        ErrorKind::NotFound,
+        ErrorKind::PermissionDenied,
+        ErrorKind::InvalidInput,
+        ErrorKind::InvalidData,
+        ErrorKind::InvalidFilename,
+        ErrorKind::IsADirectory,
+        ErrorKind::NotADirectory,
+        ErrorKind::ReadOnlyFilesystem,
+    ];
+    !stays.contains(&kind)
+}

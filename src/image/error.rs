@@ -116,6 +116,22 @@ impl OutputError {
         Self::Read { path: path.to_owned(), source }
     }
 
+    /// What the operating system said, if it is that.
+    pub fn of_system(&self) -> Option<&io::Error> {
+        match self {
+            Self::Write { source, .. } | Self::Read { source, .. } => Some(source),
+            Self::NotAFile { .. }
+            | Self::ReadOnly { .. }
+            | Self::Malformed { .. }
+            | Self::Unwritable { .. }
+            | Self::Extension { .. }
+            | Self::OneWay { .. }
+            | Self::Image { .. }
+            | Self::Sensor(_)
+            | Self::Mismatch { .. } => None,
+        }
+    }
+
     /// Says what is wrong with the contents of `path`.
     pub fn malformed(path: &Path, format: &'static str, reason: impl ToString) -> Self {
         Self::Malformed { path: path.to_owned(), format, reason: reason.to_string() }

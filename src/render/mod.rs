@@ -18,7 +18,7 @@ pub mod system;
 pub mod threads;
 mod tiles;
 
-pub use place::Part;
+pub use place::{Part, check_part};
 pub use placed::PlacedWorld;
 pub use recorded::{BUILD, PartError, describe as describe_part, merge, merge_as_asked_for};
 pub use renderer::{Progress, RenderError, Renderer, Stop};

@@ -5,7 +5,8 @@ use std::fmt::{self, Display};
 use std::ops::Range;
 use std::str::FromStr;
 
-use super::settings::{Settings, SettingsError};
+use super::settings::{AUTO, Options, Settings, SettingsError};
+use crate::integrators::Integrator;
 
 /// One of several parts of an image that are rendered apart, by their samples, and then merged to
 /// the same bits as if they had been rendered together ([`crate::merge`]).
@@ -68,6 +69,27 @@ impl FromStr for Part {
             }
         }
     }
+}
+
+/// Checks that an image has such a part, by whatever integrator a scene decides on.
+///
+/// # Errors
+/// When there are not so many, or the time is limited.
+pub fn check_part(settings: &Settings, part: Part) -> Result<(), SettingsError> {
+    let settings = Settings::new(Options { part: Some(part), ..settings.options() })?;
+    let may_be = |it: &&Integrator| settings.integrator.is_none_or(|chosen| chosen == **it);
+    for &integrator in Integrator::ALL.iter().filter(may_be) {
+        let unit = settings.samples_per_iteration(integrator);
+        let groups = Groups::new(&settings, settings.samples_by(integrator), unit);
+        groups.samples_of(part).map_err(|mut error| {
+            if settings.integrator.is_none() {
+                let name = integrator.name();
+                error.rule += &format!(" (by {name}, which {AUTO} may choose: choose yourself)");
+            }
+            error
+        })?;
+    }
+    Ok(())
 }
 
 /// What decides how samples are grouped.

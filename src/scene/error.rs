@@ -1,8 +1,10 @@
 //! What is wrong with a scene, where, and how to mend it.
 
 use std::collections::HashSet;
+use std::io;
 use std::path::Path;
 
+use crate::files;
 use crate::math::Fault;
 use crate::math::text::excerpt;
 
@@ -30,6 +32,8 @@ struct Trouble {
     place: String,
     problem: String,
     remedy: String,
+    /// Whether it may be gone a moment later.
+    may_pass: bool,
 }
 
 impl SceneError {
@@ -41,7 +45,20 @@ impl SceneError {
     ) -> Self {
         let [place, problem, remedy] = [place.into(), problem.into(), remedy.into()]
             .map(|part| excerpt(&part, CHARACTERS_MAX));
-        Self { file: String::new(), troubles: vec![Trouble { place, problem, remedy }], more: 0 }
+        let trouble = Trouble { place, problem, remedy, may_pass: false };
+        Self { file: String::new(), troubles: vec![trouble], more: 0 }
+    }
+
+    /// The same error, which is that the system cannot read something.
+    #[must_use]
+    pub(super) fn of_system(mut self, error: io::ErrorKind) -> Self {
+        self.troubles.iter_mut().for_each(|it| it.may_pass = files::may_pass(error));
+        self
+    }
+
+    /// Whether the same scene may be read a moment later.
+    pub(crate) fn may_pass(&self) -> bool {
+        self.more == 0 && self.troubles.iter().all(|trouble| trouble.may_pass)
     }
 
     /// The error that a fault is in the object of this name.

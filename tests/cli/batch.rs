@@ -349,7 +349,7 @@ fn what_the_file_shows_stops_all_of_it_and_is_told_at_once() {
         &[
             "job 1 \"keys\", output: {nothing} is not known; there are {name}, {index}, {seed}",
             "job 1 \"keys\", sweep, axis 1: `values` is not a list",
-            "farm: `tasks` must be a whole number from 1 on",
+            "farm: `tasks` must be a whole number from 1 to 1000000",
             "job 2 \"names\", spq: is not an option; options are alpha,",
             "job 2 \"names\", materials/snow/ior: no material is called `snow`; the materials are",
             "job 2 \"names\", materials/glass/colour: a material has no key `colour`; keys are",

@@ -7,6 +7,7 @@ mod bench_record;
 mod cache;
 mod checkpoints;
 mod errors;
+mod farm;
 mod images;
 mod program;
 mod readme;

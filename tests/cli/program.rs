@@ -80,7 +80,8 @@ fn help_and_version_go_to_standard_output() {
 #[test]
 fn every_option_of_every_verb_is_explained() {
     let here = folder("explained");
-    let verbs = ["render", "merge", "batch", "report", "visualize", "view", "compare", "inspect"];
+    let verbs =
+        ["render", "merge", "batch", "report", "farm", "visualize", "view", "compare", "inspect"];
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.iter().map(|bench| format!("bench {bench}"));
     for verb in verbs.iter().map(|verb| verb.to_string()).chain(benches) {

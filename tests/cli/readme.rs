@@ -7,12 +7,14 @@ use crate::program::{folder, sunstone};
 
 const PROGRAM: &str = "cargo run --release -- ";
 /// Other commands that the README may print; they are not run here.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 9] = [
     "cargo build --release",
     "cargo test --release",
     "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release",
     ".ci/run",
     ".ci/view/run",
+    "bash malus.sh --partition=long --time=4:00:00",
+    "openjd run malus.json",
     "maturin build --release --zig --out wheels",
     "pip install wheels/sunstone-*.whl",
 ];
@@ -74,7 +76,8 @@ fn the_commands_run_as_printed() {
     }
     let benches = ["table1", "overhead", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
-    let rest = ["render", "merge", "batch", "report", "visualize", "view", "compare", "inspect"];
+    let rest =
+        ["render", "merge", "batch", "report", "farm", "visualize", "view", "compare", "inspect"];
     let rest = rest.map(str::to_owned);
     for verb in benches.iter().chain(&rest) {
         assert!(verbs.contains(verb), "the README does not show `{verb}`");

@@ -91,7 +91,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
             ErrorKind::OutOfMemory => "use a smaller file",
             _ => "is the path right?",
         };
-        SceneError::new("", problem, remedy)
+        SceneError::new("", problem, remedy).of_system(error.kind())
     })
 }
 

@@ -53,7 +53,9 @@ impl Files {
         }
         let failed = |error: io::Error| {
             let path = excerpt(&self.folder.join(&name).display().to_string(), URI);
-            refuse(format!("cannot read {path}: {error}"), "put the file beside the scene")
+            let refused =
+                refuse(format!("cannot read {path}: {error}"), "put the file beside the scene");
+            refused.of_system(error.kind())
         };
         let path = fs::canonicalize(self.folder.join(&name)).map_err(failed)?;
         let folder = fs::canonicalize(&self.folder).map_err(failed)?;
