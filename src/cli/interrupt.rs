@@ -101,7 +101,8 @@ impl Interrupt {
     /// Takes notice that a wave is done.
     pub fn keep(&self, so_far: &Progress) {
         let mut state = locked(&self.state);
-        let is_long = state.latest.elapsed() > PATIENCE;
+        // After the last wave there is none that could take long.
+        let is_long = state.latest.elapsed() > PATIENCE && so_far.samples < so_far.total;
         state.image = is_long.then(|| (so_far.preview(), so_far.samples));
         state.latest = Instant::now();
     }

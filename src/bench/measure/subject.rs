@@ -32,8 +32,8 @@ const SHIPPED: [Shipped; 2] = [
 pub struct Subject {
     /// As it was named.
     pub name: String,
-    /// What reports and figures call it: by its file without folder and extension, or as [`labels`]
-    /// tells it from others.
+    /// What reports and figures call it: its file without folder and extension, or with what of
+    /// these tells it from others.
     pub label: String,
     /// Its row in the paper's table.
     pub paper: Option<&'static PaperRow>,
