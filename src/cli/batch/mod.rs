@@ -204,7 +204,8 @@ impl<'a> Asked<'a> {
     /// Makes one batch of what tasks have done.
     fn merge(&self) -> Result<(), CliError> {
         let mut results = Results::open(&self.results).map_err(refused_results)?;
-        let known = self.known(results.records());
+        // What failed is told by tasks; errors in the results are those of former merges.
+        let known = self.known(results.records().filter(|record| record.error.is_none()));
         let (done, left) = self.divided(&known);
         let leftovers = Leftovers::find(&self.orders);
         results.begin(&self.jobs, &done).map_err(refused_results)?;
