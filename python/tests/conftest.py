@@ -22,9 +22,9 @@ def cornell() -> sunstone.Scene:
 
 @pytest.fixture(scope="session")
 def program() -> Callable[..., None]:
-    """Runs the program, which $SUNSTONE_BIN names, or which cargo has built."""
+    """Runs the program, which $SUNSTONE names, or which cargo has built."""
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    names = [os.environ.get("SUNSTONE_BIN"), target / "release/sunstone", target / "debug/sunstone"]
+    names = [os.environ.get("SUNSTONE"), target / "release/sunstone", target / "debug/sunstone"]
     found = next((str(name) for name in names if name and os.access(name, os.X_OK)), None)
     if found is None:
         pytest.skip("the program is not built: cargo build --release")

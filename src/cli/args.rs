@@ -26,40 +26,7 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXAMPLES: &str = "\
-Examples:
-  sunstone render scenes/cornell.gltf -o cornell.exr
-      a polarized RGB render by the integrator that suits the scene
-  sunstone render scenes/cornell.gltf -o cornell.exr --mode scalar --integrator path --spp 256
-      the same scene without polarization, by path tracing
-  sunstone render scenes/tank.gltf -o tank.1.part --part 1/2
-  sunstone render scenes/tank.gltf -o tank.2.part --part 2/2
-  sunstone merge tank.1.part tank.2.part -o tank.exr
-      the same bits as one render, from two machines
-  sunstone visualize cornell.exr -o panels.png
-      intensity, degree of polarization and linear-versus-circular side by side
-  sunstone visualize cornell.exr -o raw.png --map mosaic --bits 12 --full-well 10000
-      what a camera with a sensor of polarization would record
-  sunstone view cornell.exr -o cornell.html
-      a page for the browser: maps, an analyzer to turn, Stokes vectors under the pointer
-  sunstone compare a.exr b.exr
-      errors per Stokes component, and z-scores where the images hold variances
-  sunstone inspect scenes/cornell.gltf
-      what is in a scene (or an image), in words
-  sunstone batch scenes/malus.toml
-      many renders from one job file: sweeps over materials, lights, media, cameras and options
-  sunstone report scenes -o report.html
-      a page of what has become of them: maps, times, errors, plots over the sweep's axes
-  sunstone farm slurm scenes/malus.toml -o malus.sh
-      the same on the machines of a cluster: a script that has Slurm run tasks
-  sunstone bench table1
-      what polarization costs: the paper's Table 1, measured on this machine
-  sunstone bench overhead scenes/cornell.gltf --integrator path,bdpt
-      what it costs in any scene; see also bench scaling, error and history
-
-'sunstone help render' explains all options of a verb, 'sunstone render -h' lists them.
-Exit codes: 0 done, 1 something went wrong, 2 the command line was wrong, 128 + N signal N ended a
-render, whose image so far is written.";
+const EXAMPLES: &str = include_str!("examples.txt");
 
 const RENDER_NOTES: &str = "\
 Results go to the output file and, with --stats, to standard output; progress, warnings and the \

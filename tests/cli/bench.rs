@@ -61,7 +61,8 @@ fn both_tables_are_printed_for_the_shipped_scenes() {
 fn the_report_is_json_and_adds_up() {
     let here = folder("bench-json");
     let run = table1(&here, &["--format", "json", "--json", "a.json", "--threads", "2"]).done();
-    assert_eq!(run.stderr, "");
+    // Nothing but, of long runs, how far they are.
+    assert!(run.stderr.lines().all(|line| line.contains(" rounds in ")), "{}", run.stderr);
     assert_eq!(fs::read_to_string(here.join("a.json")).unwrap(), run.stdout);
     let json: Value = serde_json::from_str(&run.stdout).unwrap();
     let conditions = &json["conditions"];
