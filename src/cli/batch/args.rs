@@ -20,7 +20,7 @@ pub struct TaskArguments {
     /// Note in the results what all tasks have done, make images of parts, and remove these
     #[arg(long, conflicts_with = "dry_run")]
     pub merge: bool,
-    /// Parts of each image, with --task and --merge [default: those of [farm] in the file, or 1]
+    /// Parts of each image, with --task and --merge [default: those of the file's farm table, or 1]
     #[arg(long, value_name = "N")]
     pub parts: Option<u32>,
 }
@@ -49,10 +49,10 @@ pub struct FarmArguments {
     /// Where to write [default: standard output]
     #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
     pub output: Option<PathBuf>,
-    /// Tasks [default: those of the job file's [farm], or 1]
+    /// Tasks [default: those of the job file's farm table, or 1]
     #[arg(long, value_name = "N", help_heading = TASKS)]
     pub tasks: Option<u32>,
-    /// Parts of each image [default: those of the job file's [farm], or 1]
+    /// Parts of each image [default: those of the job file's farm table, or 1]
     #[arg(long, value_name = "N", help_heading = TASKS)]
     pub parts: Option<u32>,
     /// Processors for each task, and threads in it [default: what the engine gives it]
