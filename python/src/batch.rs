@@ -291,7 +291,7 @@ impl Row {
 fn of_results(error: ResultsError) -> PyErr {
     let text = error.to_string();
     match error {
-        ResultsError::Taken(_) => ERROR.says(text),
+        ResultsError::Taken(_) | ResultsError::NotResults(_) => ERROR.says(text),
         ResultsError::Write { path, source } => of_system(&path, &source, text),
         ResultsError::Replace(error) => of_image(error),
     }

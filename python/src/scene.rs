@@ -209,16 +209,17 @@ impl Scene {
         let rendered = wait_for(py, threads, &stop, hear, move |pool, teller| {
             let _user = user;
             let renderer = pool.threads.run(|| Renderer::new(&placed, &settings))?;
+            let lacks = pool.threads.run(|| placed.lacks(renderer.settings()))?;
             let renderer = renderer.on(&pool.threads).stopped_by(&asked);
             let tell = |progress| {
                 if is_heard {
                     teller.tell(progress)
                 }
             };
-            Ok(render(renderer, &placed, &settings, tell))
+            Ok((lacks, render(renderer, &placed, &settings, tell)))
         })?;
-        let Rendered { image, doubts } = rendered.map_err(of_render)?;
-        Ok((parts(py, image)?, doubts))
+        let (lacks, Rendered { image, doubts }) = rendered.map_err(of_render)?;
+        Ok((parts(py, image)?, lacks.into_iter().chain(doubts).collect()))
     }
 }
 
@@ -299,7 +300,8 @@ fn render(
     if !settings.variance {
         image.variance = None;
     }
-    let doubts = judged.about(&image);
+    let note = judged.note().map(str::to_owned);
+    let doubts = note.into_iter().chain(judged.about(&image)).collect();
     let world = placed.world();
     let scene = match world.files().first() {
         Some(file) => file.display().to_string(),

@@ -50,7 +50,7 @@ class Parts(Mapping[str, Any]):
         """With the value that there was before edits, if it is another."""
         index, (key, *_) = self._find(target)
         keys, before = _keys_of(self.steps[index]), _keys_of(self.base[index]).get(key)
-        if keys.get(key) is before:
+        if _same(keys.get(key), before):
             return None
         steps = list(self.steps)
         steps[index] = _step_of(steps[index], {**keys, key: before})
@@ -99,7 +99,7 @@ class Parts(Mapping[str, Any]):
                 called = name if len(self._indices(kind, name)) == 1 else f"#{number}"
                 now, before = _keys_of(self.steps[index]), _keys_of(self.base[index])
                 for key in {**before, **now}:
-                    if now.get(key) is not before.get(key):
+                    if not _same(now.get(key), before.get(key)):
                         yield f"{kind}/{called}/{key}"
 
     def __len__(self) -> int:
@@ -182,6 +182,11 @@ class Object:
             return self[key]
         except KeyError as error:
             raise AttributeError(*error.args) from None
+        except SceneError as error:
+            # Whoever asks whether there is one gets an answer.
+            if key in dir(self):
+                raise
+            raise AttributeError(str(error)) from None
 
     def __setattr__(self, key: str, value: Any) -> None:
         self._scene._edit({self._target(key): value}, 3)
@@ -249,6 +254,21 @@ def plain(value: Any) -> Any:
     if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
         return [plain(inner) for inner in value]
     return value
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are the same, as those are that come from one pickle."""
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other)
+    if isinstance(one, Mapping):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(_same, one, other))
+    return bool(one == other)
 
 
 def _fixed(value: Any) -> Any:

@@ -320,7 +320,8 @@ class Scene:
             SceneError: if the scene cannot be seen at the wavelength, or nothing in it emits.
 
         Warns:
-            RenderWarning: of what there is to doubt about the image.
+            RenderWarning: of what the image lacks, by the integrator that was chosen, and of what else
+                there is to doubt about it.
         """
         options = dict(locals())
         del options["self"]

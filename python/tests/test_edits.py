@@ -403,3 +403,21 @@ def test_warnings_come_with_edits(tmp_path: pathlib.Path) -> None:
         scene.edit({"materials/gold/doubleSided": True})
     assert all(it.filename == __file__ for it in heard)
     assert len({str(it.message) for it in heard}) == len(heard)
+
+
+def test_what_is_not_there_is_no_attribute(cornell: sunstone.Scene) -> None:
+    assert getattr(cornell["glass"], "shape", None) is None
+    assert not hasattr(cornell["glass"], "radius")
+    with pytest.raises(AttributeError, match="radius"):
+        cornell["glass"].radius
+
+
+def test_pickles_have_no_edits_that_were_taken_back(room: sunstone.World) -> None:
+    scene = room.place()
+    target = "materials/glass/ior"
+    before = scene[target]
+    scene[target] = 1.3
+    assert pickle.loads(pickle.dumps(scene)).edits == {target: 1.3}
+    del scene[target]
+    assert scene[target] == before
+    assert scene.edits == {} == pickle.loads(pickle.dumps(scene)).edits

@@ -262,6 +262,15 @@ def test_warnings_are_python_s(tmp_path: pathlib.Path, room: sunstone.World) -> 
     assert any("auto" in note or "chosen" in note for note in scene.notes())
 
 
+def test_what_an_image_lacks_is_told(cornell: sunstone.Scene) -> None:
+    options: dict[str, Any] = {"spp": 1, "width": 16, "threads": 1}
+    with pytest.warns(sunstone.RenderWarning, match="cannot see through solid glass") as caught:
+        cornell.render(integrator="light", **options)
+    assert caught[0].filename == __file__
+    assert any("solid glass" in note for note in cornell.notes(integrator="light"))
+    cornell.render(integrator="bdpt", **options)
+
+
 def test_nothing_is_printed() -> None:
     code = (
         "import sunstone, warnings; warnings.simplefilter('ignore')\n"
@@ -433,7 +442,9 @@ def test_what_progress_raises_ends_the_render(cornell: sunstone.Scene) -> None:
 @pytest.mark.parametrize("integrator", ["path", "ppm"])
 def test_ctrl_c_ends_a_render_within_a_second(integrator: str) -> None:
     code = (
-        "import sunstone, time\n"
+        "import signal, sunstone, time\n"
+        # Whoever starts the tests in the background has children ignore it.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"s = sunstone.load({str(CORNELL)!r})\n"
         f"s.render(integrator={integrator!r}, spp=4, width=16, height=16)\n"
         "print('ready', flush=True)\n"

@@ -138,6 +138,11 @@ fn check_outputs(
 ) {
     let mut reals = Reals::default();
     let scenes: HashSet<&Path> = orders.iter().map(|(_, order)| &*order.scene).collect();
+    let results = reals.of(inputs.results);
+    if scenes.iter().copied().chain([inputs.jobs]).any(|path| reals.of(path) == results) {
+        let path = inputs.results.display();
+        wrong.add(format!("results would go over {path}, which the batch needs; name another"));
+    }
     let needed = scenes.into_iter().chain([inputs.jobs, inputs.results]);
     let needed: HashSet<PathBuf> = needed.map(|path| reals.of(path)).collect();
     let home = (!allow_outside).then(|| reals.of(&file.folder.join("image")));

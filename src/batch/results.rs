@@ -13,6 +13,8 @@ use serde_json::{Map, Value};
 
 use crate::image::{OutputError, atomic, folder_of, read_bytes};
 
+/// What every line begins with.
+const FIRST_KEY: &[u8] = b"{\"jobs\":";
 /// Most bytes of a file that is looked at.
 const BYTES_MAX: u64 = 1 << 31;
 
@@ -72,6 +74,9 @@ pub enum ResultsError {
         /// Why.
         source: io::Error,
     },
+    /// The file is something else.
+    #[error("{}: holds no results of a batch; name another file, or remove it", .0.display())]
+    NotResults(PathBuf),
     /// They cannot be replaced.
     #[error(transparent)]
     Replace(#[from] OutputError),
@@ -105,6 +110,12 @@ impl Results {
             file.read_to_end(&mut bytes).map_err(failed)?;
         }
         let (lines, is_cut) = lines_of(&bytes);
+        // Of the first line there may be but a beginning.
+        let holds_results = lines.iter().any(|line| line.record.is_some())
+            || FIRST_KEY.starts_with(&bytes[..bytes.len().min(FIRST_KEY.len())]);
+        if !holds_results {
+            return Err(ResultsError::NotResults(path.to_owned()));
+        }
         Ok(Self { path: path.to_owned(), file, is_cut, lines })
     }
 
@@ -233,6 +244,24 @@ mod tests {
         let (jobs, name, output) = (jobs.to_owned(), String::new(), output.to_owned());
         let (values, inputs, key) = (Map::new(), BTreeMap::new(), String::new());
         Record { jobs, index: 0, name, values, output, seconds, error, checksum, key, inputs }
+    }
+
+    #[test]
+    fn what_holds_no_results_is_left_alone() {
+        let path = std::env::temp_dir().join(format!("sunstone-notes-{}", std::process::id()));
+        for (text, is_good) in [
+            ("my notes\n", false),
+            ("{\"asset\": {}}", false),
+            ("", true),
+            ("{\"jobs\":\"a", true),
+            ("{\"jo", true),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            assert_eq!(Results::open(&path).is_ok(), is_good, "{text}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        assert!(line_of(&record("j.toml", "a", 1.0)).as_bytes().starts_with(FIRST_KEY));
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

@@ -302,6 +302,8 @@ impl<'a> Work<'a> {
         };
         let _permit = permit.unwrap_or_else(|| self.gate.enter(room));
         let renderer = Renderer::new(&world, &order.settings)?;
+        let lacks = world.lacks(renderer.settings())?;
+        warnings.extend(lacks.iter().map(|note| format!("note: {note}")));
         let mut renderer = renderer.on(&batch.threads).stopped_by(&self.stop);
         renderer.run(|so_far| {
             let share = f64::from(so_far.samples) / f64::from(so_far.total);
@@ -335,6 +337,7 @@ impl<'a> Work<'a> {
         if !settings.variance {
             image.drop_variance();
         }
+        warnings.extend(doubts.note().iter().map(|note| format!("note: {note}")));
         let doubts = doubts.about(&image);
         warnings.extend(doubts.iter().map(|doubt| format!("warning: {doubt}")));
         image

@@ -269,7 +269,7 @@ pub struct RenderArguments {
     /// Height in pixels [default: from the width and the camera's aspect]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
     pub height: Option<u32>,
-    /// Name of the camera, or #2 for the scene's second [default: the first]
+    /// Name of the camera or of its node, or #0, #1, ... by the file's order [default: the first]
     #[arg(long, value_name = "NAME", help_heading = FILM)]
     pub camera: Option<String>,
 

@@ -157,11 +157,23 @@ impl PlacedWorld {
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        Ok(match settings.color {
-            Color::Rgb => notes(&self.0.world, &*self.rgb(settings.color, film)?, settings),
-            Color::Mono { .. } => {
-                notes(&self.0.world, &*self.mono(settings.color, film)?, settings)
-            }
+        let (world, color) = (&self.0.world, settings.color);
+        Ok(match color {
+            Color::Rgb => notes(world, &*self.rgb(color, film)?, settings),
+            Color::Mono { .. } => notes(world, &*self.mono(color, film)?, settings),
+        })
+    }
+
+    /// Of these, what the image lacks.
+    ///
+    /// # Errors
+    /// As [`PlacedWorld::notes`].
+    pub fn lacks(&self, settings: &Resolved) -> Result<Vec<String>, RenderError> {
+        let film = self.film_size(settings)?;
+        let (world, color) = (&self.0.world, settings.color);
+        Ok(match color {
+            Color::Rgb => lacks(world, &*self.rgb(color, film)?, settings),
+            Color::Mono { .. } => lacks(world, &*self.mono(color, film)?, settings),
         })
     }
 
@@ -221,10 +233,17 @@ impl Ground {
 
 fn notes<const N: usize>(world: &World, scene: &Scene<N>, settings: &Settings) -> Vec<String> {
     let resolved = Resolved::new(settings, scene);
-    let blind = blindness(resolved.integrator, scene.look());
     let glimpsed = glimpsed(world, scene, &resolved);
-    let lamps = shut_in(world, scene).into_iter().chain(glimpsed);
-    resolved.choice_in_words().into_iter().chain(blind).chain(lamps).collect()
+    resolved
+        .choice_in_words()
+        .into_iter()
+        .chain(lacks(world, scene, &resolved))
+        .chain(glimpsed)
+        .collect()
+}
+
+fn lacks<const N: usize>(world: &World, scene: &Scene<N>, settings: &Resolved) -> Vec<String> {
+    blindness(settings.integrator, scene.look()).into_iter().chain(shut_in(world, scene)).collect()
 }
 
 /// Lamps smaller than a pixel that samples are not likely to hit more often than this are seen by

@@ -134,6 +134,23 @@ sweep = [
     assert!((sum(&bright) / sum(&thick) - 2.0).abs() < 1e-3);
 }
 
+/// As `render` says it, by the integrator that renders.
+#[test]
+fn what_images_lack_is_told_by_job() {
+    let jobs = "[[jobs]]\noutput = \"a.exr\"\nintegrator = \"light\"";
+    let here = lab("lacks", jobs);
+    let single = ["render", "lab.gltf", "-o", "b.exr", "--integrator", "light", "--spp", "2"];
+    let single =
+        sunstone(&here, &[&single[..], &["--width", "8", "--height", "8"]].concat()).done();
+    let notes: Vec<&str> =
+        single.stderr.lines().filter_map(|line| line.strip_prefix("note: ")).collect();
+    let told = batch(&here, &[]).done().stderr;
+    assert!(!notes.is_empty(), "{}", single.stderr);
+    for note in notes {
+        assert!(told.contains(&format!("note: job 0 \"job0\": {note}")), "{told}");
+    }
+}
+
 #[test]
 fn the_same_seed_in_all_jobs_or_each_its_own() {
     let jobs = "

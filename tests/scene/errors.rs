@@ -432,14 +432,14 @@ fn a_camera_that_is_not_there_lists_those_that_are() {
     document["cameras"].as_array_mut().unwrap().push(second);
     fs::write(&path, document.to_string()).unwrap();
     let load = |name| load_with(&path, Reading { camera: Some(name), ..Reading::default() });
-    for (name, height) in [("eye", "5.0000"), ("lens", "5.0000"), ("#1", "5."), ("#2", "7.0000")] {
+    for (name, height) in [("eye", "5.0000"), ("lens", "5.0000"), ("#0", "5."), ("#1", "7.0000")] {
         let text = load(name).unwrap().describe();
         assert!(text.contains(&format!("at (0.0000, 0.0000, {height}")), "{name}: {text}");
     }
-    for name in ["nose", "#0", "#3", "#x", ""] {
+    for name in ["nose", "#2", "#-1", "#x", ""] {
         let error = load(name).unwrap_err().to_string();
         assert!(error.contains(&format!("`{name}`")), "{error}");
-        assert!(error.contains("the cameras are #1 eye or lens, #2"), "{error}");
+        assert!(error.contains("the cameras are #0 eye or lens, #1"), "{error}");
     }
 }
 

@@ -270,3 +270,20 @@ fn cells_are_quoted_only_if_they_are_short_and_harmless() {
         assert!(error.contains("line 2: the cell of theta_deg is not a number"), "{error}");
     }
 }
+
+#[test]
+fn cameras_of_one_name_are_told_apart() {
+    let path = scratch("cameras-of-one-name.gltf");
+    let mut document = good();
+    let node = json!({"name": "lens", "camera": 1, "translation": [0, 0, 7]});
+    document["nodes"].as_array_mut().unwrap().push(node);
+    document["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4]);
+    let second = json!({"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}});
+    document["cameras"].as_array_mut().unwrap().push(second);
+    fs::write(&path, document.to_string()).unwrap();
+    let load = |name| load_with(&path, Reading { camera: Some(name), ..Reading::default() });
+    let error = load("lens").unwrap_err().to_string();
+    assert!(error.contains("several cameras are called `lens`"), "{error}");
+    assert!(error.contains("the cameras are #0 eye or lens, #1 lens"), "{error}");
+    assert!(load("#1").unwrap().describe().contains("7.0000"));
+}

@@ -28,9 +28,7 @@ impl Import<'_> {
             .iter()
             .filter_map(|placed| Some((placed, root.nodes[placed.node].camera?.value())))
             .collect();
-        let Some(&(placed, camera)) = chosen(root, &cameras, wanted) else {
-            return Err(not_there(root, &cameras, wanted));
-        };
+        let &(placed, camera) = chosen(root, &cameras, wanted)?;
         let node = document.label("nodes", placed.node);
         let place = placed.to_world;
         Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
@@ -46,7 +44,7 @@ impl Import<'_> {
         {
             let text = format!(
                 "the film of {width} x {height} pixels does not have the camera's aspect ratio \
-                 {aspect}, so the picture is stretched"
+                 {aspect}: the film's counts, and what is seen from top to bottom is kept"
             );
             self.warnings.add_like("film", &label, &text);
         }
@@ -61,30 +59,36 @@ fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a
     names.into_iter().flatten().map(String::as_str).collect()
 }
 
-/// The camera of the given name, or, if none has it, of the given number, counted from `#1`.
+/// The camera of a name, its own or its node's, or, if none has it, the one of an index, as `#0`,
+/// in the order of the file's cameras; the first that is placed if none is wanted.
 fn chosen<'a, 'b>(
     root: &Root,
     cameras: &'a [(&'b PlacedNode, usize)],
     wanted: Option<&str>,
-) -> Option<&'a (&'b PlacedNode, usize)> {
-    let Some(wanted) = wanted else { return cameras.first() };
-    let named = cameras.iter().find(|camera| names(root, camera).contains(&wanted));
-    named.or_else(|| {
-        let number: usize = wanted.strip_prefix('#')?.parse().ok()?;
-        cameras.get(number.checked_sub(1)?)
-    })
-}
-
-fn not_there(root: &Root, cameras: &[(&PlacedNode, usize)], wanted: Option<&str>) -> SceneError {
-    let Some(wanted) = wanted.filter(|_| !cameras.is_empty()) else {
-        return SceneError::new("nodes", "the scene has no camera", "add one");
+) -> Result<&'a (&'b PlacedNode, usize), SceneError> {
+    let Some(wanted) = wanted else {
+        let none = || SceneError::new("nodes", "the scene has no camera", "add one");
+        return cameras.first().ok_or_else(none);
     };
-    let known = cameras.iter().zip(1..).map(|(camera, number)| {
+    let named: Vec<_> =
+        cameras.iter().filter(|camera| names(root, camera).contains(&wanted)).collect();
+    let index: Option<usize> = wanted.strip_prefix('#').and_then(|index| index.parse().ok());
+    let numbered = cameras.iter().find(|(_, camera)| Some(*camera) == index);
+    let known = cameras.iter().map(|camera| {
         let names = names(root, camera);
-        format!("#{number} {}", excerpt(&names.join(" or "), NAME)).trim_end().to_owned()
+        format!("#{} {}", camera.1, excerpt(&names.join(" or "), NAME)).trim_end().to_owned()
     });
-    let problem = format!("no camera is called `{}`", excerpt(wanted, NAME));
-    SceneError::new("nodes", problem, format!("the cameras are {}", listed(known)))
+    let problem = match (&named[..], numbered) {
+        (&[camera], _) => return Ok(camera),
+        ([], Some(camera)) => return Ok(camera),
+        ([], None) => "no camera is called",
+        (_, _) => "several cameras are called",
+    };
+    let remedy = match cameras.is_empty() {
+        true => "the scene has none; add one".to_owned(),
+        false => format!("the cameras are {}", listed(known)),
+    };
+    Err(SceneError::new("nodes", format!("{problem} `{}`", excerpt(wanted, NAME)), remedy))
 }
 
 fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {

@@ -363,6 +363,7 @@ fn places_of_key(
         return Ok(vec![place]);
     }
     refuse_overruled(at(value, object), known)?;
+    refuse_without_effect(value, object, known)?;
     let depth = known.split('.').count();
     let place = object.iter().cloned().chain(words[..depth].iter().map(|word| key(word))).collect();
     Ok(vec![inwards(value, place, &words[depth..], None)?])
@@ -397,6 +398,34 @@ fn refuse_overruled(node: Option<&Value>, name: &str) -> Result<(), Wrong> {
         _ => format!("edit `{other}`"),
     };
     Err((format!("the node has a `{other}`, which says where it is"), remedy))
+}
+
+/// Refuses a key of glTF's that counts for nothing in a material whose `bsdf` says what it is.
+fn refuse_without_effect(value: &Value, object: &[Step], name: &str) -> Result<(), Wrong> {
+    let stated = |name: &str| forms(object, name).iter().find_map(|form| at(value, form));
+    let Some(model) = stated("bsdf").and_then(Value::as_str) else { return Ok(()) };
+    // What stands in for a key of the extension that is not given.
+    let counts = match name {
+        "pbrMetallicRoughness.baseColorFactor" => {
+            model == "diffuse" && stated("reflectance").is_none()
+        }
+        "extensions.KHR_materials_ior.ior" => {
+            ["dielectric", "thin_dielectric"].contains(&model) && stated("ior").is_none()
+        }
+        name => {
+            let overruled = [
+                "pbrMetallicRoughness.",
+                "extensions.KHR_materials_transmission.",
+                "extensions.KHR_materials_volume.",
+            ];
+            !overruled.iter().any(|start| name.starts_with(start))
+        }
+    };
+    if counts {
+        return Ok(());
+    }
+    let problem = format!("means nothing in this material, whose `bsdf` is `{model}`");
+    Err((problem, "edit the keys of that, as `reflectance` or `ior`".to_owned()))
 }
 
 /// The extension's key that a path begins with, in any of its forms, and what follows.
@@ -520,6 +549,8 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_refused_with_what_is() {
+        // This color stands in for a reflectance that is not given.
+        edited("materials/#0/pbrMetallicRoughness.baseColorFactor", json!([1, 0, 0, 1]));
         let refused = |edits: &[Edit]| {
             let mut lab = lab();
             let error = apply(&mut lab, edits).unwrap_err().to_string();
@@ -535,6 +566,8 @@ mod tests {
             ("materials/#2/index", "a material has no key `index`"),
             ("materials/#2/name", "a material has no key `name`"),
             ("materials/#2/emissiveFactor.0", "set the whole of it"),
+            ("materials/#0/extensions.KHR_materials_ior.ior", "whose `bsdf` is `diffuse`"),
+            ("materials/#0/pbrMetallicRoughness.metallicFactor", "means nothing in this material"),
             ("media/milk/milk.fat", "keys are dilution, fat_percent, protein_percent"),
             ("media/beads/particles.2.eta", "its list has 2 items, from 0 on"),
             ("nodes/still/translation", "the node has a `matrix`"),
