@@ -51,7 +51,7 @@ impl Editable {
     /// When the kind, the name or the key is unknown, or the name is that of several; with what
     /// there is.
     pub fn check(&self, target: &str) -> Result<(), SceneError> {
-        places(&self.0, target).map(drop)
+        places_to_set(&self.0, target).map(drop)
     }
 
     /// Checks that edits do not contradict each other.
@@ -64,7 +64,7 @@ impl Editable {
     ) -> Result<(), SceneError> {
         let mut taken = Taken::default();
         for target in targets {
-            let places = places(&self.0, target)?;
+            let places = places_to_set(&self.0, target)?;
             taken.add(target, &places)?;
         }
         Ok(())
@@ -88,7 +88,7 @@ pub fn found<'a>(
     let mut taken = Taken::default();
     let mut found = Vec::with_capacity(edits.len());
     for edit in edits {
-        let places = places(value, &edit.target).and_then(|places| {
+        let places = places_to_set(value, &edit.target).and_then(|places| {
             taken.add(&edit.target, &places)?;
             Ok(places)
         });
@@ -265,6 +265,14 @@ pub fn set(value: &mut Value, place: &[Step], new: &Value) {
     *inner = new.clone();
 }
 
+/// The places of what an edit is about, if it has an effect there.
+fn places_to_set(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
+    let places = places(value, target)?;
+    let refuse = |(problem, remedy): Wrong| SceneError::new(target, problem, remedy);
+    places.iter().try_for_each(|place| refuse_without_effect(value, place)).map_err(refuse)?;
+    Ok(places)
+}
+
 /// The places of what an edit is about.
 pub fn places(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
     let refuse = |problem: String, remedy: String| SceneError::new(target, problem, remedy);
@@ -363,7 +371,6 @@ fn places_of_key(
         return Ok(vec![place]);
     }
     refuse_overruled(at(value, object), known)?;
-    refuse_without_effect(value, object, known)?;
     let depth = known.split('.').count();
     let place = object.iter().cloned().chain(words[..depth].iter().map(|word| key(word))).collect();
     Ok(vec![inwards(value, place, &words[depth..], None)?])
@@ -401,11 +408,20 @@ fn refuse_overruled(node: Option<&Value>, name: &str) -> Result<(), Wrong> {
 }
 
 /// Refuses a key of glTF's that counts for nothing in a material whose `bsdf` says what it is.
-fn refuse_without_effect(value: &Value, object: &[Step], name: &str) -> Result<(), Wrong> {
+fn refuse_without_effect(value: &Value, place: &[Step]) -> Result<(), Wrong> {
+    let [Step::Key(list), Step::Index(_), rest @ ..] = place else { return Ok(()) };
+    if list != "materials" {
+        return Ok(());
+    }
+    let words = rest.iter().filter_map(|step| match step {
+        Step::Key(word) => Some(word.as_str()),
+        Step::Index(_) => None,
+    });
+    let (name, object) = (words.collect::<Vec<_>>().join("."), &place[..2]);
     let stated = |name: &str| forms(object, name).iter().find_map(|form| at(value, form));
     let Some(model) = stated("bsdf").and_then(Value::as_str) else { return Ok(()) };
     // What stands in for a key of the extension that is not given.
-    let counts = match name {
+    let counts = match name.as_str() {
         "pbrMetallicRoughness.baseColorFactor" => {
             model == "diffuse" && stated("reflectance").is_none()
         }
@@ -413,12 +429,9 @@ fn refuse_without_effect(value: &Value, object: &[Step], name: &str) -> Result<(
             ["dielectric", "thin_dielectric"].contains(&model) && stated("ior").is_none()
         }
         name => {
-            let overruled = [
-                "pbrMetallicRoughness.",
-                "extensions.KHR_materials_transmission.",
-                "extensions.KHR_materials_volume.",
-            ];
-            !overruled.iter().any(|start| name.starts_with(start))
+            let overruled =
+                ["pbrMetallicRoughness", "KHR_materials_transmission", "KHR_materials_volume"];
+            !overruled.iter().any(|part| name.contains(part))
         }
     };
     if counts {
