@@ -208,86 +208,86 @@ fn exact_complaint(
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_cornell() {
-    check(&CORNELL, Integrator::Path, 128, 4);
+    check(&CORNELL, Integrator::Path, 256, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_mirror() {
-    check(&MIRROR, Integrator::Path, 256, 4);
+    check(&MIRROR, Integrator::Path, 512, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_brewster() {
-    check(&BREWSTER, Integrator::Path, 128, 4);
+    check(&BREWSTER, Integrator::Path, 256, 4);
 }
 
 #[test]
 fn path_renders_polarizers() {
-    check(&POLARIZERS, Integrator::Path, 16, 4);
+    check(&POLARIZERS, Integrator::Path, 32, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_cornell() {
-    check(&CORNELL, Integrator::Bdpt, 96, 4);
+    check(&CORNELL, Integrator::Bdpt, 192, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_mirror() {
-    check(&MIRROR, Integrator::Bdpt, 192, 4);
+    check(&MIRROR, Integrator::Bdpt, 384, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_brewster() {
-    check(&BREWSTER, Integrator::Bdpt, 128, 4);
+    check(&BREWSTER, Integrator::Bdpt, 256, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_polarizers() {
-    check(&POLARIZERS, Integrator::Bdpt, 16, 4);
+    check(&POLARIZERS, Integrator::Bdpt, 32, 4);
 }
 
 /// Over all pixels that do not see the spheres.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn light_renders_cornell() {
-    check(&CORNELL, Integrator::Light, 96, 4);
+    check(&CORNELL, Integrator::Light, 192, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_tank() {
-    check(&TANK, Integrator::Path, 64, 8);
+    check(&TANK, Integrator::Path, 128, 8);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_rayleigh() {
-    check(&RAYLEIGH, Integrator::Path, 64, 4);
+    check(&RAYLEIGH, Integrator::Path, 128, 4);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_tank() {
-    check(&TANK, Integrator::Bdpt, 48, 8);
+    check(&TANK, Integrator::Bdpt, 96, 8);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_renders_rayleigh() {
-    check(&RAYLEIGH, Integrator::Bdpt, 48, 4);
+    check(&RAYLEIGH, Integrator::Bdpt, 96, 4);
 }
 
 /// One path in thirty meets the cloud.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn light_renders_rayleigh() {
-    check(&RAYLEIGH, Integrator::Light, 512, 8);
+    check(&RAYLEIGH, Integrator::Light, 1024, 8);
 }
 
 /// Photons whose kernel does not shrink, but is small enough for its bias to drown in the noise.
