@@ -26,7 +26,8 @@ def load(
     Args:
         path: the file.
         allow_outside: let it read files outside its folder; only for scenes that you trust.
-        camera: the name of the camera, or "#2" for the second; by default the first.
+        camera: the name of the camera or of its node, or "#0", "#1" by the file's order; by default
+            the first.
 
     Raises:
         OSError: if the file cannot be read.
