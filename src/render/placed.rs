@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex};
 use crate::geometry::Accelerator;
 use crate::integrators::Integrator;
 use crate::math::text::counted;
-use crate::scattering::Scene;
 use crate::scattering::boundaries::{Doubt, settle};
 use crate::scattering::emitter::glimpse::pixels_seen;
 use crate::scattering::shut_in::Wanderer;
+use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
@@ -44,6 +44,7 @@ struct Ground {
     plan: Plan,
     shapes: Arc<Shapes>,
     accelerator: Arc<Accelerator>,
+    looks: Arc<Looks>,
 }
 
 /// Scenes that are kept for every number of wavelengths.
@@ -202,10 +203,11 @@ impl PlacedWorld {
         // Without the lock: a thread that waits for parts of this work may take up another render
         // of its pool meanwhile, which comes here, too.
         let Placed { world, ground, camera, .. } = &*self.0;
-        let Ground { shapes, accelerator, .. } = &**ground;
+        let Ground { shapes, accelerator, looks, .. } = &**ground;
         let optics = bake_optics(world, shapes, color)?;
         let tree = (Arc::clone(shapes), Arc::clone(accelerator));
-        let scene = Arc::new(Scene::with_tree(tree, *camera, optics, [width, height]));
+        let scene = Scene::with_tree(tree, *camera, optics, [width, height]);
+        let scene = Arc::new(scene.sharing(Arc::clone(looks)));
         let mut latest = lock();
         if let Some(scene) = find(&latest) {
             return Ok(scene);
@@ -227,7 +229,8 @@ impl Ground {
         let accelerator = Accelerator::of_shapes(&shapes);
         let doubts = settle(&mut shapes, &accelerator);
         shapes.warnings.extend(sentences(world, &doubts));
-        Ok(Self { plan, shapes: Arc::new(shapes), accelerator: Arc::new(accelerator) })
+        let (shapes, accelerator) = (Arc::new(shapes), Arc::new(accelerator));
+        Ok(Self { plan, shapes, accelerator, looks: Arc::default() })
     }
 }
 

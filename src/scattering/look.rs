@@ -2,6 +2,7 @@
 //! is, and from points all over what leaves light a single way, some rays are sent; what they find
 //! is a function of the scene alone, the same for every film, mode and seed.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::Vec3;
@@ -13,7 +14,7 @@ use super::{Scene, Sensor};
 use crate::geometry::{Hit, offset_distance};
 use crate::math::F32s;
 use crate::scene::baked::NONE;
-use crate::scene::emitter::{Emitter, EmitterModel};
+use crate::scene::emitter::EmitterModel;
 
 /// Height of the film in pixels.
 const EDGE: f32 = 1024.0;
@@ -65,14 +66,15 @@ impl Look {
         // The film's own edges are not of the scene.
         let [width, height] = [camera.aspect().unwrap_or(1.0) * EDGE, EDGE].map(|it| it as u32);
         let sensor = Sensor::new(camera, width.max(1), height);
-        let view = View::of(scene, &sensor);
+        let mut places = Places::default();
+        let view = View::of(scene, &sensor, &mut places);
         let [sees_specular, sees_solid, sees_nothing] =
             [view.specular, view.solid, view.nothing].map(View::share);
         let hidden = if view.hidden > 0.0 { view.hidden / (view.hidden + view.open) } else { 0.0 };
         let has_sky = scene.optics.environment != NONE && sees_nothing > 0.0;
         let mut lamps = Lamps::default();
         for (index, (point, normal, step)) in specular_points(scene).into_iter().enumerate() {
-            lamps.look(scene, (point, normal, step), index);
+            lamps.look(scene, &mut places, (point, normal, step), index);
         }
         let Lamps { has_points, brought, spread } = lamps;
         let chance = if spread > 0.0 { brought / spread } else { 1.0 };
@@ -93,8 +95,7 @@ impl Look {
 /// Whether connections in media have points to go to.
 fn has_points_in_media<const N: usize>(scene: &Scene<N>) -> bool {
     let scatters = |&medium: &u32| {
-        let medium = scene.optics.media.get(medium as usize);
-        medium.is_some_and(|medium| medium.sigma_s.iter().any(|&sigma| sigma > 0.0))
+        scene.optics.media.get(medium as usize).is_some_and(|medium| medium.scatters())
     };
     let is_immersed = |row: usize| match scene.media_of_emitter(row) {
         Around::Same(media) => media.iter().any(scatters),
@@ -120,7 +121,7 @@ struct View {
 
 impl View {
     /// Of all that a camera sees.
-    fn of<const N: usize>(scene: &Scene<N>, sensor: &Sensor) -> Self {
+    fn of<const N: usize>(scene: &Scene<N>, sensor: &Sensor, places: &mut Places) -> Self {
         let mut view = Self::default();
         let at =
             |index: usize, edge: u32| F32s::splat((index as f32 + 0.5) / RAYS as f32 * edge as f32);
@@ -129,7 +130,7 @@ impl View {
             let (origin, direction, _) = sensor.rays(film, || [F32s::splat(0.0); 2]);
             let [origin, direction] = [origin, direction].map(|it| Vec3::from(it.to_rows()[0]));
             view.meet(scene, origin, direction);
-            view.look_for_emitters(scene, (origin, direction), pixel);
+            view.look_for_emitters(scene, places, (origin, direction), pixel);
         }
         view
     }
@@ -152,6 +153,7 @@ impl View {
     fn look_for_emitters<const N: usize>(
         &mut self,
         scene: &Scene<N>,
+        places: &mut Places,
         (origin, direction): (Vec3, Vec3),
         index: usize,
     ) {
@@ -165,10 +167,8 @@ impl View {
         let point = origin + met.t * direction;
         let normal = shapes.geometric_normal(met.primitive, point);
         let step = STEPS * offset_distance(point.abs().max_element());
-        let emitters = &scene.optics.emitters;
-        let Some(aim) = Aim::at(scene, &emitters[index % emitters.len()], point, index) else {
-            return;
-        };
+        let emitter = index % scene.optics.emitters.len();
+        let Some(aim) = Aim::at(scene, places, emitter, (point, index)) else { return };
         if (aim.direction.dot(normal) > 0.0) != (direction.dot(normal) < 0.0) {
             return;
         }
@@ -249,13 +249,19 @@ struct Seen {
 
 impl Lamps {
     /// Looks for emitters from a point, the `index`-th of all.
-    fn look<const N: usize>(&mut self, scene: &Scene<N>, from: (Vec3, Vec3, f32), index: usize) {
+    fn look<const N: usize>(
+        &mut self,
+        scene: &Scene<N>,
+        places: &mut Places,
+        from: (Vec3, Vec3, f32),
+        index: usize,
+    ) {
         let emitters = &scene.optics.emitters;
         // Others from every point, if there are too many.
         let stride = emitters.len().div_ceil(EMITTERS);
         let (mut irradiance, mut moment) = (0.0, 0.0);
-        for emitter in emitters.iter().skip(index % stride).step_by(stride) {
-            let Some(aim) = Aim::at(scene, emitter, from.0, index) else { continue };
+        for (row, emitter) in emitters.iter().enumerate().skip(index % stride).step_by(stride) {
+            let Some(aim) = Aim::at(scene, places, row, (from.0, index)) else { continue };
             if aim.obstacle(scene, from).is_some() {
                 continue;
             }
@@ -269,6 +275,24 @@ impl Lamps {
         }
         self.brought += irradiance * irradiance;
         self.spread += moment;
+    }
+}
+
+/// Places of emitters, of each that was looked for.
+#[derive(Default)]
+struct Places(HashMap<usize, Vec<(Vec3, Vec3)>>);
+
+impl Places {
+    /// One of an emitter, with the normal there; another one for every index.
+    fn of<const N: usize>(
+        &mut self,
+        scene: &Scene<N>,
+        emitter: usize,
+        index: usize,
+    ) -> Option<(Vec3, Vec3)> {
+        let all = || places(&scene.optics.emitters[emitter].model, &scene.shapes);
+        let places = self.0.entry(emitter).or_insert_with(all);
+        places.get(index % places.len().max(1)).copied()
     }
 }
 
@@ -286,14 +310,14 @@ impl Aim {
     /// To some place of an emitter, from the `index`-th point; none to its dark side.
     fn at<const N: usize>(
         scene: &Scene<N>,
-        emitter: &Emitter<N>,
-        point: Vec3,
-        index: usize,
+        places: &mut Places,
+        row: usize,
+        (point, index): (Vec3, usize),
     ) -> Option<Self> {
+        let emitter = &scene.optics.emitters[row];
         let values = emitter.radiance.iter().map(|&value| f64::from(value));
         let radiance = values.sum::<f64>() / N as f64;
-        let places = places(&emitter.model, &scene.shapes);
-        let place = places.get(index % places.len().max(1)).copied();
+        let place = places.of(scene, row, index);
         let to_point = || {
             let to = place?.0 - point;
             let seen = Seen { irradiance: radiance / f64::from(to.length_squared()), share: 0.0 };

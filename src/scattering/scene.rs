@@ -13,7 +13,6 @@ use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::Emitter;
 
-use super::Sensor;
 use super::boundaries::settle;
 use super::emitter::aim::Aim;
 use super::emitter::choice::Choice;
@@ -23,12 +22,12 @@ use super::emitter::lamps::Lamps;
 use super::emitter::{self, EmissionSample};
 use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
-use super::look::Look;
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
 use super::surface::model::LaneRows;
 use super::surface::{Material, SurfaceKind, Surfaces};
 use super::targets::targets;
+use super::{Look, Looks, Sensor};
 
 /// Lamps are small whose area is less of that of the ball about the scene.
 const SMALL_LAMP: f64 = 1e-3;
@@ -83,6 +82,8 @@ pub struct Scene<const N: usize> {
     pub lamps: Option<Lamps>,
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
+    /// What looks at others of the same shapes have found.
+    looks: Arc<Looks>,
     look: OnceLock<Look>,
     rims: OnceLock<Rims>,
 }
@@ -152,6 +153,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds,
             has_emitting_straight_on,
             has_shading_normals: shapes.has_shading_normals(),
+            looks: Arc::default(),
             look: OnceLock::new(),
             rims: OnceLock::new(),
             media,
@@ -166,6 +168,11 @@ impl<const N: usize> Scene<N> {
         scene.aim_light_paths();
         scene.glimpses = Glimpses::new(&scene.shapes, &scene.optics, &scene.sensor);
         scene
+    }
+
+    /// Shares what looks find with other scenes of the same shapes.
+    pub fn sharing(self, looks: Arc<Looks>) -> Self {
+        Self { looks, ..self }
     }
 
     /// Looks for what light paths are worth to be aimed at.
@@ -318,7 +325,7 @@ impl<const N: usize> Scene<N> {
 
     /// What a look at it finds.
     pub fn look(&self) -> &Look {
-        self.look.get_or_init(|| Look::at(self))
+        self.look.get_or_init(|| self.looks.at(self))
     }
 
     /// Whether paths can meet some emitters by chance.

@@ -253,6 +253,13 @@ pub struct Medium<const N: usize> {
     pub phase: Phase<N>,
 }
 
+impl<const N: usize> Medium<N> {
+    /// Whether it scatters any light.
+    pub fn scatters(&self) -> bool {
+        self.sigma_s.iter().any(|&sigma_s| sigma_s > 0.0)
+    }
+}
+
 /// A phase function.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase<const N: usize> {

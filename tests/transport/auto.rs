@@ -321,6 +321,53 @@ fn what_an_integrator_does_not_find_is_said_and_nothing_else() {
     }
 }
 
+/// A ball and a light in a larger ball.
+fn spheres(bsdf: Bsdf, light: Punctual) -> Result<World, Error> {
+    let mut world = World::new("spheres");
+    let white = world.add_material("wall", Material::from(Bsdf::diffuse(0.7)).two_sided())?;
+    world.add_sphere("wall", 1.0, white, DVec3::ZERO)?;
+    let skin = world.add_material("ball", bsdf)?;
+    world.add_sphere("ball", 0.2, skin, BEFORE.as_dvec3())?;
+    world.add_light("spark", light, CORNER.as_dvec3())?;
+    let place = Transform::looking(0.9 * DVec3::Z, DVec3::ZERO, DVec3::Y);
+    world.set_camera("eye", Lens::pinhole(1.2), place)?;
+    Ok(world)
+}
+
+#[test]
+fn what_one_world_finds_holds_beside_it_only_where_nothing_else_is_seen() -> Result<(), Error> {
+    let spot = || Punctual::spot([3.0; 3], 0.1, 0.2);
+    let all = || -> Result<Vec<World>, Error> {
+        let metal = || Bsdf::metal("Al");
+        Ok(vec![
+            spheres(metal()?, spark())?,
+            spheres(Bsdf::diffuse(0.5), spark())?,
+            spheres(Bsdf::metal("Cu")?, spark())?,
+            spheres(metal()?, spot())?,
+            spheres(glass(), spark())?,
+            spheres(Bsdf::dielectric(1.7), spark())?,
+            spheres(Bsdf::polarizer(10.0), spark())?,
+        ])
+    };
+    let is_known = |a: &PlacedWorld, b: &World| a.shares_shapes(b).expect("a sound world");
+    let first = PlacedWorld::new(all()?.swap_remove(0))?;
+    let shared = all()?.iter().filter(|world| is_known(&first, world)).count();
+    assert!(shared >= 4, "{shared} share shapes with a metal ball");
+    let mut rules = Vec::new();
+    for (alone, beside) in all()?.into_iter().zip(all()?) {
+        let (alone, beside) = (PlacedWorld::new(alone)?, first.beside(beside)?);
+        let options = Options::default;
+        assert_eq!(rule(&alone, options()), rule(&beside, options()));
+        for &integrator in Integrator::ALL {
+            assert_eq!(notes(&alone, Some(integrator)), notes(&beside, Some(integrator)));
+        }
+        rules.push(rule(&beside, options()).0);
+    }
+    let (seen, plain) = (Rule::PointsSeen, Rule::Plain);
+    assert_eq!(rules, [seen, plain, seen, plain, seen, seen, plain]);
+    Ok(())
+}
+
 #[test]
 fn a_lamp_in_a_closed_box_is_named_and_one_in_glass_or_with_a_gap_is_not() -> Result<(), Error> {
     let said = |room: Room| -> Result<Vec<String>, Error> {
