@@ -11,7 +11,7 @@ use std::ops::Deref;
 
 use rayon::prelude::*;
 
-use super::halves::TILE;
+use super::halves::{Shares, TILE};
 use super::{Block, Film, Finished};
 use crate::image::StokesImage;
 use crate::image::rows::{Frame, Rows};
@@ -21,9 +21,9 @@ use crate::polarization::{Analyzer, Stokes};
 pub struct Developed<'a> {
     film: Source<'a>,
     count: Count,
-    /// What is left of the variances that the blocks tell, tile by tile of each plane; nothing is
-    /// known of it without.
-    shares: Option<Vec<Vec<f32>>>,
+    /// What is left of the variances that the blocks tell, of each plane; nothing is known of it
+    /// without.
+    shares: Option<Vec<Shares>>,
     has_variance: bool,
     /// Factors of the components, where the film measures what an analyzer lets pass.
     gains: Option<Vec<f32>>,
@@ -128,7 +128,7 @@ impl<'a> Developed<'a> {
     }
 
     /// What the halves leave of the variances, if they say so.
-    fn shares(&self) -> Option<Vec<Vec<f32>>> {
+    fn shares(&self) -> Option<Vec<Shares>> {
         let film = &*self.film;
         let Finished::Means { mean, halves: Some(halves), .. } = &film.finished else {
             return None;
@@ -182,9 +182,11 @@ impl<'a> Developed<'a> {
     /// The variances of a row that a plane of the film has.
     fn variances(&self, plane: usize, y: usize, to: &mut [f32]) {
         let tiles = self.film.width.div_ceil(TILE);
-        let shares = self.shares.as_ref().map(|shares| &shares[plane][y / TILE * tiles..]);
+        let shares = self.shares.as_ref().map(|shares| &shares[plane]);
         for ((x, to), index) in to.iter_mut().enumerate().zip(self.indices(plane, y)) {
-            *to = self.variance_at(index) * shares.map_or(1.0, |shares| shares[x / TILE]);
+            let stated = self.variance_at(index);
+            let tile = y / TILE * tiles + x / TILE;
+            *to = stated * shares.map_or(1.0, |shares| shares.of(tile, stated));
         }
     }
 
