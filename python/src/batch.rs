@@ -17,6 +17,7 @@ use sunstone::internals::batch::order::Order;
 use sunstone::internals::batch::prepared::{Asked, Begun, Prepared, Work};
 use sunstone::internals::batch::results::{Record, ResultsError};
 use sunstone::internals::batch::run::News;
+use sunstone::internals::batch::values::Values;
 use sunstone::internals::cli::batch::reader;
 
 use crate::errors::{ERROR, RENDER_ERROR, of_image, of_system};
@@ -69,7 +70,7 @@ struct Row {
     record: Option<Record>,
     index: usize,
     name: String,
-    values: serde_json::Map<String, serde_json::Value>,
+    values: Values,
     output: PathBuf,
     warnings: Vec<String>,
     was_done: bool,
@@ -102,7 +103,7 @@ impl Batch {
     fn look<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyTuple>>> {
         let State::Prepared(prepared) = &self.state else { return Ok(Vec::new()) };
         let rows: Vec<Row> =
-            py.detach(|| prepared.look().map(|(order, it)| Row::known(order, it)).collect());
+            py.detach(|| prepared.look().1.map(|(order, it)| Row::known(order, it)).collect());
         rows.into_iter().map(|row| row.into_python(py)).collect()
     }
 
@@ -241,7 +242,7 @@ fn run(mut begun: Begun, pool: Pool, sender: &Sender<Told>, stop: &AtomicBool) {
     let mut latest = 0;
     begun.run(&pool.threads, Vec::new(), |news| {
         let told = match news {
-            News::Ended { order, record, warnings, may_pass: _ } => {
+            News::Ended { order, record, warnings, may_pass: _, is_former: _ } => {
                 Some(Told::Row(Box::new(Row { warnings, ..Row::new(order, Some(*record)) })))
             }
             News::Progress(done) => {
@@ -279,7 +280,7 @@ impl Row {
         let Self { record, index, name, values, output, warnings, was_done } = self;
         let seconds = record.as_ref().map(|record| record.seconds);
         let (error, checksum) = record.map_or((None, None), |it| (it.error, it.checksum));
-        let values: Bound<PyDict> = dict(py, &values)?;
+        let values: Bound<PyDict> = dict(py, values.iter())?;
         let warnings = PyTuple::new(py, warnings)?;
         let output = output.to_string_lossy().into_owned();
         (index, name, values, output, error, seconds, checksum, was_done, warnings)
