@@ -122,6 +122,7 @@ impl Batch {
         let nothing = Stop::default();
         let begun = wait_for(py, None, &nothing, |_| Ok(()), move |_, _| prepared.begin())?;
         let begun = begun.map_err(of_results)?;
+        warn_of(py, begun.notes())?;
         let done = begun.done().iter().map(|(order, it)| Row::known(order, Some(it.clone())));
         let done = done.map(|row| row.into_python(py)).collect::<PyResult<_>>()?;
         let (cost, stop) = (begun.cost(), Arc::new(AtomicBool::new(false)));
@@ -286,6 +287,18 @@ impl Row {
         (index, name, values, output, error, seconds, checksum, was_done, warnings)
             .into_pyobject(py)
     }
+}
+
+/// Warns of what there is to know before a batch goes on.
+fn warn_of(py: Python, notes: &[String]) -> PyResult<()> {
+    let category = py.import("sunstone._errors")?.getattr("RenderWarning")?;
+    let warn = py.import("warnings")?.getattr("warn")?;
+    for note in notes {
+        let text = note.split_once(": ").map_or(note.as_str(), |(_, text)| text);
+        // By the line that asks for the first result.
+        warn.call1((text, &category, 2))?;
+    }
+    Ok(())
 }
 
 /// What keeps results from being noted.

@@ -172,7 +172,8 @@ fn an_image_of_a_former_run_is_told_from_that_of_a_job_that_failed() {
     batch(&here, &["jobs.toml"]).done();
     write(&here, "jobs.toml", &SWEEP.replace("ior\",", "ior\", step_with = \"x\",").replace(
         "sweep = [",
-        "sweep = [{ name = \"x\", key = \"nodes/glass ball/translation.0\", values = [0, \"y\"] }, ",
+        "sweep = [{ name = \"x\", key = \"nodes/glass ball/translation.0\", values = [0, \"y\"] \
+         }, ",
     ));
     let run = batch(&here, &["jobs.toml"]);
     assert_eq!(run.code, 1, "{}", run.stderr);
@@ -257,8 +258,8 @@ camera = { a = 1 }
 #[test]
 fn jobs_say_otherwise_than_the_defaults() {
     let jobs = "color = \"mono\"\nwavelength = 633\n[[jobs]]\nname = \"a\"\noutput = \"{name}{n}\
-                {c}.exr\"\nsweep = [{ name = \"n\", key = \"iterations\", values = [1, 2] }, { name \
-                = \"c\", key = \"color\", values = [\"rgb\", \"mono\"] }]\n";
+                {c}.exr\"\nsweep = [{ name = \"n\", key = \"iterations\", values = [1, 2] }, { \
+                name = \"c\", key = \"color\", values = [\"rgb\", \"mono\"] }]\n";
     let here = lab("rivals", jobs);
     batch(&here, &["jobs.toml"]).done();
     for (name, samples, channels) in [
