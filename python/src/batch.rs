@@ -17,6 +17,7 @@ use sunstone::internals::batch::order::Order;
 use sunstone::internals::batch::prepared::{Asked, Begun, Prepared, Work};
 use sunstone::internals::batch::results::{Record, ResultsError};
 use sunstone::internals::batch::run::News;
+use sunstone::internals::batch::values::Values;
 use sunstone::internals::cli::batch::reader;
 
 use crate::errors::{ERROR, RENDER_ERROR, of_image, of_system};
@@ -69,7 +70,7 @@ struct Row {
     record: Option<Record>,
     index: usize,
     name: String,
-    values: serde_json::Map<String, serde_json::Value>,
+    values: Values,
     output: PathBuf,
     warnings: Vec<String>,
     was_done: bool,
@@ -102,7 +103,7 @@ impl Batch {
     fn look<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyTuple>>> {
         let State::Prepared(prepared) = &self.state else { return Ok(Vec::new()) };
         let rows: Vec<Row> =
-            py.detach(|| prepared.look().map(|(order, it)| Row::known(order, it)).collect());
+            py.detach(|| prepared.look().1.map(|(order, it)| Row::known(order, it)).collect());
         rows.into_iter().map(|row| row.into_python(py)).collect()
     }
 
@@ -121,6 +122,7 @@ impl Batch {
         let nothing = Stop::default();
         let begun = wait_for(py, None, &nothing, |_| Ok(()), move |_, _| prepared.begin())?;
         let begun = begun.map_err(of_results)?;
+        warn_of(py, begun.notes())?;
         let done = begun.done().iter().map(|(order, it)| Row::known(order, Some(it.clone())));
         let done = done.map(|row| row.into_python(py)).collect::<PyResult<_>>()?;
         let (cost, stop) = (begun.cost(), Arc::new(AtomicBool::new(false)));
@@ -241,7 +243,7 @@ fn run(mut begun: Begun, pool: Pool, sender: &Sender<Told>, stop: &AtomicBool) {
     let mut latest = 0;
     begun.run(&pool.threads, Vec::new(), |news| {
         let told = match news {
-            News::Ended { order, record, warnings, may_pass: _ } => {
+            News::Ended { order, record, warnings, may_pass: _, is_former: _ } => {
                 Some(Told::Row(Box::new(Row { warnings, ..Row::new(order, Some(*record)) })))
             }
             News::Progress(done) => {
@@ -279,12 +281,24 @@ impl Row {
         let Self { record, index, name, values, output, warnings, was_done } = self;
         let seconds = record.as_ref().map(|record| record.seconds);
         let (error, checksum) = record.map_or((None, None), |it| (it.error, it.checksum));
-        let values: Bound<PyDict> = dict(py, &values)?;
+        let values: Bound<PyDict> = dict(py, values.iter())?;
         let warnings = PyTuple::new(py, warnings)?;
         let output = output.to_string_lossy().into_owned();
         (index, name, values, output, error, seconds, checksum, was_done, warnings)
             .into_pyobject(py)
     }
+}
+
+/// Warns of what there is to know before a batch goes on.
+fn warn_of(py: Python, notes: &[String]) -> PyResult<()> {
+    let category = py.import("sunstone._errors")?.getattr("RenderWarning")?;
+    let warn = py.import("warnings")?.getattr("warn")?;
+    for note in notes {
+        let text = note.split_once(": ").map_or(note.as_str(), |(_, text)| text);
+        // By the line that asks for the first result.
+        warn.call1((text, &category, 2))?;
+    }
+    Ok(())
 }
 
 /// What keeps results from being noted.

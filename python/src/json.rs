@@ -79,15 +79,19 @@ pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyA
             Ok(PyTuple::new(py, items.collect::<PyResult<Vec<_>>>()?)?.into_any())
         }
         Value::Object(table) => {
-            Ok(PyMappingProxy::new(py, dict(py, table)?.as_mapping()).into_any())
+            let items = table.iter().map(|(key, value)| (key.as_str(), value));
+            Ok(PyMappingProxy::new(py, dict(py, items)?.as_mapping()).into_any())
         }
     }
 }
 
-/// The items of an object, as [`to_python`] has them.
-pub fn dict<'py>(py: Python<'py>, table: &Map<String, Value>) -> PyResult<Bound<'py, PyDict>> {
+/// The items of an object in their order, as [`to_python`] has them.
+pub fn dict<'py, 'a>(
+    py: Python<'py>,
+    items: impl Iterator<Item = (&'a str, &'a Value)>,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (key, value) in table {
+    for (key, value) in items {
         dict.set_item(key, to_python(py, value)?)?;
     }
     Ok(dict)

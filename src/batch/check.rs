@@ -1,40 +1,90 @@
 //! What a job file asks for, looked at before anything is rendered.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use super::file::{Job, JobFile};
+use super::known;
 use super::order::Order;
+use super::reals::Reals;
 use crate::image::{self, atomic};
 use crate::render::{Part, SettingsError, check_part};
 use crate::scene::{Editable, SceneError};
 
 /// All that is wrong, each said once.
 #[derive(Default)]
-pub struct Wrong {
-    list: Vec<String>,
-    seen: BTreeSet<String>,
+struct Wrong {
+    list: Vec<Trouble>,
+    /// The places of these by the number of the table of their jobs, and what they are about.
+    seen: HashMap<(Option<usize>, String), usize>,
+}
+
+struct Trouble {
+    /// The job, if it is of one.
+    label: Option<String>,
+    text: String,
+    /// How many more of its sweep have it.
+    more: usize,
 }
 
 impl Wrong {
-    /// Something about a job, or about all of a sweep.
-    pub fn add(&mut self, text: String) {
-        if self.seen.insert(text.clone()) {
-            self.list.push(text);
+    /// Something about the file.
+    fn add(&mut self, text: String) {
+        self.push(None, text.clone(), text);
+    }
+
+    /// Something about a job.
+    fn of(&mut self, job: &Job, text: &str) {
+        self.alike(job, text, text);
+    }
+
+    /// Something about a job that others of its sweep may have by other names.
+    fn alike(&mut self, job: &Job, about: &str, text: &str) {
+        self.push(Some(job), about.to_owned(), text.to_owned());
+    }
+
+    /// An option of a job: if it is a default, it is no matter of the job.
+    fn of_option(&mut self, job: &Job, option: &WrongOption) {
+        match &option.key {
+            Some(key) if !job.table.own.contains(key) => {
+                self.add(format!("defaults, {}", option.text));
+            }
+            Some(_) | None => self.of(job, &option.text),
         }
     }
 
-    fn of(&mut self, job: &Job, text: &str) {
-        self.add(format!("{}, {text}", job.label));
+    fn push(&mut self, job: Option<&Job>, about: String, text: String) {
+        let key = (job.map(|job| job.table.number), about);
+        match self.seen.get(&key) {
+            Some(place) => self.list[*place].more += 1,
+            None => {
+                self.seen.insert(key, self.list.len());
+                self.list.push(Trouble { label: job.map(Job::label), text, more: 0 });
+            }
+        }
     }
 
-    /// The list.
-    pub fn list(self) -> Vec<String> {
-        self.list
+    /// The list, in words.
+    fn list(self) -> Vec<String> {
+        let words = |Trouble { label, text, more }| match (label, more) {
+            (None, _) => text,
+            (Some(label), 0) => format!("{label}, {text}"),
+            (Some(label), more) => format!("{label} and {more} more of its sweep, {text}"),
+        };
+        self.list.into_iter().map(words).collect()
     }
+}
+
+/// What is wrong with an option, or with several together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrongOption {
+    /// The option, if it is one.
+    pub key: Option<String>,
+    /// In words, with its name.
+    pub text: String,
 }
 
 /// Which files must not be replaced.
@@ -49,7 +99,7 @@ pub struct Inputs<'a> {
 
 /// What reads the options of a job, which is in this folder, or says in words all that is wrong
 /// with them.
-pub type ReadOptions<'a> = &'a mut dyn FnMut(&Job, &Path) -> Result<Order, Vec<String>>;
+pub type ReadOptions<'a> = &'a mut dyn FnMut(&Job, &Path) -> Result<Order, Vec<WrongOption>>;
 
 /// The orders of a job file.
 ///
@@ -66,15 +116,18 @@ pub fn orders(
     let mut orders = Vec::with_capacity(file.jobs.len());
     for job in &file.jobs {
         match read(job, &file.folder) {
-            Ok(order) => orders.push((job, order)),
-            Err(texts) => texts.iter().for_each(|text| wrong.of(job, text)),
+            Ok(order) if job.is_whole => orders.push((job, order)),
+            Ok(_) => {}
+            Err(options) => options.iter().for_each(|option| wrong.of_option(job, option)),
         }
     }
     if inputs.parts != 1 {
         check_parts(&orders, inputs.parts, &mut wrong);
     }
     check_edits(file, &mut wrong);
-    check_outputs(&orders, file, inputs, allow_outside, &mut wrong);
+    let mut reals = Reals::default();
+    let taken = check_outputs(&orders, file, inputs, (allow_outside, &mut reals), &mut wrong);
+    check_others(&orders, &taken, (file, inputs), (read, &mut reals), &mut wrong);
     let wrong = wrong.list();
     if wrong.is_empty() {
         return Ok(orders.into_iter().map(|(_, order)| order).collect());
@@ -128,15 +181,15 @@ fn found(editable: &Editable, targets: &[&str]) -> Vec<String> {
 }
 
 /// Checks that every output has a place of its own, in the folder of the job file unless others
-/// are allowed, that can be written.
+/// are allowed, that can be written. Returns the files of the outputs with the places of their
+/// orders.
 fn check_outputs(
     orders: &[(&Job, Order)],
     file: &JobFile,
     inputs: &Inputs,
-    allow_outside: bool,
+    (allow_outside, reals): (bool, &mut Reals),
     wrong: &mut Wrong,
-) {
-    let mut reals = Reals::default();
+) -> HashMap<PathBuf, usize> {
     let scenes: HashSet<&Path> = orders.iter().map(|(_, order)| &*order.scene).collect();
     let results = reals.of(inputs.results);
     if scenes.iter().copied().chain([inputs.jobs]).any(|path| reals.of(path) == results) {
@@ -147,7 +200,7 @@ fn check_outputs(
     let needed: HashSet<PathBuf> = needed.map(|path| reals.of(path)).collect();
     let home = (!allow_outside).then(|| reals.of(&file.folder.join("image")));
     let home = home.as_deref().and_then(Path::parent);
-    let mut taken: HashMap<PathBuf, (usize, &Order)> = HashMap::new();
+    let mut taken: HashMap<PathBuf, usize> = HashMap::new();
     let mut folders = Folders::default();
     for (row, (job, order)) in orders.iter().enumerate() {
         let Ok(files) = image::files_of(&order.output) else { continue };
@@ -164,10 +217,13 @@ fn check_outputs(
                 return Some(format!(": {text}"));
             }
             match taken.get(&path) {
-                Some((other, _)) if *other == row => None,
-                Some((_, other)) => Some(twice(order, &other.label())),
+                Some(other) if *other == row => None,
+                Some(other) => {
+                    let (job, other) = &orders[*other];
+                    Some(twice(order, &format!("{} {}", job.index, other.label())))
+                }
                 None => {
-                    taken.insert(path, (row, order));
+                    taken.insert(path, row);
                     None
                 }
             }
@@ -177,16 +233,56 @@ fn check_outputs(
             wrong.of(job, &format!("output {}{text}", order.output_name));
         }
     }
+    taken
+}
+
+/// Checks that no other job file that the results tell of asks for one of these outputs, unless
+/// for the same image.
+fn check_others(
+    orders: &[(&Job, Order)],
+    taken: &HashMap<PathBuf, usize>,
+    (file, inputs): (&JobFile, &Inputs),
+    (read, reals): (ReadOptions, &mut Reals),
+    wrong: &mut Wrong,
+) {
+    let own = reals.of(inputs.jobs);
+    for name in known::job_files(inputs.results) {
+        let path = file.folder.join(&name);
+        // What is not there any more has been renamed, or given up.
+        if !path.is_file() || reals.of(&path) == own {
+            continue;
+        }
+        // Of one that cannot be read no batch can be made either.
+        let Ok(other) = JobFile::read(&path) else { continue };
+        for theirs in &other.jobs {
+            let output = file.folder.join(&theirs.output);
+            let files = image::files_of(&output).unwrap_or_default();
+            let mut all = std::iter::once(&output).chain(&files);
+            let Some(row) = all.find_map(|path| taken.get(&reals.of(path))) else { continue };
+            let (job, order) = &orders[*row];
+            let mut is_same = || read(theirs, &file.folder).is_ok_and(|it| it.key() == order.key());
+            if !theirs.is_whole || is_same() {
+                continue;
+            }
+            let text = format!(
+                "output {} is that of {} in {name} too, which makes another image of it: write \
+                 into another folder, or remove or rename {name} if it is not needed any more",
+                order.output_name,
+                theirs.label()
+            );
+            wrong.alike(job, &format!("{name} {}", theirs.table.number), &text);
+        }
+    }
 }
 
 /// What is said of a second job with an output.
 fn twice(order: &Order, other: &str) -> String {
-    let axes = order.values.keys().map(|axis| format!("{{{axis}}}")).collect::<Vec<_>>();
+    let axes = order.values.iter().map(|(axis, _)| format!("{{{axis}}}")).collect::<Vec<_>>();
     let advice = match axes.is_empty() {
         true => "{name} or {index}".to_owned(),
         false => axes.join(" and "),
     };
-    format!(" is that of {other} too; write {advice} into it")
+    format!(" is that of job {other} too; write {advice} into it")
 }
 
 /// Folders that have been written into for a test, and why not.
@@ -204,41 +300,4 @@ impl Folders {
         let probe = || atomic::probe_writable(&folder.join("image")).err().map(|it| it.to_string());
         self.0.entry(folder.to_owned()).or_insert_with(probe).clone()
     }
-}
-
-/// Paths without links, dots and what is between them, as far as they are there; with those of
-/// their folders.
-#[derive(Default)]
-struct Reals(HashMap<PathBuf, PathBuf>);
-
-impl Reals {
-    fn of(&mut self, path: &Path) -> PathBuf {
-        let (Some(name), Some(folder)) = (path.file_name(), path.parent()) else {
-            return real(path);
-        };
-        let folder = self.0.entry(folder.to_owned()).or_insert_with(|| real(folder));
-        real(&folder.join(name))
-    }
-}
-
-fn real(path: &Path) -> PathBuf {
-    let start = std::env::current_dir().unwrap_or_default().join(path);
-    if let Ok(real) = fs::canonicalize(&start) {
-        return real;
-    }
-    let mut real = PathBuf::new();
-    for part in start.components() {
-        match part {
-            Component::ParentDir => drop(real.pop()),
-            Component::CurDir => {}
-            Component::Prefix(_) | Component::RootDir | Component::Normal(_) => {
-                real.push(part);
-                // A link, if it is one that leads somewhere.
-                if fs::symlink_metadata(&real).is_ok_and(|found| found.is_symlink()) {
-                    real = fs::canonicalize(&real).unwrap_or(real);
-                }
-            }
-        }
-    }
-    real
 }

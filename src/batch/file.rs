@@ -3,12 +3,15 @@
 //! Here it is unfolded into jobs, one for every combination of a sweep. What options and edits
 //! mean is found out by others.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::{Map, Number, Value};
 
 use super::pattern::Pattern;
 use super::sweep::{Axis, VALUES_MAX, unfold};
+use super::values::Values;
 use crate::image::{extension, folder_of, read_bytes};
 use crate::math::text::excerpt;
 use crate::scene::Edit;
@@ -28,11 +31,11 @@ pub struct JobFile {
     pub path: PathBuf,
     /// What its paths are relative to.
     pub folder: PathBuf,
-    /// The jobs in their order.
+    /// The jobs in their order; of those that something is wrong with, what can be read.
     pub jobs: Vec<Job>,
     /// How a farm divides them.
     pub farm: Farm,
-    /// In words, what is wrong with the file, and with jobs that are not among these for it.
+    /// In words, what is wrong with the file and its jobs, beside options and edits.
     pub wrong: Vec<String>,
 }
 
@@ -52,16 +55,32 @@ pub struct Job {
     pub index: usize,
     /// What it is called; jobs of a sweep share it.
     pub name: String,
-    /// How errors call the table that it is of.
-    pub label: String,
-    /// Long options of `render`, with `_` for `-`; `scene` too.
+    /// The table that it is of.
+    pub table: Arc<Place>,
+    /// Long options of `render`, with `_` for `-`; `scene` too. Those of the job and, beside them,
+    /// the defaults.
     pub options: Map<String, Value>,
     /// Where the image goes, as the file has it.
     pub output: String,
     /// What is other than in the scene file.
     pub edits: Vec<Edit>,
     /// The values of the sweep, by the names of its axes.
-    pub values: Map<String, Value>,
+    pub values: Values,
+    /// Whether nothing was wrong with its table.
+    pub is_whole: bool,
+}
+
+/// Where the table of a job is, and what it says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Its place among all tables, from 0.
+    pub number: usize,
+    /// The line that it is, from 1, if the file has a job in each.
+    pub line: Option<usize>,
+    /// Whether it has a name of its own.
+    pub is_named: bool,
+    /// The options that it says itself, whatever the defaults are.
+    pub own: BTreeSet<String>,
 }
 
 /// A table of the file that is one job or several.
@@ -94,15 +113,14 @@ impl JobFile {
         }
         let farm = farm_of(&farm, &mut wrong);
         let mut jobs = Vec::new();
-        for (label, table) in tables {
-            match unfolded(&defaults, table, &label, jobs.len()) {
-                Ok(more) if jobs.len() + more.len() <= VALUES_MAX => jobs.extend(more),
-                Ok(_) => {
-                    wrong.push(format!("asks for more than {VALUES_MAX} jobs"));
-                    break;
-                }
-                Err(more) => wrong.extend(more.iter().map(|text| format!("{label}, {text}"))),
+        for (number, (line, table)) in tables.into_iter().enumerate() {
+            let (more, texts) = unfolded(&defaults, table, [number, jobs.len()], line);
+            if jobs.len() + more.len() > VALUES_MAX {
+                wrong.push(format!("asks for more than {VALUES_MAX} jobs"));
+                break;
             }
+            wrong.extend(texts.iter().map(|text| format!("{}, {text}", more[0].label())));
+            jobs.extend(more);
         }
         if jobs.is_empty() && wrong.is_empty() {
             wrong.push("has no jobs; add a table [[jobs]]".to_owned());
@@ -149,8 +167,11 @@ fn table_of(file: &mut Table, key: &str, wrong: &mut Vec<String>) -> Table {
     }
 }
 
+/// Tables of jobs, with the lines that they are if each is one.
+type Tables = Vec<(Option<usize>, Table)>;
+
 /// The tables of jobs in what is left of a TOML file.
-fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
+fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Tables {
     match file.remove("version") {
         Some(version) if version.as_u64() == Some(1) => {}
         Some(version) => wrong.push(format!("version {version} is not known: this is version 1")),
@@ -168,37 +189,30 @@ fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
         let (key, keys) = (excerpt(key, NAME), KEYS.join(", "));
         wrong.push(format!("`{key}` is not a key of a job file; keys are {keys}"));
     }
-    let mut labeled = Vec::with_capacity(tables.len());
-    for (number, table) in (1..).zip(tables) {
+    let mut found = Vec::with_capacity(tables.len());
+    for table in tables {
         match table {
-            Value::Object(table) => labeled.push((label(&format!("job {number}"), &table), table)),
-            _ => wrong.push(format!("job {number} is not a table")),
+            Value::Object(table) => found.push((None, table)),
+            other => wrong.push(format!(
+                "`jobs` holds {}, which is no table: write [[jobs]]",
+                excerpt(&other.to_string(), NAME)
+            )),
         }
     }
-    labeled
+    found
 }
 
 /// The tables of jobs that stand in the lines of a text.
-fn lines_of(text: &str, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
-    let mut labeled = Vec::new();
+fn lines_of(text: &str, wrong: &mut Vec<String>) -> Tables {
+    let mut found = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
         match serde_json::from_str(line) {
-            Ok(Value::Object(table)) => {
-                labeled.push((label(&format!("line {number}"), &table), table));
-            }
+            Ok(Value::Object(table)) => found.push((Some(number), table)),
             Ok(_) => wrong.push(format!("line {number} is not an object")),
             Err(error) => wrong.push(format!("line {number} is not JSON: {error}")),
         }
     }
-    labeled
-}
-
-/// How errors call a job.
-fn label(number: &str, table: &Table) -> String {
-    match table.get("name").and_then(Value::as_str) {
-        Some(name) => format!("{number} \"{}\"", excerpt(name, NAME)),
-        None => number.to_owned(),
-    }
+    found
 }
 
 fn farm_of(table: &Table, wrong: &mut Vec<String>) -> Farm {
@@ -217,35 +231,47 @@ fn farm_of(table: &Table, wrong: &mut Vec<String>) -> Farm {
     Farm { tasks: count("tasks"), parts: count("parts") }
 }
 
-/// What a table says beside its options.
+/// What a table says.
 struct Asked {
     name: String,
+    /// Options with the defaults.
     options: Table,
-    output: Pattern,
+    /// Those that it says itself.
+    own: BTreeSet<String>,
+    /// Nothing if it cannot be read.
+    output: Option<Pattern>,
     edits: Vec<Edit>,
     axes: Vec<Axis>,
 }
 
-/// The jobs of a table, the first of which has this index.
+/// The jobs of a table, at least one, and what is wrong with it; with the number of the table and
+/// the index of its first job.
 fn unfolded(
     defaults: &Table,
-    table: Table,
-    label: &str,
-    first: usize,
-) -> Result<Vec<Job>, Vec<String>> {
-    let asked = asked(defaults, table, first)?;
-    let one = |text: String| vec![format!("sweep: {text}")];
-    let combinations = unfold(&asked.axes).map_err(one)?;
+    mut table: Table,
+    [number, first]: [usize; 2],
+    line: Option<usize>,
+) -> (Vec<Job>, Vec<String>) {
+    let mut wrong = Vec::new();
+    let is_named = table.get("name").is_some_and(Value::is_string);
+    let Asked { name, options, own, output, edits, mut axes } =
+        asked(defaults, &mut table, first, &mut wrong);
+    let combinations = unfold(&axes).unwrap_or_else(|text| {
+        wrong.push(format!("sweep: {text}"));
+        axes.clear();
+        vec![Vec::new()]
+    });
+    let place = Arc::new(Place { number, line, is_named, own });
     let jobs = combinations.iter().zip(first..).map(|(indices, index)| {
-        let Asked { name, options, edits, axes, output } = &asked;
         let mut job = Job {
             index,
             name: name.clone(),
-            label: label.to_owned(),
+            table: Arc::clone(&place),
             options: options.clone(),
             output: String::new(),
             edits: edits.clone(),
-            values: Table::new(),
+            values: Values::default(),
+            is_whole: wrong.is_empty(),
         };
         for (axis, &at) in axes.iter().zip(indices) {
             job.set(&axis.key, axis.values[at].clone());
@@ -256,18 +282,29 @@ fn unfolded(
             job.options.insert("seed".to_owned(), own.clone());
         }
         let (name, zero) = (Value::from(name.as_str()), Value::from(0));
-        job.output = output.fill(|field| match field {
-            "name" => Some(&name),
-            "index" => Some(&own),
-            "seed" => Some(job.options.get("seed").unwrap_or(&zero)),
-            axis => job.values.get(axis),
+        let filled = output.as_ref().map(|output| {
+            output.fill(|field| match field {
+                "name" => Some(&name),
+                "index" => Some(&own),
+                "seed" => Some(job.options.get("seed").unwrap_or(&zero)),
+                axis => job.values.get(axis),
+            })
         });
+        job.output = filled.unwrap_or_default();
         job
     });
-    Ok(jobs.collect())
+    (jobs.collect(), wrong)
 }
 
 impl Job {
+    /// How errors call it: by its index, and the line if it is one of the file's.
+    pub fn label(&self) -> String {
+        let Place { line, is_named, .. } = &*self.table;
+        let line = line.map_or(String::new(), |line| format!("line {line}, "));
+        let name = is_named.then(|| format!(" \"{}\"", excerpt(&self.name, NAME)));
+        format!("{line}job {}{}", self.index, name.unwrap_or_default())
+    }
+
     /// Sets an option, or adds an edit.
     fn set(&mut self, key: &str, value: Value) {
         match key.contains('/') {
@@ -277,8 +314,7 @@ impl Job {
     }
 }
 
-fn asked(defaults: &Table, mut table: Table, first: usize) -> Result<Asked, Vec<String>> {
-    let mut wrong = Vec::new();
+fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<String>) -> Asked {
     let name = match table.remove("name") {
         Some(Value::String(name)) => name,
         Some(_) => {
@@ -295,25 +331,29 @@ fn asked(defaults: &Table, mut table: Table, first: usize) -> Result<Asked, Vec<
         }
         None => Table::new(),
     };
-    let axes = axes(table.remove("sweep"), &mut wrong);
+    let sweep = table.remove("sweep");
+    let names = names_of_axes(sweep.as_ref());
+    let axes = axes(sweep, wrong);
     let keys = set.keys().chain(axes.iter().map(|axis| &axis.key));
-    let mut seen: Vec<&String> = table.keys().collect();
+    let mut own: BTreeSet<String> = table.keys().cloned().collect();
     for key in keys {
-        if seen.contains(&key) {
+        if !own.insert(key.clone()) {
             wrong.push(format!("`{}` is stated twice", excerpt(key, NAME)));
         }
-        seen.push(key);
     }
     let mut options = defaults.clone();
-    options.extend(table);
+    options.append(table);
     let (edits, more): (Table, Table) = set.into_iter().partition(|(key, _)| key.contains('/'));
     options.extend(more);
     let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value)).collect();
-    let output = output(options.remove("output"), &axes, &mut wrong);
-    match output {
-        Some(output) if wrong.is_empty() => Ok(Asked { name, options, output, edits, axes }),
-        _ => Err(wrong),
-    }
+    let output = output(options.remove("output"), &names, wrong);
+    Asked { name, options, own, output, edits, axes }
+}
+
+/// What axes are called, whatever else is wrong with them.
+fn names_of_axes(sweep: Option<&Value>) -> Vec<String> {
+    let axes = sweep.and_then(Value::as_array).into_iter().flatten();
+    axes.filter_map(|axis| Some(axis.get("name")?.as_str()?.to_owned())).collect()
 }
 
 fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {
@@ -326,20 +366,27 @@ fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {
         None => return Vec::new(),
     };
     let mut axes: Vec<Axis> = Vec::new();
-    for (number, table) in (1..).zip(&tables) {
-        let mut refuse = |text: String| wrong.push(format!("sweep, axis {number}: {text}"));
+    for (number, table) in tables.iter().enumerate() {
+        let called = match table.get("name").and_then(Value::as_str) {
+            Some(name) => format!("\"{}\"", excerpt(name, NAME)),
+            None => number.to_string(),
+        };
+        let mut refuse = |text: String| wrong.push(format!("sweep, axis {called}: {text}"));
         match Axis::parse(table) {
             Ok(axis) if axes.iter().any(|other| other.name == axis.name) => {
-                refuse(format!("another is called \"{}\"", excerpt(&axis.name, NAME)));
+                refuse("another has this name".to_owned());
             }
             Ok(axis) if ["name", "index"].contains(&axis.name.as_str()) => {
-                refuse(format!("\"{}\" means something else in names", axis.name));
+                refuse(format!("{{{}}} means something else in names", axis.name));
             }
             Ok(axis) if (axis.name == "seed") != (axis.key == "seed") => {
                 refuse("\"seed\" is the name of the axis of that key".to_owned());
             }
             Ok(axis) if axis.key == "output" => {
                 refuse("`output` cannot be swept: write {NAME} of an axis into it".to_owned());
+            }
+            Ok(axis) if ["name", "set", "sweep"].contains(&axis.key.as_str()) => {
+                refuse(format!("`{}` cannot be swept", axis.key));
             }
             Ok(axis) => axes.push(axis),
             Err(texts) => texts.into_iter().for_each(&mut refuse),
@@ -349,7 +396,7 @@ fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {
 }
 
 /// The name of the outputs, if its fields are those that there are.
-fn output(output: Option<Value>, axes: &[Axis], wrong: &mut Vec<String>) -> Option<Pattern> {
+fn output(output: Option<Value>, axes: &[String], wrong: &mut Vec<String>) -> Option<Pattern> {
     let text = match output {
         Some(Value::String(text)) => text,
         Some(_) => {
@@ -363,8 +410,12 @@ fn output(output: Option<Value>, axes: &[Axis], wrong: &mut Vec<String>) -> Opti
     };
     let pattern =
         Pattern::parse(&text).map_err(|text| wrong.push(format!("output: {text}"))).ok()?;
-    let known: Vec<&str> =
-        ["name", "index", "seed"].into_iter().chain(axes.iter().map(|it| &*it.name)).collect();
+    let mut known = vec!["name", "index", "seed"];
+    for axis in axes {
+        if !known.contains(&axis.as_str()) {
+            known.push(axis);
+        }
+    }
     for field in pattern.fields().filter(|field| !known.contains(field)) {
         let fields = known.iter().map(|name| format!("{{{name}}}")).collect::<Vec<_>>().join(", ");
         wrong

@@ -1,14 +1,13 @@
 //! Images of the parts that tasks have rendered, which are removed when the images are there.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::known::Known;
+use super::leftovers::Leftovers;
 use super::order::{Checksums, Order};
-use super::share::{Share, piece_of, pieces_of};
+use super::share::{piece_of, pieces_of};
 use crate::film::Developed;
-use crate::image::folder_of;
 use crate::math::text::listed;
 use crate::render::{PartError, SettingsError, merge_as_asked_for};
 
@@ -122,8 +121,13 @@ impl Merging<'_> {
 
     fn why_missing(&self, piece: &Order) -> String {
         let (name, file) = (name_of(piece), &piece.output_name);
-        match (piece.output.exists(), self.known.was_done(piece)) {
-            (false, _) => format!("{name} is missing: there is no {file}"),
+        if !piece.output.exists() {
+            return format!("{name} is missing: there is no {file}");
+        }
+        match (self.known.tells_of(file), self.known.was_done(piece)) {
+            (false, _) => {
+                format!("{name}, {file}, is there, but no task has noted that it made it")
+            }
             (true, true) => format!("{name}, {file}, is damaged, or its scene has changed"),
             (true, false) => {
                 format!("{name}, {file}, is of other options or another build of the program")
@@ -135,79 +139,4 @@ impl Merging<'_> {
 /// How a piece is called.
 fn name_of(piece: &Order) -> String {
     piece.settings.part.map_or("the image".to_owned(), |part| format!("part {part}"))
-}
-
-/// Files of parts, which are of no use when their image is there; those of other numbers of parts
-/// too.
-pub struct Leftovers(HashMap<PathBuf, Vec<PathBuf>>);
-
-impl Leftovers {
-    /// Looks for them beside the outputs.
-    pub fn find(orders: &[Order]) -> Self {
-        let outputs: HashSet<&Path> = orders.iter().map(|order| &*order.output).collect();
-        let folders: HashSet<PathBuf> = outputs.iter().map(|output| folder_of(output)).collect();
-        let mut found: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
-        for folder in folders {
-            // There are no parts in a folder that is not there.
-            let Ok(entries) = fs::read_dir(&folder) else { continue };
-            for name in entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()) {
-                let Some(image) = image_of_part(&name) else { continue };
-                // No dot before what lies in the current folder, as outputs have none.
-                let at = |name: &str| match folder == Path::new(".") {
-                    true => PathBuf::from(name),
-                    false => folder.join(name),
-                };
-                if outputs.contains(&*at(image)) {
-                    found.entry(at(image)).or_default().push(at(&name));
-                }
-            }
-        }
-        Self(found)
-    }
-
-    /// One of an image of which there are more or fewer parts than so many.
-    fn of_other_number(&self, output: &Path, parts: u32) -> Option<&PathBuf> {
-        let own = format!("-of-{parts}.part");
-        let mut files = self.0.get(output).into_iter().flatten();
-        files.find(|path| !path.to_string_lossy().ends_with(&own))
-    }
-
-    /// Removes those of an image.
-    ///
-    /// # Errors
-    /// When one is left.
-    pub fn remove(&self, output: &Path) -> io::Result<()> {
-        for path in self.0.get(output).into_iter().flatten() {
-            match fs::remove_file(path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                Ok(()) | Err(_) => {}
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The file name of the image that a part is of, by the part's.
-fn image_of_part(name: &str) -> Option<&str> {
-    let (image, number) = name.strip_suffix(".part")?.rsplit_once('.')?;
-    number.replacen("-of-", "/", 1).parse::<Share>().ok().map(|_| image)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_are_known_by_their_names() {
-        for (name, image) in [
-            ("a.exr.2-of-7.part", Some("a.exr")),
-            ("a b-0.5.exr.7-of-7.part", Some("a b-0.5.exr")),
-            ("a.exr.8-of-7.part", None),
-            ("a.exr.part", None),
-            ("2-of-7.part", None),
-            ("a.exr.2-of-7.part.checkpoint", None),
-        ] {
-            assert_eq!(image_of_part(name), image, "{name}");
-        }
-    }
 }

@@ -4,18 +4,17 @@
 //! | module | holds |
 //! |---|---|
 //! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
-//! | [`sweep`], [`pattern`] | axes of values, and names made of them |
+//! | [`sweep`], [`values`], [`pattern`] | axes, their values, and names made of them |
 //! | [`order`] | a job that has been checked |
-//! | [`check`] | what the job file alone shows to be wrong |
+//! | [`check`], [`reals`] | what the job file alone shows to be wrong, and where its files are |
 //! | [`prepared`] | from the file to what is left to do, and its results noted |
-//! | [`results`] | `results.jsonl`: what has been done |
 //! | [`report`] | a page of what has been done |
 //! | [`share`] | what one task of many does |
 //! | [`results`], [`known`] | `results.jsonl`, and those of tasks: what has been done |
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
-//! | [`merging`] | images of the parts that tasks have rendered |
+//! | [`merging`], [`leftovers`] | images of the parts that tasks have rendered, and their files |
 //! | [`farm`] | scripts and templates for engines that run tasks |
 
 pub mod check;
@@ -23,13 +22,16 @@ pub mod farm;
 pub mod file;
 mod gate;
 pub mod known;
+mod leftovers;
 pub mod merging;
 pub mod order;
 mod pattern;
 pub mod prepared;
+mod reals;
 pub mod report;
 pub mod results;
 pub mod run;
 mod scenes;
 pub mod share;
 mod sweep;
+pub mod values;

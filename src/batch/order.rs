@@ -6,11 +6,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 use super::gate::locked;
 use super::results::Record;
+use super::values::Values;
 use crate::image;
 use crate::math::text::excerpt;
 use crate::render::settings::SAMPLES_MAX;
@@ -25,7 +25,7 @@ pub struct Order {
     /// What it is called.
     pub name: String,
     /// The values of the sweep, by the names of its axes.
-    pub values: Map<String, Value>,
+    pub values: Values,
     /// The scene, from the current folder.
     pub scene: PathBuf,
     /// The same as the job file has it.
@@ -86,6 +86,11 @@ impl Order {
             Some(_) => Ok(vec![self.output.clone()]),
             None => image::files_of(&self.output),
         }
+    }
+
+    /// Whether one of its files is there, of whatever run.
+    pub fn is_there(&self) -> bool {
+        self.files().is_ok_and(|files| files.iter().any(|file| file.is_file()))
     }
 
     /// What the whole image takes, in samples, as far as is known before the scene is.

@@ -1,6 +1,7 @@
 //! A batch from its file to its end, the same for whoever starts one: what is wrong is told before
 //! anything is rendered, what is done is left out, and what becomes of jobs is noted.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -8,8 +9,9 @@ use std::sync::Arc;
 
 use super::check::{Inputs, ReadOptions, orders};
 use super::file::{Farm, JobFile};
-use super::known::{Known, folder_of_tasks, remove_files_of_tasks};
-use super::merging::{Leftovers, Merging};
+use super::known::{Known, Tasks, folder_of_tasks, remove_files_of_tasks};
+use super::leftovers::Leftovers;
+use super::merging::Merging;
 use super::order::{Checksums, Order};
 use super::results::{Record, Results, ResultsError};
 use super::run::{Batch, How, News};
@@ -19,6 +21,8 @@ use crate::render::threads::Threads;
 
 /// Most troubles of a job file that are listed.
 const TOLD_MAX: usize = 1000;
+/// The name of results beside a job file.
+const RESULTS: &str = "results.jsonl";
 /// Most characters of a path in what is said of it.
 const PATH: usize = 2000;
 
@@ -87,8 +91,12 @@ pub struct Begun {
     parts: u32,
     checksums: Checksums,
     known: Known,
-    /// Parts of images, where these are merged.
+    /// Parts of images, unless it makes some itself.
     leftovers: Option<Leftovers>,
+    /// The images that are made of parts although no merge was asked for, by index, with how many
+    /// parts they have.
+    whole: HashMap<usize, u32>,
+    notes: Vec<String>,
     done: Vec<(Order, Record)>,
     left: Vec<Order>,
 }
@@ -101,7 +109,11 @@ impl Prepared {
     pub fn read(asked: Asked, read: ReadOptions) -> Result<Self, Refused> {
         let refused = |wrong| Refused { path: asked.jobs.clone(), wrong };
         let file = JobFile::read(&asked.jobs).map_err(|wrong| refused(vec![wrong]))?;
-        let beside = || file.folder.join("results.jsonl");
+        // No dot before what lies in the current folder.
+        let beside = || match file.folder == Path::new(".") {
+            true => PathBuf::from(RESULTS),
+            false => file.folder.join(RESULTS),
+        };
         let results = asked.results.clone().unwrap_or_else(beside);
         let parts = match asked.work {
             Work::All => 1,
@@ -148,19 +160,20 @@ impl Prepared {
     }
 
     /// What there is to do in its order, with what has become of that which is done; of parts whose
-    /// image is there, with that of the image.
-    pub fn look(&self) -> impl Iterator<Item = (&Order, Option<Record>)> {
-        let known = self.known(Results::look(&self.results));
-        self.all().iter().map(move |order| (order, self.done_by(&known, order).cloned()))
+    /// image is there, with that of the image. Before it, in words, what of the results cannot be
+    /// read.
+    pub fn look(&self) -> (Vec<String>, impl Iterator<Item = (&Order, Option<Record>)>) {
+        let known = self.with_tasks(Known::look(&self.results), Tasks::AtWork);
+        let unread = known.unread().to_vec();
+        (unread, self.all().iter().map(move |order| (order, self.done_by(&known, order).cloned())))
     }
 
     fn all(&self) -> &[Order] {
         self.pieces.as_deref().unwrap_or(&self.orders)
     }
 
-    /// What is known of these and of what tasks have done.
-    fn known(&self, records: impl IntoIterator<Item = Record>) -> Known {
-        Known::with_tasks(records, &self.results, &self.file.jobs)
+    fn with_tasks(&self, known: Known, tasks: Tasks) -> Known {
+        known.with_tasks(&self.results, &self.file.jobs, tasks)
     }
 
     /// By what an order is done: a part is not needed either when its image is there.
@@ -183,23 +196,85 @@ impl Prepared {
                 Results::open_of_task(&folder_of_tasks(&self.results).join(name))?
             }
         };
+        let path = &self.results;
         let known = match self.asked.work {
-            Work::All => self.known(results.records()),
+            Work::All => Known::of_results(results.records(), path, results.broken()),
             // What failed is told by tasks; errors in the results are those of former merges.
-            Work::Merge(_) => self.known(results.records().filter(|it| it.error.is_none())),
-            Work::Share(..) => self.known(Results::look(&self.results)),
+            Work::Merge(_) => {
+                let good = results.records().filter(|it| it.error.is_none());
+                Known::of_results(good, path, results.broken())
+            }
+            Work::Share(..) => Known::look(path),
         };
+        let tasks = match self.asked.work {
+            Work::All | Work::Merge(_) => Tasks::Ended,
+            Work::Share(..) => Tasks::AtWork,
+        };
+        let known = self.with_tasks(known, tasks);
         let (done, left) = self.divided(&known);
-        let leftovers = match self.asked.work {
-            Work::Merge(_) => Some(Leftovers::find(&self.orders)),
-            Work::All | Work::Share(..) => None,
-        };
+        let mut notes = known.unread().iter().map(|text| format!("warning: {text}")).collect();
+        let (leftovers, whole) = self.leftovers(&known, &left, &mut notes);
         if self.pieces.is_none() {
             let records: Vec<Record> = done.iter().map(|(_, record)| record.clone()).collect();
-            results.begin(&self.file.jobs, &records)?;
+            let outputs: HashSet<&str> = self.orders.iter().map(|it| &*it.output_name).collect();
+            // Of a job file that has been renamed, what is noted goes with it.
+            let is_there = |record: &Record| self.file.folder.join(&record.jobs).is_file();
+            results.begin(&records, |record| {
+                record.jobs != self.file.jobs
+                    && (!outputs.contains(&*record.output) || is_there(record))
+            })?;
         }
         let Self { asked, file, results: path, parts, checksums, .. } = self;
-        Ok(Begun { asked, file, path, results, parts, checksums, known, leftovers, done, left })
+        Ok(Begun {
+            asked,
+            file,
+            path,
+            results,
+            parts,
+            checksums,
+            known,
+            leftovers,
+            whole,
+            notes,
+            done,
+            left,
+        })
+    }
+
+    /// Parts of images that are of use, or in the way; the images that are left and can be made of
+    /// them without a merge; and what there is to say of that.
+    fn leftovers(
+        &self,
+        known: &Known,
+        left: &[Order],
+        notes: &mut Vec<String>,
+    ) -> (Option<Leftovers>, HashMap<usize, u32>) {
+        let mut leftovers = match self.asked.work {
+            Work::Share(..) => return (None, HashMap::new()),
+            Work::Merge(_) => return (Some(Leftovers::find(&self.orders)), HashMap::new()),
+            Work::All => Leftovers::find(&self.orders),
+        };
+        let strange = leftovers.keep_noted(&self.orders, known);
+        let whole = leftovers.whole(left, known, (&self.file.folder, &self.checksums));
+        if let Some(parts) = leftovers.incomplete(left, &whole) {
+            notes.push(format!(
+                "note: tasks have rendered {parts} and not all of any: these are rendered as a \
+                 whole, and the parts removed; to use them, end this, run the tasks that are left \
+                 (--task) and then --merge"
+            ));
+        }
+        if let [first, more @ ..] = &strange[..] {
+            let more = match more.len() {
+                0 => String::new(),
+                count => format!(" and {count} more parts"),
+            };
+            notes.push(format!(
+                "note: {}{more} are left beside the images: no task has noted that it made them; \
+                 remove them if they are of no use",
+                first.display()
+            ));
+        }
+        (Some(leftovers), whole)
     }
 
     /// The orders that have been done, with their records, and the others.
@@ -223,6 +298,11 @@ impl Prepared {
 }
 
 impl Begun {
+    /// What there is to know before it goes on, in words behind "note: " or "warning: ".
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// The jobs that were done before, and what had become of them.
     pub fn done(&self) -> &[(Order, Record)] {
         &self.done
@@ -248,12 +328,15 @@ impl Begun {
         mut hear: impl FnMut(News) -> ControlFlow<()>,
     ) {
         let Self { asked, file, path, results, parts, checksums, known, .. } = self;
-        let Self { leftovers, done, left, .. } = self;
-        let merging = leftovers.as_ref().map(|there| Merging { known, parts: *parts, there });
+        let Self { leftovers, whole, done, left, .. } = self;
+        let of =
+            |parts: &u32| leftovers.as_ref().map(|there| Merging { known, parts: *parts, there });
+        let merging = of(parts);
+        let whole = whole.iter().filter_map(|(index, parts)| Some((*index, of(parts)?))).collect();
         let how = match (&merging, asked.work) {
-            (Some(merging), _) => How::Merging(merging),
-            (None, Work::Share(..)) => How::Again,
-            (None, Work::All | Work::Merge(_)) => How::Once,
+            (Some(merging), Work::Merge(_)) => How::Merging(merging),
+            (_, Work::Share(..)) => How::Again,
+            (_, Work::All | Work::Merge(_)) => How::Once(&whole),
         };
         let batch = Batch {
             orders: left,

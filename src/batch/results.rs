@@ -1,7 +1,8 @@
 //! `results.jsonl`: a line for every job that has come to an end, written when it does.
 //!
-//! Of several lines of one output the last counts; lines that are cut off count for nothing. Who
-//! writes holds the file's lock; a task, who writes a file of its own, needs none.
+//! Of several lines of one output the last counts; lines that cannot be read, as those that are cut
+//! off, count for nothing and are counted. Who writes holds the file's lock; a task, who writes a
+//! file of its own, needs none.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -9,8 +10,8 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
+use super::values::Values;
 use crate::image::{OutputError, atomic, folder_of, read_bytes};
 
 /// What every line begins with.
@@ -28,7 +29,7 @@ pub struct Record {
     /// What it is called.
     pub name: String,
     /// The values of the sweep, by the names of its axes.
-    pub values: Map<String, Value>,
+    pub values: Values,
     /// Where the image is, as the job file has it.
     pub output: String,
     /// How long it took, from its scene to its file.
@@ -49,8 +50,19 @@ pub struct Results {
     file: File,
     /// Whether the file ends within a line.
     is_cut: bool,
-    /// What is there, but for what is cut off.
+    /// What is there.
     lines: Vec<Line>,
+}
+
+/// What a file holds for those who only look at it.
+#[derive(Default)]
+pub struct Found {
+    /// The records in their order.
+    pub records: Vec<Record>,
+    /// How many lines are none.
+    pub broken: usize,
+    /// Whether the last one of these ends within: it may be in the writing.
+    pub is_cut: bool,
 }
 
 /// A line that is there.
@@ -119,11 +131,25 @@ impl Results {
         Ok(Self { path: path.to_owned(), file, is_cut, lines })
     }
 
-    /// What a file holds, to be looked at; nothing if it cannot be read.
-    pub fn look(path: &Path) -> Vec<Record> {
-        let bytes = if path.is_file() { fs::read(path) } else { Ok(Vec::new()) };
-        let lines = lines_of(&bytes.unwrap_or_default()).0;
-        lines.into_iter().filter_map(|line| line.record).collect()
+    /// What a file holds, to be looked at; nothing if it is not there, or a device.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn look(path: &Path) -> io::Result<Found> {
+        match fs::metadata(path) {
+            Ok(found) if found.is_file() => {}
+            Ok(_) => return Ok(Found::default()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::default()),
+            Err(error) => return Err(error),
+        }
+        let (lines, is_cut) = lines_of(&read_bytes(path, BYTES_MAX)?);
+        let broken = broken_in(&lines);
+        let is_cut = is_cut && lines.last().is_some_and(Line::is_broken);
+        Ok(Found {
+            records: lines.into_iter().filter_map(|it| it.record).collect(),
+            broken,
+            is_cut,
+        })
     }
 
     /// The latest record of every output, by job file and index, and the number of lines that are
@@ -132,12 +158,8 @@ impl Results {
     /// # Errors
     /// When the file cannot be read.
     pub fn latest_in(path: &Path) -> io::Result<(Vec<Record>, usize)> {
-        let mut bytes = read_bytes(path, BYTES_MAX)?;
-        // A line without an end is one if it is whole.
-        bytes.push(b'\n');
-        let (lines, _) = lines_of(&bytes);
-        let is_none = |line: &&Line| line.record.is_none() && !line.text.trim().is_empty();
-        let broken = lines.iter().filter(is_none).count();
+        let (lines, _) = lines_of(&read_bytes(path, BYTES_MAX)?);
+        let broken = broken_in(&lines);
         let records = lines.into_iter().filter_map(|line| line.record);
         let latest: HashMap<String, Record> =
             records.map(|record| (record.output.clone(), record)).collect();
@@ -151,13 +173,21 @@ impl Results {
         self.lines.iter().filter_map(|line| line.record.clone())
     }
 
-    /// Makes these records all that there is of the job file of this name; what others have
-    /// written stays.
+    /// How many lines are no records.
+    pub fn broken(&self) -> usize {
+        broken_in(&self.lines)
+    }
+
+    /// Makes these records all that there is, but for those of others that are to stay.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn begin(&mut self, jobs: &str, records: &[Record]) -> Result<(), ResultsError> {
-        let foreign = |line: &&Line| line.record.as_ref().is_some_and(|record| record.jobs != jobs);
+    pub fn begin(
+        &mut self,
+        records: &[Record],
+        stays: impl Fn(&Record) -> bool,
+    ) -> Result<(), ResultsError> {
+        let foreign = |line: &&Line| line.record.as_ref().is_some_and(&stays);
         let kept = self.lines.iter().filter(foreign).map(|line| line.text.clone());
         let kept: Vec<String> = kept.chain(records.iter().map(line_of)).collect();
         let is_same = !self.is_cut && kept.iter().eq(self.lines.iter().map(|line| &line.text));
@@ -227,12 +257,21 @@ fn is_at(_: &File, _: &Path) -> bool {
     true
 }
 
-/// The whole lines, and whether another one has begun.
+impl Line {
+    fn is_broken(&self) -> bool {
+        self.record.is_none() && !self.text.trim().is_empty()
+    }
+}
+
+fn broken_in(lines: &[Line]) -> usize {
+    lines.iter().filter(|line| line.is_broken()).count()
+}
+
+/// The lines, and whether the last has no end; it is one nevertheless if it is whole.
 fn lines_of(bytes: &[u8]) -> (Vec<Line>, bool) {
-    let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
-    let whole = String::from_utf8_lossy(&bytes[..end]);
+    let text = String::from_utf8_lossy(bytes);
     let line = |text: &str| Line { text: text.to_owned(), record: serde_json::from_str(text).ok() };
-    (whole.lines().map(line).collect(), end < bytes.len())
+    (text.lines().map(line).collect(), bytes.last().is_some_and(|last| *last != b'\n'))
 }
 
 #[cfg(test)]
@@ -242,7 +281,7 @@ mod tests {
     fn record(jobs: &str, output: &str, seconds: f64) -> Record {
         let (error, checksum) = (None, Some("0".to_owned()));
         let (jobs, name, output) = (jobs.to_owned(), String::new(), output.to_owned());
-        let (values, inputs, key) = (Map::new(), BTreeMap::new(), String::new());
+        let (values, inputs, key) = (Values::default(), BTreeMap::new(), String::new());
         Record { jobs, index: 0, name, values, output, seconds, error, checksum, key, inputs }
     }
 
@@ -277,14 +316,25 @@ mod tests {
         let mut results = Results::open(&path).unwrap();
         assert!(matches!(Results::open(&path), Err(ResultsError::Taken(_))));
         assert_eq!(results.records().collect::<Vec<_>>(), [a, other.clone()]);
+        let found = Results::look(&path).unwrap();
+        assert_eq!((results.broken(), found.broken, found.is_cut), (2, 2, true));
         results.add(&b).unwrap();
         results.add(&c).unwrap();
-        assert_eq!(Results::look(&path)[2..], [b.clone(), c.clone()]);
-        results.begin("j.toml", std::slice::from_ref(&c)).unwrap();
+        let found = Results::look(&path).unwrap();
+        assert_eq!(found.records[2..], [b.clone(), c.clone()]);
+        assert_eq!((found.broken, found.is_cut), (2, false));
+        results.begin(std::slice::from_ref(&c), |it| it.jobs == "other.toml").unwrap();
         results.add(&b).unwrap();
         drop(results);
         let lines = [line_of(&other), line_of(&c), line_of(&b)].map(|line| line + "\n").concat();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), lines);
+        // Whole, and without an end, as editors may leave it.
+        std::fs::write(&path, lines.trim_end()).unwrap();
+        let mut results = Results::open(&path).unwrap();
+        assert_eq!((results.records().count(), results.broken()), (3, 0));
+        results.add(&b).unwrap();
+        drop(results);
+        assert_eq!(Results::look(&path).unwrap().records.len(), 4);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

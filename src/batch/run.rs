@@ -2,7 +2,7 @@
 //! same threads, so that these are busy whatever the sizes of the jobs.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -61,8 +61,8 @@ pub struct Batch<'a> {
 /// How jobs are done.
 #[derive(Clone, Copy)]
 pub enum How<'a> {
-    /// Rendered.
-    Once,
+    /// Rendered, but for those, by index, of which tasks have rendered all parts.
+    Once(&'a HashMap<usize, Merging<'a>>),
     /// Rendered, and once more where that fails for what may pass.
     Again,
     /// Put together of what others have rendered.
@@ -81,6 +81,8 @@ pub enum News<'a> {
         warnings: Vec<String>,
         /// Whether it has failed and may not when it is tried another time, or elsewhere.
         may_pass: bool,
+        /// Whether it has failed and what has its name is of a former run.
+        is_former: bool,
     },
     /// A job has failed and is tried again.
     Again {
@@ -258,7 +260,8 @@ impl<'a> Work<'a> {
             key: order.key(),
             inputs,
         };
-        Some(News::Ended { order, record: Box::new(record), warnings, may_pass })
+        let is_former = record.error.is_some() && order.is_there();
+        Some(News::Ended { order, record: Box::new(record), warnings, may_pass, is_former })
     }
 
     /// Waits, unless the batch is over.
@@ -276,7 +279,11 @@ impl<'a> Work<'a> {
         account: &mut Account,
     ) -> Result<Option<String>, JobError> {
         let made = catch_unwind(AssertUnwindSafe(|| match self.batch.how {
-            How::Once | How::Again => self.render(order, account),
+            How::Once(whole) => match whole.get(&order.index) {
+                Some(merging) => self.merge_or_render(merging, order, account),
+                None => self.render(order, account),
+            },
+            How::Again => self.render(order, account),
             How::Merging(merging) => self.merge(merging, order, account).map(Some),
         }));
         made.unwrap_or_else(|panic| Err(JobError::Panic(words_of(&*panic))))
@@ -341,6 +348,19 @@ impl<'a> Work<'a> {
         let doubts = doubts.about(&image);
         warnings.extend(doubts.iter().map(|doubt| format!("warning: {doubt}")));
         image
+    }
+
+    /// Makes an image of its parts, which were there a moment ago; else renders it.
+    fn merge_or_render(
+        &self,
+        merging: &Merging,
+        order: &Order,
+        account: &mut Account,
+    ) -> Result<Option<String>, JobError> {
+        match self.merge(merging, order, account) {
+            Err(JobError::Merging(_)) => self.render(order, account),
+            made => made.map(Some),
+        }
     }
 
     /// Makes the image of a job of its parts; returns its checksum.

@@ -36,6 +36,11 @@ impl FromStr for Share {
 }
 
 impl Share {
+    /// How many shares there are.
+    pub fn of(self) -> u32 {
+        self.of
+    }
+
     /// The name of a file that no other share of the jobs has.
     pub fn file_name(self, jobs: &str) -> String {
         format!("{jobs}.{}-of-{}.jsonl", self.number, self.of)
@@ -102,9 +107,8 @@ pub fn piece_of(order: &Order, index: u32, parts: u32) -> Result<Order, Settings
 mod tests {
     use std::path::PathBuf;
 
-    use serde_json::Map;
-
     use super::*;
+    use crate::batch::values::Values;
     use crate::render::{Options, Settings};
 
     fn order(index: usize, samples: u32) -> Order {
@@ -112,7 +116,7 @@ mod tests {
         Order {
             index,
             name: String::new(),
-            values: Map::new(),
+            values: Values::default(),
             scene: PathBuf::new(),
             scene_name: PathBuf::new(),
             camera: None,

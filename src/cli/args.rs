@@ -347,19 +347,26 @@ A job file is TOML with defaults and jobs, or has the table of a job in every li
     { name = \"ior\", key = \"materials/glass/ior\", values = [1.33, 1.5, 1.7] },
   ]                           # step_with = \"ior\" walks in step instead
 
+An option of a job goes before the default of that name, and before a default that it excludes \
+(iterations and spp). Jobs are counted from 0 in the order of the file, each of a sweep for \
+itself: in messages, in results.jsonl and in {index}.
+
 Edits are KIND/NAME/KEY: materials, nodes, lights, cameras or media, a name or #0, #1, ... by the \
-order in the file, and a key of the scene file (dots lead inwards). Axes may sweep options too, by \
-bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each its index.
+order in the file, and a key of the scene file (dots lead inwards). Axes may sweep options too, \
+by bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each its \
+index.
 
 A batch that is started again does what is left, and again what has failed or whose scene, \
-options, program or image has changed. Exit codes: 0 all done, 1 some jobs failed, 2 the job file \
-is wrong and nothing was rendered, 128 + N signal N ended it.
+options, program or image has changed. What another job file of the same results makes is not \
+written over, unless that file is gone, or asks for the same image. Exit codes: 0 all done, 1 \
+some jobs failed, 2 the job file is wrong and nothing was rendered, 128 + N signal N ended it.
 
-Many machines that share a folder do a share each with --task K/N, of parts of images if there are \
-to be some, and --merge makes one batch of all shares. A task tries again, once, what the system \
-has refused (a full disk, a server that does not answer), and ends with 0 unless something is \
-left that another try might do: jobs that cannot be rendered are told by --merge. 'sunstone farm' \
-writes what has an engine run all that.";
+Many machines that share a folder do a share each with --task K/N, of parts of images if there \
+are to be some, and --merge makes one batch of all shares. A task tries again, once, what the \
+system has refused (a full disk, a server that does not answer), and ends with 0 unless something \
+is left that another try might do: jobs that cannot be rendered are told by --merge. 'sunstone \
+farm' writes what has an engine run all that. Without --task and --merge, images are made of \
+parts that are all there, and rendered as a whole where some are missing.";
 
 /// `batch` as typed.
 #[derive(Debug, Args)]
@@ -395,7 +402,8 @@ from the page. It shows what results.jsonl tells of every job, with small copies
 in any map of 'sunstone visualize', and plots means of Stokes components, degrees, angles and \
 seconds over the axes of sweeps. Means are of the whole images, as they are in the files, but \
 for pixels that are not finite. Images that are gone, damaged or not those that were rendered \
-are told by their jobs and stop nothing. Small copies have up to 160 pixels a side, 64 where \
+are told by their jobs and stop nothing, as are images of former runs under the names of jobs \
+that have failed. Small copies have up to 160 pixels a side, 64 where \
 there are 1,000 images, 24 where there are 7,000 or more: a page of 1,000 takes 20 to 30 MB.";
 
 /// `report` as typed.
@@ -562,7 +570,8 @@ pub struct CompareArguments {
 /// `inspect` as typed.
 #[derive(Debug, Args)]
 pub struct InspectArguments {
-    /// A scene (.gltf, .glb), an image (.exr, .hdr, ...) or a part of one or checkpoint (.part)
+    /// A scene (.gltf, .glb), an image (.exr, .hdr, ...), or a part of one or a checkpoint by
+    /// whatever name
     pub file: PathBuf,
     /// What a scene may read.
     #[command(flatten)]

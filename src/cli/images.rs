@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, extension};
-use crate::render::PlacedWorld;
+use crate::render::{PlacedWorld, describe_part, is_part};
 use crate::scene::{self, Reading, World};
 
 use super::CliError;
@@ -83,13 +83,16 @@ fn inspect_scene(world: World) -> String {
 
 /// Prints what is in a file.
 pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
+    // Checkpoints are called as their users like.
+    if is_part(&arguments.file) || extension(&arguments.file) == PART {
+        return print(describe_part(&arguments.file)?.trim_end());
+    }
     match extension(&arguments.file).as_str() {
         "gltf" | "glb" => {
             let reading =
                 Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
             print(inspect_scene(scene::load_with(&arguments.file, reading)?).trim_end())
         }
-        PART => print(crate::render::describe_part(&arguments.file)?.trim_end()),
         _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),
     }
 }

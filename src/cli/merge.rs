@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::image::format::{Format, extension, extensions, named_by};
 use crate::image::rows::Rows;
 use crate::image::{check_savable, files_of};
 use crate::math::text::counted;
@@ -21,6 +22,16 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), CliError> {
     let (mut image, with_variance) = merge_as_asked_for(parts)?;
     if !with_variance {
         image.drop_variance();
+    }
+    let keeps = named_by(output, "written", Format::writes_variance).is_ok();
+    if with_variance && !keeps {
+        // `render` refuses that before it has rendered; here the parts are there and stay.
+        say(format_args!(
+            "warning: no variances are stored: .{} files hold none; the parts do, and an output \
+             that ends in {} keeps them",
+            extension(output),
+            extensions(Format::writes_variance),
+        ));
     }
     let count = ("parts".to_owned(), parts.len().to_string());
     image.metadata.insert(0, count);

@@ -100,10 +100,14 @@ fn name_of(results: &Path) -> String {
 
 /// What the page holds.
 fn words(jobs: usize, written: &Written) -> String {
-    let Written { bytes, failed, missing, changed } = *written;
+    let Written { bytes, failed, former, missing, changed } = *written;
     let mut text = counted(jobs, JOBS);
-    let more =
-        [(failed, "failed"), (missing, "without an image to show"), (changed, "changed since")];
+    let more = [
+        (failed, "failed"),
+        (former, "of these with an image of a former run"),
+        (missing, "without an image to show"),
+        (changed, "changed since"),
+    ];
     for (count, words) in more.into_iter().filter(|(count, _)| *count > 0) {
         text += &format!(", {count} {words}");
     }

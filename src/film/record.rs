@@ -15,6 +15,8 @@ use crate::image::{OutputError, atomic};
 
 /// What such files begin with; the number is that of the format.
 const MAGIC: &[u8] = b"sunstone part 1\n";
+/// How much of it is before the number.
+const MAGIC_OF_ALL: usize = MAGIC.len() - 2;
 /// What errors call the format.
 const FORMAT: &str = "part";
 /// Longest head in bytes; no honest one is nearly as long.
@@ -145,6 +147,15 @@ pub struct Record {
 }
 
 impl Record {
+    /// Whether a file begins as one, of whatever version.
+    pub fn is_one(path: &Path) -> bool {
+        let mut magic = [0; MAGIC_OF_ALL];
+        // What is no file may never end, or never begin.
+        std::fs::metadata(path).is_ok_and(|found| found.is_file())
+            && File::open(path).is_ok_and(|mut file| file.read_exact(&mut magic).is_ok())
+            && magic == MAGIC[..MAGIC_OF_ALL]
+    }
+
     /// Opens a file and reads all of it once, for its digest.
     ///
     /// # Errors
@@ -160,8 +171,7 @@ impl Record {
         let mut magic = [0; MAGIC.len()];
         let is_part = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
         if !is_part {
-            let known = MAGIC.len() - 2;
-            return Err(damaged(match magic[..known] == MAGIC[..known] {
+            return Err(damaged(match magic[..MAGIC_OF_ALL] == MAGIC[..MAGIC_OF_ALL] {
                 true => "it is of another version of the format: use the program that wrote it",
                 false => "it does not begin as what `render --part` and --checkpoint write",
             }));

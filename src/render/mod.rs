@@ -20,7 +20,9 @@ mod tiles;
 
 pub use place::{Part, check_part};
 pub use placed::PlacedWorld;
-pub use recorded::{BUILD, PartError, describe as describe_part, merge, merge_as_asked_for};
+pub use recorded::{
+    BUILD, PartError, describe as describe_part, is_part, merge, merge_as_asked_for,
+};
 pub use renderer::{Progress, RenderError, Renderer, Stop};
 pub use resolved::{Passes, Resolved, Rule};
 pub use settings::{Mode, Options, Photons, Settings, SettingsError};

@@ -374,6 +374,11 @@ fn missing(parts: &[Record], gaps: &[[u32; 2]]) -> String {
     format!("samples {} are in none of the parts", list.collect::<Vec<_>>().join(" and "))
 }
 
+/// Whether a file begins as those that [`super::Renderer::save`] writes, whatever it is called.
+pub fn is_part(path: &Path) -> bool {
+    Record::is_one(path)
+}
+
 /// In words: what is in a file that [`super::Renderer::save`] has written.
 ///
 /// # Errors

@@ -123,6 +123,44 @@ fn parts_merge_to_the_bits_of_one_render() {
     }
 }
 
+/// Parts and checkpoints are known by what they hold, and no variance goes in silence.
+#[test]
+fn parts_have_any_name_and_images_keep_what_their_formats_do() {
+    let here = folder("parts-named");
+    for number in ["1", "2"] {
+        let part = ["--variance", "-o", "p.part", "--part", &format!("{number}/2")];
+        render(&here, &part).done();
+        fs::rename(here.join("p.part"), here.join(["one.gltf", "two"][usize::from(number == "2")]))
+            .unwrap();
+    }
+    for (name, part) in [("one.gltf", "part: 1/2"), ("two", "part: 2/2")] {
+        let told = sunstone(&here, &["inspect", name]).done().stdout;
+        assert!(told.contains(part) && told.contains("variance: blocks"), "{told}");
+    }
+    for (output, stored) in [("a.exr", true), ("a.hdr", false), ("a.png", false)] {
+        let run = sunstone(&here, &["merge", "-q", "one.gltf", "two", "-o", output]).done();
+        let words = format!(
+            "warning: no variances are stored: .{} files hold none; the parts do, and an output \
+             that ends in .exr keeps them\n",
+            &output[2..]
+        );
+        assert_eq!(run.stderr, if stored { String::new() } else { words });
+    }
+    // Where none are asked for, nothing is lost.
+    for number in ["1", "2"] {
+        let name = format!("q{number}.part");
+        render(&here, &["-o", &name, "--part", &format!("{number}/2")]).done();
+    }
+    let run = sunstone(&here, &["merge", "-q", "q1.part", "q2.part", "-o", "b.png"]).done();
+    assert_eq!(run.stderr, "");
+    fs::write(here.join("short"), "sunstone").unwrap();
+    fs::write(here.join("no.part"), "nothing").unwrap();
+    for (name, words) in [("short", "short"), ("no.part", "is not a usable part file")] {
+        let run = sunstone(&here, &["inspect", name]);
+        assert!(run.code == 1 && run.stderr.contains(words), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn parts_are_refused_where_they_are_none() {
     let here = folder("parts-refused");

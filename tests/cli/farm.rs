@@ -91,8 +91,8 @@ fn tasks_make_what_one_batch_makes() {
     let other = plain("tasks-plain");
     let here = lab("tasks", &format!("{JOBS}{FARM}"));
     let run = batch(&here, &["--task", "2/4", "--dry-run"]).done();
-    let line = "    1  to do  out/swept path-30.exr.2-of-3.part  \"swept\" (angle 30, \
-                integrator \"path\"), part 2/3";
+    let line = "    1  to do  out/swept path-30.exr.2-of-3.part  \"swept\" (integrator \"path\", \
+                angle 30), part 2/3";
     assert!(run.stdout.lines().any(|it| it == line), "{}", run.stdout);
     assert_eq!(names_in(&here), ["jobs.toml", "lab.gltf"]);
     let first = tasks(&here, 4);
@@ -160,7 +160,7 @@ fn a_merge_names_what_is_missing_and_tasks_do_what_is_left() {
     let merge = batch(&here, &["--merge"]);
     assert_eq!(merge.code, 1, "{}", merge.stderr);
     let job = |index: u32, name: &str, angle: u32| {
-        format!("error: job {index} \"swept\" (angle {angle}, integrator \"{name}\"): part ")
+        format!("error: job {index} \"swept\" (integrator \"{name}\", angle {angle}): part ")
     };
     for words in [
         &format!(
@@ -170,7 +170,7 @@ fn a_merge_names_what_is_missing_and_tasks_do_what_is_left() {
         &format!("{}2/3, out/swept path-30.exr.2-of-3.part, is damaged", job(1, "path", 30)),
         &format!("{}2/3, out/swept ppm-0.exr.2-of-3.part, is damaged", job(2, "ppm", 0)),
         &format!(
-            "{}1/3, out/swept ppm-30.exr.1-of-3.part, is of other options or another build",
+            "{}1/3, out/swept ppm-30.exr.1-of-3.part, is there, but no task has noted",
             job(3, "ppm", 30)
         ),
         "jobs.toml: 1 image in ",
@@ -234,9 +234,9 @@ fn what_makes_no_sense_is_refused_before_anything_is_rendered() {
     };
     let parts = "[farm]\nparts = 9";
     jobs(&format!("spp = 8\n{parts}"));
-    refused("job 1 \"a\", part 9/9: an image of 8 samples a pixel has 8 iterations, and no more");
+    refused("job 0 \"a\", part 9/9: an image of 8 samples a pixel has 8 iterations, and no more");
     jobs(&format!("spp = 64\ntime_limit = 3\n{parts}"));
-    refused("job 1 \"a\", part goes without a time limit");
+    refused("job 0 \"a\", part goes without a time limit");
     jobs(&format!("spp = 32\nintegrator = \"auto\"\n{parts}"));
     refused("has 8 iterations, and no more parts (by ppm, which auto may choose: choose yourself)");
     jobs(&format!("spp = 16\nreplicates = 4\n{parts}"));

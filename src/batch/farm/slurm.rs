@@ -24,7 +24,7 @@ fn write(plan: &Plan) -> Result<String, String> {
     let name = plan.name();
     Ok(format!(
         r##"#!/usr/bin/env bash
-# Renders a batch of Sunstone in {tasks} tasks of an array, and then merges what they have rendered.
+# Renders a batch of Sunstone in an array of tasks, 1 to {tasks}, and merges what they make.
 # Written by `sunstone farm slurm`. Start it with bash, with any options of sbatch behind it:
 #
 #     bash THIS_FILE --partition=long --time=4:00:00 --mem=16G

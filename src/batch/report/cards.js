@@ -19,6 +19,7 @@ function makeTroubles(job) {
   const troubles = [];
   const add = (className, text) => troubles.push(make("p", { className, textContent: text }));
   if (job.error !== null) add("trouble", job.error);
+  if (job.former) add("trouble mild", "The image under its name is of a former run.");
   if (job.problem !== null) add("trouble", job.problem);
   if (job.changed) add("trouble", "The image is not the one that was rendered: its checksum differs.");
   const bad = job.image?.not_finite ?? 0;

@@ -4,13 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use serde_json::{Map, Value};
 
 use super::figures::{Figures, finite};
 use super::link::link;
 use super::thumbnail::Thumbnail;
 use crate::batch::order::checksum_of_image;
 use crate::batch::results::Record;
+use crate::batch::values::Values;
 use crate::image;
 use crate::math::text::{excerpt, printable};
 
@@ -24,7 +24,7 @@ pub struct Entry {
     jobs: String,
     index: usize,
     name: String,
-    values: Map<String, Value>,
+    values: Values,
     output: String,
     /// The address of the image from the page.
     link: Option<String>,
@@ -35,6 +35,8 @@ pub struct Entry {
     pub problem: Option<String>,
     /// Whether the image is not the one that was rendered.
     pub changed: bool,
+    /// Whether it has failed, and there is an image of a former run under its name.
+    pub former: bool,
     image: Option<Shown>,
 }
 
@@ -122,11 +124,14 @@ impl Entry {
             error: record.error.as_ref().map(|text| cause(text)),
             problem: None,
             changed: false,
+            former: false,
             image: None,
         };
-        if entry.error.is_none()
-            && let Err(text) = entry.read(record, place)
-        {
+        if entry.error.is_some() {
+            let files = place.files(record).unwrap_or_default();
+            entry.former = !files.is_empty();
+            entry.link = files.first().and_then(|file| place.link(file));
+        } else if let Err(text) = entry.read(record, place) {
             entry.problem = Some(cause(&text));
         }
         entry

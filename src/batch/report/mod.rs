@@ -72,9 +72,11 @@ pub struct Written {
     pub bytes: u64,
     /// Jobs that have failed.
     pub failed: usize,
+    /// Those of them under whose names there are images of former runs.
+    pub former: usize,
     /// Images that cannot be shown: gone, damaged, in a format that cannot be read.
     pub missing: usize,
-    /// Images that are not those that were rendered.
+    /// Images that are shown and not those that were rendered.
     pub changed: usize,
 }
 
@@ -112,8 +114,9 @@ impl Report<'_> {
         let mut written = Written {
             bytes: 0,
             failed: count(&|entry| entry.error.is_some()),
+            former: count(&|entry| entry.former),
             missing: count(&|entry| entry.problem.is_some()),
-            changed: count(&|entry| entry.changed),
+            changed: count(&|entry| entry.changed && entry.problem.is_none()),
         };
         atomic::write_with(path, |file| {
             self.push_page(file, &entries)?;

@@ -84,12 +84,16 @@ impl<'a> Course<'a> {
                 self.say(&format!("warning: {text}"));
                 self.unwritten.get_or_insert(text);
             }
-            News::Ended { order, record, warnings, may_pass } => {
+            News::Ended { order, record, warnings, may_pass, is_former } => {
                 self.ended += 1;
                 if let Some(error) = &record.error {
                     self.failed += 1;
                     self.passing += usize::from(may_pass);
                     self.say(&format!("error: job {}: {error}", called(order)));
+                    if is_former {
+                        let (job, file) = (called(order), order.output.display());
+                        self.say(&format!("warning: job {job}: {file} is of a former run"));
+                    }
                 }
                 for warning in warnings {
                     if self.said.insert(excerpt(&warning, CHARACTERS_MAX)) {

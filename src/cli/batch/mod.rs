@@ -10,6 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::batch::check::WrongOption;
 use crate::batch::file::Job;
 use crate::batch::order::Order;
 use crate::batch::prepared::{Asked, Prepared, Work};
@@ -18,7 +19,7 @@ use crate::math::text::counted;
 use crate::render::threads::Threads;
 
 use super::args::BatchArguments;
-use super::files::print;
+use super::files::{print, say};
 use super::interrupt::signals;
 use super::{CliError, job, render};
 
@@ -51,6 +52,8 @@ pub(super) fn batch(arguments: &BatchArguments) -> Result<(), CliError> {
         return list(&prepared, unit);
     }
     let mut begun = prepared.begin().map_err(|error: ResultsError| refused(&error.to_string()))?;
+    let is_loud = |text: &&String| !(arguments.quiet && text.starts_with("note: "));
+    begun.notes().iter().filter(is_loud).for_each(say);
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let start = Instant::now();
     let mut course = Course::new(arguments, &begun, [unit, made]);
@@ -89,7 +92,7 @@ fn asked_for_parts(arguments: &BatchArguments, prepared: &Prepared) -> bool {
 }
 
 /// What reads the options of jobs, which are those of `render`.
-pub fn reader() -> impl FnMut(&Job, &Path) -> Result<Order, Vec<String>> {
+pub fn reader() -> impl FnMut(&Job, &Path) -> Result<Order, Vec<WrongOption>> {
     let mut reader = Reader::new();
     move |job, folder| reader.order(job, folder)
 }
@@ -97,7 +100,9 @@ pub fn reader() -> impl FnMut(&Job, &Path) -> Result<Order, Vec<String>> {
 /// Prints what would be done.
 fn list(prepared: &Prepared, unit: [&str; 2]) -> Result<(), CliError> {
     let (mut all, mut left) = (0, 0);
-    for (order, record) in prepared.look() {
+    let (unread, rows) = prepared.look();
+    unread.iter().for_each(|text| say(format_args!("warning: {text}")));
+    for (order, record) in rows {
         all += 1;
         left += usize::from(record.is_none());
         let state = if record.is_some() { "done" } else { "to do" };

@@ -7,8 +7,10 @@ use std::path::Path;
 use clap::{ArgAction, Args, Command, FromArgMatches};
 use serde_json::{Map, Value};
 
+use crate::batch::check::WrongOption;
 use crate::batch::file::Job;
 use crate::batch::order::Order;
+use crate::integrators::Integrator;
 use crate::math::text::excerpt;
 use crate::render::Settings;
 
@@ -29,6 +31,8 @@ const REFUSED: [(&str, &str); 11] = [
     ("threads", "it is an option of the batch: all jobs share them"),
     ("update", "a job is short: look at what is done"),
 ];
+/// Options that shoot photons.
+const OF_PHOTONS: [&str; 4] = ["alpha", "photons", "radius", "samples_per_iteration"];
 /// Most tables of options that are remembered.
 const KNOWN_MAX: usize = 1000;
 /// Most characters of a name in errors.
@@ -37,23 +41,32 @@ const NAME: usize = 60;
 /// Reads options, and remembers which are good.
 pub struct Reader {
     render: Command,
+    /// Pairs of options that exclude each other.
+    rivals: Vec<[String; 2]>,
     /// What has been read, by its options.
-    known: HashMap<String, Result<RenderArguments, Vec<String>>>,
+    known: HashMap<String, Result<RenderArguments, Vec<WrongOption>>>,
 }
 
 impl Reader {
     /// Knows the options of `render`.
     pub fn new() -> Self {
         let render = RenderArguments::augment_args(Command::new("render"));
-        Self { render: numbers_may_be_negative(render), known: HashMap::new() }
+        let key = |arg: &clap::Arg| arg.get_long().map(|long| long.replace('-', "_"));
+        let rivals = |arg| {
+            let others = render.get_arg_conflicts_with(arg).into_iter();
+            others.filter_map(move |other| Some([key(arg)?, key(other)?]))
+        };
+        let rivals = render.get_arguments().flat_map(rivals).collect();
+        Self { render: numbers_may_be_negative(render), rivals, known: HashMap::new() }
     }
 
     /// A job whose options are good.
     ///
     /// # Errors
     /// In words, all that is wrong with them.
-    pub fn order(&mut self, job: &Job, folder: &Path) -> Result<Order, Vec<String>> {
+    pub fn order(&mut self, job: &Job, folder: &Path) -> Result<Order, Vec<WrongOption>> {
         let mut options = job.options.clone();
+        options.retain(|key, _| job.table.own.contains(key) || !self.is_moot(key, job));
         // Jobs that differ in these alone need not be read one by one.
         let seed =
             options.get("seed").and_then(Value::as_u64).and_then(|it| u32::try_from(it).ok());
@@ -77,7 +90,7 @@ impl Reader {
         };
         arguments.output = at(job.output.as_ref());
         arguments.seed = seed.unwrap_or(arguments.seed);
-        let settings = settings(&arguments).map_err(|text| vec![text])?;
+        let settings = settings(&arguments).map_err(together)?;
         Ok(Order {
             index: job.index,
             name: job.name.clone(),
@@ -92,8 +105,22 @@ impl Reader {
         })
     }
 
+    /// Whether a default does not go with what the job says itself.
+    fn is_moot(&self, default: &str, job: &Job) -> bool {
+        let own = &job.table.own;
+        let says = |key: &str| own.get(key).and_then(|_| job.options.get(key)?.as_str());
+        let is_rival = |[one, two]: &[String; 2]| {
+            (one == default && own.contains(two)) || (two == default && own.contains(one))
+        };
+        let shoots_none =
+            |name: &str| Integrator::ALL.iter().any(|it| it.name() == name && !it.shoots_photons());
+        self.rivals.iter().any(is_rival)
+            || (default == "wavelength" && says("color") == Some("rgb"))
+            || (OF_PHOTONS.contains(&default) && says("integrator").is_some_and(shoots_none))
+    }
+
     /// The options one by one, so that each is told that is wrong, and then together.
-    fn read(&self, options: &Map<String, Value>) -> Result<RenderArguments, Vec<String>> {
+    fn read(&self, options: &Map<String, Value>) -> Result<RenderArguments, Vec<WrongOption>> {
         let mut wrong = Vec::new();
         let mut words = Vec::new();
         let mut scene = None;
@@ -112,16 +139,18 @@ impl Reader {
             });
             match alone {
                 Ok(word) => words.extend(word),
-                Err(text) => wrong.push(format!("{}: {text}", excerpt(key, NAME))),
+                Err(text) => {
+                    let text = format!("{}: {text}", excerpt(key, NAME));
+                    wrong.push(WrongOption { key: Some(key.clone()), text });
+                }
             }
         }
         if !options.contains_key("scene") {
-            wrong.push("has no `scene`; write, say, scene = \"lab.gltf\"".to_owned());
+            let text = "has no `scene`; write, say, scene = \"lab.gltf\"".to_owned();
+            wrong.push(WrongOption { key: None, text });
         }
         match scene {
-            Some(scene) if wrong.is_empty() => {
-                self.parse(scene, words.iter()).map_err(|text| vec![text])
-            }
+            Some(scene) if wrong.is_empty() => self.parse(scene, words.iter()).map_err(together),
             _ => Err(wrong),
         }
     }
@@ -183,6 +212,11 @@ impl Reader {
     }
 }
 
+/// What is wrong with several options.
+fn together(text: String) -> Vec<WrongOption> {
+    vec![WrongOption { key: None, text }]
+}
+
 /// What is rendered; refuses what only `render` does.
 fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
     // A new option of `render` has to be thought of here.
@@ -240,22 +274,74 @@ fn in_words_of_the_file(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use serde_json::json;
 
     use super::*;
+    use crate::batch::file::Place;
+    use crate::batch::values::Values;
 
     fn order(options: Value) -> Result<Order, String> {
         let Value::Object(options) = options else { panic!("{options} is no table") };
         let job = Job {
             index: 3,
             name: "a".to_owned(),
-            label: String::new(),
+            table: Arc::default(),
             options,
             output: "a.exr".to_owned(),
             edits: Vec::new(),
-            values: Map::new(),
+            values: Values::default(),
+            is_whole: true,
         };
-        Reader::new().order(&job, Path::new("here")).map_err(|wrong| wrong.join("\n"))
+        read(&job)
+    }
+
+    fn read(job: &Job) -> Result<Order, String> {
+        let words = |wrong: Vec<WrongOption>| {
+            wrong.into_iter().map(|it| it.text).collect::<Vec<_>>().join("\n")
+        };
+        Reader::new().order(job, Path::new("here")).map_err(words)
+    }
+
+    /// What a job says itself goes before defaults that do not go with it.
+    #[test]
+    fn a_default_gives_way_to_its_rival() {
+        let settings = |defaults: Value, own: Value| {
+            let (Value::Object(mut options), Value::Object(own)) = (defaults, own) else {
+                panic!("no tables")
+            };
+            let table = Place { own: own.keys().cloned().collect(), ..Place::default() };
+            options.extend(own);
+            options.insert("scene".to_owned(), json!("a.gltf"));
+            let job = Job {
+                index: 0,
+                name: String::new(),
+                table: Arc::new(table),
+                options,
+                output: "a.exr".to_owned(),
+                edits: Vec::new(),
+                values: Values::default(),
+                is_whole: true,
+            };
+            read(&job).map(|order| order.settings.options())
+        };
+        let other = settings(json!({"spp": 16}), json!({"iterations": 8})).unwrap();
+        assert_eq!((other.samples, other.iterations), (64, Some(8)));
+        let other = settings(json!({"iterations": 8}), json!({"spp": 16})).unwrap();
+        assert_eq!((other.samples, other.iterations), (16, None));
+        let mono = json!({"color": "mono", "wavelength": 633});
+        assert!(settings(mono.clone(), json!({"color": "rgb"})).is_ok());
+        assert!(settings(mono, json!({"wavelength": 550})).is_ok());
+        let ppm = json!({"integrator": "ppm", "photons": 1000, "alpha": 0.5, "radius": 1,
+                         "samples_per_iteration": 3});
+        assert!(settings(ppm.clone(), json!({"integrator": "path"})).is_ok());
+        assert!(settings(ppm.clone(), json!({"integrator": "auto", "spp": 3})).is_ok());
+        // What the job says itself is told when it is wrong.
+        let both = settings(ppm, json!({"integrator": "path", "photons": 3})).map(|_| ());
+        assert!(both.unwrap_err().contains("photons goes with integrator ppm"));
+        let both = settings(json!({}), json!({"spp": 3, "iterations": 3})).map(|_| ());
+        assert!(both.unwrap_err().contains("cannot be used with"));
     }
 
     #[test]
