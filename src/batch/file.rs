@@ -9,6 +9,7 @@ use serde_json::{Map, Number, Value};
 
 use super::pattern::Pattern;
 use super::sweep::{Axis, VALUES_MAX, unfold};
+use super::unique::Unique;
 use crate::image::{extension, folder_of, read_bytes};
 use crate::math::text::excerpt;
 use crate::scene::Edit;
@@ -89,7 +90,9 @@ impl JobFile {
             "jsonl" => lines_of(text, &mut wrong),
             _ => return Err("a job file ends in .toml or .jsonl".to_owned()),
         };
-        for key in ["name", "set", "sweep"].into_iter().filter(|key| defaults.contains_key(*key)) {
+        for key in
+            ["name", "set", "sweep", "unset"].into_iter().filter(|key| defaults.contains_key(*key))
+        {
             wrong.push(format!("defaults: `{key}` belongs to a job"));
         }
         let farm = farm_of(&farm, &mut wrong);
@@ -182,11 +185,16 @@ fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
 fn lines_of(text: &str, wrong: &mut Vec<String>) -> Vec<(String, Table)> {
     let mut labeled = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
-        match serde_json::from_str(line) {
+        match serde_json::from_str(line).map(|Unique(value)| value) {
             Ok(Value::Object(table)) => {
                 labeled.push((label(&format!("line {number}"), &table), table));
             }
             Ok(_) => wrong.push(format!("line {number} is not an object")),
+            Err(error) if error.is_data() => {
+                let text = error.to_string();
+                let text = text.split(" at line ").next().unwrap_or_default();
+                wrong.push(format!("line {number}: {text}"));
+            }
             Err(error) => wrong.push(format!("line {number} is not JSON: {error}")),
         }
     }
@@ -295,8 +303,9 @@ fn asked(defaults: &Table, mut table: Table, first: usize) -> Result<Asked, Vec<
         }
         None => Table::new(),
     };
+    let unset = unset(table.remove("unset"), &mut wrong);
     let axes = axes(table.remove("sweep"), &mut wrong);
-    let keys = set.keys().chain(axes.iter().map(|axis| &axis.key));
+    let keys = set.keys().chain(&unset).chain(axes.iter().map(|axis| &axis.key));
     let mut seen: Vec<&String> = table.keys().collect();
     for key in keys {
         if seen.contains(&key) {
@@ -308,12 +317,30 @@ fn asked(defaults: &Table, mut table: Table, first: usize) -> Result<Asked, Vec<
     options.extend(table);
     let (edits, more): (Table, Table) = set.into_iter().partition(|(key, _)| key.contains('/'));
     options.extend(more);
-    let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value)).collect();
+    let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value));
+    let edits = edits.chain(unset.into_iter().map(Edit::away)).collect();
     let output = output(options.remove("output"), &axes, &mut wrong);
     match output {
         Some(output) if wrong.is_empty() => Ok(Asked { name, options, output, edits, axes }),
         _ => Err(wrong),
     }
+}
+
+/// What is taken away.
+fn unset(unset: Option<Value>, wrong: &mut Vec<String>) -> Vec<String> {
+    let target = |value: Value| match value {
+        Value::String(target) if target.contains('/') => Some(target),
+        _ => None,
+    };
+    let targets = match unset {
+        Some(Value::Array(targets)) => targets.into_iter().map(target).collect(),
+        Some(_) => None,
+        None => Some(Vec::new()),
+    };
+    targets.unwrap_or_else(|| {
+        wrong.push("`unset` is not a list of KIND/NAME/KEY".to_owned());
+        Vec::new()
+    })
 }
 
 fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
 //! | [`sweep`], [`pattern`] | axes of values, and names made of them |
+//! | [`unique`] | JSON in which nothing is stated twice |
 //! | [`order`] | a job that has been checked |
 //! | [`check`] | what the job file alone shows to be wrong |
 //! | [`prepared`] | from the file to what is left to do, and its results noted |
@@ -33,3 +34,4 @@ pub mod run;
 mod scenes;
 pub mod share;
 mod sweep;
+mod unique;

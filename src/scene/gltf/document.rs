@@ -37,6 +37,7 @@ impl Document {
 
     /// Validates the bytes of a scene, and reads everything that it refers to.
     pub fn parse(bytes: &[u8], files: Files) -> Result<Self, SceneError> {
+        files.note_scene(bytes);
         let (mut value, binary) = json_of(bytes)?;
         validate::check(&value)?;
         let root = typed(&value)?;
@@ -51,8 +52,7 @@ impl Document {
 
     /// The same document after edits, with the same buffers.
     pub fn edited(&self, edits: &[Edit]) -> Result<Self, SceneError> {
-        let mut value = self.value.clone();
-        edit::apply(&mut value, edits)?;
+        let value = edit::applied(&self.value, edits)?;
         validate::check(&value)?;
         let root = typed(&value)?;
         Ok(Self { value, root, buffers: Arc::clone(&self.buffers), files: self.files.again() })
