@@ -44,8 +44,14 @@ class Parts(Mapping[str, Any]):
     def edited(self, edits: Mapping[str, Any]) -> Parts:
         """With other values; None is that of a key that is not given."""
         steps = list(self.steps)
+        taken: list[tuple[str, int, list[str]]] = []
         for target, value in edits.items():
             index, path = self._find(target)
+            for other, of, there in taken:
+                if of == index and all(a == b for a, b in zip(path, there)):
+                    problem = f"is of the same place as {other}\n  help: set it once"
+                    raise SceneError(f"{target}: {problem}")
+            taken.append((target, index, path))
             keys = _keys_of(steps[index])
             if len(path) > 1 and path[0] not in keys:
                 raise SceneError(f"{target}: there is no `{path[0]}` in it\n  help: set the whole")
@@ -57,10 +63,9 @@ class Parts(Mapping[str, Any]):
         """With the values that there were before edits, of places or of all of KIND/NAME."""
         steps = list(self.steps)
         for target in targets:
-            kind, _, name = target.partition("/")
-            found = self._indices(kind, name)
-            if found:
-                steps[found[0]] = self.base[found[0]]
+            if target.count("/") == 1:
+                index, _ = self._find(f"{target}/all")
+                steps[index] = self.base[index]
                 continue
             index, (key, *_) = self._find(target)
             before = _keys_of(self.base[index]).get(key)
@@ -100,7 +105,8 @@ class Parts(Mapping[str, Any]):
         if not found:
             names = [f"{kind}/{self.steps[index][1][0]}"
                      for kind in kinds for index in self._all(kind)]
-            remedy = f"write KIND/NAME/KEY, or one of {', '.join(names)}"
+            known = ", or one of " + ", ".join(names) if names else "; there is nothing yet"
+            remedy = f"write KIND/NAME/KEY{known}"
             raise SceneError(f"{name}: nothing is called so\n  help: {remedy}")
         return found
 
@@ -326,6 +332,9 @@ def check_target(target: object) -> None:
 
 def values(edits: Mapping[str, Any]) -> dict[str, Any]:
     """Edits, with what is numpy's as plain numbers and lists."""
+    if not isinstance(edits, Mapping):
+        kind = type(edits).__name__
+        raise TypeError(f"edits are a mapping, as {{'materials/glass/ior': 1.5}}, not a {kind}")
     for target in edits:
         check_target(target)
     return {target: plain(value, target) for target, value in edits.items()}

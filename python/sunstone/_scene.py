@@ -76,17 +76,17 @@ class Scene(Editable):
     >>> scene.reset()                             # all of it as it was loaded or made
 
     What is set is checked at once, and what `edit` is given after the last of it, as with values
-    that only go together. Kinds are materials, nodes, lights, cameras and media. The first and the last slash separate, so
-    a name may hold anything; #3 is the object of that index, from 0. Keys are those of scene files,
-    the extension's and glTF's own, and of `World` those of its methods (of meshes and spheres, too,
-    by the kind nodes; not the environment and the medium of the scene); dots lead inwards. Shapes
-    and their tree are built again only if they change: where an edit is of a material, a light, a
-    medium, a camera or an index, it takes milliseconds, and a tenth of a second where there are a
-    million triangles.
+    that only go together. Kinds are materials, nodes, lights, cameras and media. The first and the
+    last slash separate, so a name may hold anything; #3 is the object of that index, from 0. Keys
+    are those of scene files, the extension's and glTF's own, and of `World` those of its methods
+    (of meshes and spheres, too, by the kind nodes; not the environment and the medium of the
+    scene); dots lead inwards. Shapes and their tree are built again only if they change: where an
+    edit is of a material, a light, a medium, a camera or an index, it takes milliseconds, and a
+    tenth of a second where there are a million triangles.
 
-    A loaded scene pickles as its path and its edits, and is loaded anew, so its files must be there,
-    and hold what they held (warnings are not repeated); one that was made in code pickles as all that it is made of. A copy
-    shares the tree, and is edited by itself.
+    A loaded scene pickles as its path and its edits, and is loaded anew, so its files must be
+    there, and hold what they held (warnings are not repeated); one that was made in code pickles as
+    all that it is made of. A copy shares the tree, and is edited by itself.
     """
 
     __slots__ = ("_state",)
@@ -261,8 +261,8 @@ class Scene(Editable):
             SceneError: if the scene cannot be seen at the wavelength, or nothing in it emits.
 
         Warns:
-            RenderWarning: of what the image lacks, by the integrator that was chosen, and of what else
-                there is to doubt about it.
+            RenderWarning: of what the image lacks, by the integrator that was chosen, and of what
+                else there is to doubt about it.
         """
         options = dict(locals())
         del options["self"]

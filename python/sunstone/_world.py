@@ -50,7 +50,7 @@ class World(Editable):
     def __init__(self, name: str = "world") -> None:
         """An empty one, of a name."""
         self._name = name
-        #: All that was added, the names of functions and their arguments, and what edits make of it.
+        #: All that was added, names of functions and arguments, and what edits make of it.
         self._parts = Parts(name, [])
         self._native: _sunstone.World | None = _sunstone.World(name)
         self._scene: Scene | None = None

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 import sunstone
-from conftest import CORNELL
+from conftest import CORNELL, SETTLED
 
 DEFAULTS = """version = 1
 [defaults]
@@ -229,8 +229,7 @@ def test_ctrl_c_ends_a_batch_within_a_second(
         "        print('ready', flush=True)\n"
         f"        if {where == 'loop'}: time.sleep(60)\n"
         "except KeyboardInterrupt:\n"
-        "    stopped = time.monotonic(); cpu = time.process_time()\n"
-        "    time.sleep(0.5); print(stopped, time.process_time() - cpu, flush=True)\n"
+        "    stopped = time.monotonic()\n" + SETTLED
     )
     command = [sys.executable, "-c", code]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -241,7 +240,7 @@ def test_ctrl_c_ends_a_batch_within_a_second(
         out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err
     stopped, busy = map(float, out.split()[-2:])
-    assert stopped - sent < 1.0 and busy < 0.6
+    assert stopped - sent < 1.0 and busy < 0.1
     assert not list((jobs.parent / "out").glob("[0-9].exr"))
 
 

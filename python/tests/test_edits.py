@@ -127,13 +127,15 @@ REFUSED: list[tuple[str, Any, str]] = [
     ("materials/glass/ior", np.array([1.5, 1.6]), r"ior: is not a number"),
     ("materials/white/reflectance", (0.5, 0.5), r"reflectance: is not a spectrum"),
     ("materials/white/reflectance", [0.5, True, 0.5], r"reflectance: is not a spectrum"),
-    ("materials/light/emissiveFactor", (1, 2), r"material .*light"),
-    ("materials/light/doubleSided", 1, r"material .*light"),
-    ("nodes/glass ball/translation.0", "left", r"node .*glass ball"),
-    ("nodes/glass ball/matrix", np.eye(4), r"node .*glass ball"),
+    ("materials/light/emissiveFactor", (1, 2), r"materials/light/emissiveFactor: material .*2"),
+    ("materials/light/emissiveFactor", (1, 2, True), r"materials/light/emissiveFactor: material"),
+    ("materials/light/doubleSided", 1, r"materials/light/doubleSided: material .*boolean"),
+    ("nodes/glass ball/translation.0", "left", r"nodes/glass ball/translation.0: node"),
+    ("nodes/glass ball/matrix", np.eye(4), r"nodes/glass ball/matrix: node"),
     ("nodes/glass ball/matrix.3", None, r"an item of a list, and cannot be taken away"),
     ("cameras/camera/film", {"resolution": (8, 8, 8)}, r"camera.*resolution"),
-    ("cameras/camera/perspective.yfov", None, r"camera"),
+    ("cameras/camera/perspective.yfov", None, r"cameras/camera/perspective.yfov: camera .*yfov"),
+    ("cameras/camera/perspective.yfov", True, r"cameras/camera/perspective.yfov: camera"),
     ("materials/glass/ior", math.nan, r"materials/glass/ior: must be finite"),
     ("materials/glass/ior", np.float32("inf"), r"materials/glass/ior: must be finite"),
     ("materials/glass/ior", 10**30, r"materials/glass/ior: the number is too large"),
@@ -153,6 +155,9 @@ def test_what_cannot_be_is_refused(target: str, value: Any, text: str) -> None:
     with pytest.raises(sunstone.SceneError, match=text):
         scene.edit({"materials/white/reflectance": 0.1, target: value})
     assert scene.edits == {} and np.array_equal(pixels(scene), expected)
+    for edits in (None, [(target, value)]):
+        with pytest.raises(TypeError, match="edits are a mapping"):
+            scene.edit(edits)
     with pytest.raises(KeyError, match="has not been edited"):
         del scene["materials/glass/ior"]
     with pytest.raises(TypeError, match="not by a int"):
@@ -566,6 +571,8 @@ def test_types_of_worlds_are_checked(room: sunstone.World) -> None:
             with pytest.raises((TypeError, ValueError), match=text):
                 thing[target] = value
         assert thing.edits == {} and np.array_equal(pixels(thing), expected)
+        with pytest.raises(sunstone.SceneError, match="position.0: is of the same place as nodes"):
+            thing.edit({"nodes/ball/position": (0, 0, 0), "nodes/ball/position.0": 1})
     endless: list[Any] = []
     endless.append(endless)
     for thing in (scene, sunstone.load(CORNELL)):
@@ -636,8 +643,10 @@ def test_warnings_that_are_errors_change_nothing(room: sunstone.World) -> None:
         scene.edit(edit)
     assert heard[0].filename == __file__
     # A world tells again, too.
-    room.set_camera("eye", yfov=1.2, aspect=1.0, position=(0, 0, 0.9), target=(0, 0, 0))
-    room.add_sphere("other", 0.4, "glass", position=(0.4, -0.6, 0))
+    room.add_material("sheet", "null")
+    for name, x in (("fog", -0.3), ("milk", 0.1)):
+        room.add_medium(name, "isotropic", sigma_a=0, sigma_s=1)
+        room.add_sphere(name, 0.3, "sheet", position=(x, 0.4, 0), interior=name)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for _ in range(2):

@@ -144,8 +144,8 @@ fn found(editable: &Editable, edits: &[Edit]) -> Vec<String> {
 
 /// Says if the size of a film is edited that options state.
 fn without_effect(job: &Job) -> Option<String> {
-    let is_stated = |key: &&str| job.options.get(*key).is_some_and(|value| !value.is_null());
-    if !["width", "height"].iter().all(|key| is_stated(key)) {
+    let is_stated = |key: &str| job.options.get(key).is_some_and(|value| !value.is_null());
+    if !["width", "height"].into_iter().all(is_stated) {
         return None;
     }
     let edit = job.edits.iter().find(|edit| edit.is_of_film_size())?;

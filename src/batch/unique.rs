@@ -1,5 +1,5 @@
-//! JSON in which no object states a key twice: of two values one would count, and nobody knows which
-//! was meant.
+//! JSON in which no object states a key twice: of two values one would count, and nobody knows
+//! which was meant.
 
 use std::fmt;
 

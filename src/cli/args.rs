@@ -349,8 +349,9 @@ A job file is TOML with defaults and jobs, or has the table of a job in every li
 
 Edits are KIND/NAME/KEY: materials, nodes, lights, cameras or media, a name or #0, #1, ... by the \
 order in the file, and a key of the scene file (dots lead inwards). Those of a job are checked \
-together; unset = [KIND/NAME/KEY, ...] takes away what the file states. Axes may sweep options too, \
-by bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each its index.
+together; unset = [KIND/NAME/KEY, ...] takes away what the file states. Axes may sweep options, \
+too, by bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each \
+its index.
 
 A batch that is started again does what is left, and again what has failed or whose scene, \
 options, program or image has changed. Exit codes: 0 all done, 1 some jobs failed, 2 the job file \

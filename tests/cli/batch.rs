@@ -419,7 +419,9 @@ set = { "materials/gold/eta" = [0.2, 0.4, 1.3], "materials/gold/k" = [3.9, 2.5, 
 name = "turned"
 output = "out/{name}.exr"
 unset = ["nodes/glass ball/matrix"]
-set = { "nodes/glass ball/translation" = [0.3, 0.3, 0.2], "nodes/glass ball/scale" = [0.2, 0.2, 0.2] }
+[jobs.set]
+"nodes/glass ball/translation" = [0.3, 0.3, 0.2]
+"nodes/glass ball/scale" = [0.2, 0.2, 0.2]
 "#;
 
 #[test]

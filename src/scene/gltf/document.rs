@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
+use std::slice;
 use std::sync::Arc;
 
 use base64::Engine;
@@ -54,8 +55,19 @@ impl Document {
     pub fn edited(&self, edits: &[Edit]) -> Result<Self, SceneError> {
         let value = edit::applied(&self.value, edits)?;
         validate::check(&value)?;
-        let root = typed(&value)?;
+        let root = typed(&value).map_err(|error| self.told_of_edits(edits, error))?;
         Ok(Self { value, root, buffers: Arc::clone(&self.buffers), files: self.files.again() })
+    }
+
+    /// The same error, which names the edit if one alone makes it.
+    fn told_of_edits(&self, edits: &[Edit], error: SceneError) -> SceneError {
+        let of_edit = |edit: &Edit| {
+            let value = edit::applied(&self.value, slice::from_ref(edit)).ok()?;
+            let error = typed(&value).err()?;
+            let problem = format!("{} {}", error.place(), error.problem());
+            Some(SceneError::new(&edit.target, problem, "give such a value as glTF has there"))
+        };
+        edits.iter().find_map(of_edit).unwrap_or(error)
     }
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.

@@ -76,8 +76,8 @@ impl EditedFile {
         Self { file, edits: Arc::default(), value }
     }
 
-    /// Makes further edits, all or none. They are checked together with those before them, after the
-    /// last; null takes away what is stated.
+    /// Makes further edits, all or none. They are checked together with those before them, after
+    /// the last; null takes away what is stated.
     ///
     /// # Errors
     /// When one is about nothing that is there, or two are of one place, or one has no effect
@@ -101,9 +101,10 @@ impl EditedFile {
     pub fn take_back(&self, targets: &[impl AsRef<str>]) -> Result<Option<Self>, SceneError> {
         let mut kept = (*self.edits).clone();
         for target in targets.iter().map(AsRef::as_ref) {
-            let places = match objects_called(&self.value, target) {
-                Some(objects) => objects,
-                None => self.places(target)?,
+            let places = match (self.places(target), objects_called(&self.value, target)) {
+                (Ok(places), _) => places,
+                (Err(_), Some(objects)) => objects,
+                (Err(error), None) => return Err(error),
             };
             self.drop_within(&mut kept, &places)?;
         }

@@ -2,8 +2,8 @@
 //!
 //! `document` reads and validates; `hierarchy` walks the nodes; `media`, `meshes`, `materials`,
 //! `lights` and `cameras` turn what hangs on them into entities; `extension` reads the vendor keys.
-//! `edit` changes the JSON by name before that, in the `places` that names mean; `edited` keeps what
-//! was edited, and `unused` checks what is edited and not seen.
+//! `edit` changes the JSON by name before that, in the `places` that names mean; `edited` keeps
+//! what was edited, and `unused` checks what is edited and not seen.
 
 mod accessors;
 mod cameras;
