@@ -105,7 +105,7 @@ class Parts(Mapping[str, Any]):
         if not found:
             names = [f"{kind}/{self.steps[index][1][0]}"
                      for kind in kinds for index in self._all(kind)]
-            known = ", or one of " + ", ".join(names) if names else "; there is nothing yet"
+            known = f", or one of {_some(names)}" if names else "; there is nothing yet"
             remedy = f"write KIND/NAME/KEY{known}"
             raise SceneError(f"{name}: nothing is called so\n  help: {remedy}")
         return found
@@ -185,7 +185,7 @@ class Parts(Mapping[str, Any]):
         if not found:
             one = "medium" if kind == "media" else kind[:-1]
             names = [f"#{number} {self.steps[index][1][0]}" for number, index in enumerate(made)]
-            remedy = f"the {kind} are {', '.join(names)}" if names else f"the scene has no {kind}"
+            remedy = f"the {kind} are {_some(names)}" if names else f"the scene has no {kind}"
             raise SceneError(f"{target}: no {one} is called `{name}`\n  help: {remedy}")
         return found[0], path.split(".")
 
@@ -471,6 +471,12 @@ def _number(value: Any) -> Any:
     if isinstance(value, (np.floating, numbers.Real)):
         return float(value)
     return str(value) if isinstance(value, str) else value
+
+
+def _some(names: list[str]) -> str:
+    """The first ten of a list, and how many more there are."""
+    shown, more = names[:10], len(names) - 10
+    return ", ".join([*shown, f"and {more} more"] if more > 0 else shown)
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -326,6 +326,12 @@ def test_scenes_made_in_code_are_edited(room: sunstone.World) -> None:
             scene[target] = value
     with pytest.raises(sunstone.SceneError, match="nothing is called so"):
         scene["snow"]
+    with pytest.raises(sunstone.SceneError, match="KIND/NAME/KEY; there is nothing yet"):
+        sunstone.World()["snow"]
+    for number in range(20):
+        other.add_material(f"m{number}", "diffuse")
+    with pytest.raises(sunstone.SceneError, match="m[0-9], and [0-9]+ more$"):
+        other["materials/snow/ior"] = 1
     with pytest.raises(KeyError, match="exterior_ior is not stated"):
         scene["materials/glass/exterior_ior"]
     assert scene.edits == {}
