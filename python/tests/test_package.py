@@ -359,6 +359,7 @@ def test_geometries_are_refused_by_shape() -> None:
     assert mesh.normals is not None and mesh.normals.shape == (3, 3)
 
 
+@pytest.mark.filterwarnings("ignore:points or directions light mirrors:sunstone.RenderWarning")
 def test_everything_pickles_and_copies(cornell: sunstone.Scene, room: sunstone.World) -> None:
     fog = room  # with a medium, a light and a shared mesh besides
     fog.add_medium("fog", "hg", sigma_a=0.1, sigma_s=[0.1, 0.2, 0.3], g=0.5)
