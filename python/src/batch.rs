@@ -25,6 +25,7 @@ use crate::json::dict;
 use crate::options::option;
 use crate::threads::Pool;
 use crate::wait::wait_for;
+use crate::words::in_python;
 
 /// Time between two looks at the signals.
 const POLL: Duration = Duration::from_millis(50);
@@ -281,8 +282,9 @@ impl Row {
         let Self { record, index, name, values, output, warnings, was_done } = self;
         let seconds = record.as_ref().map(|record| record.seconds);
         let (error, checksum) = record.map_or((None, None), |it| (it.error, it.checksum));
+        let error = error.map(|text| in_python(&text));
         let values: Bound<PyDict> = dict(py, values.iter())?;
-        let warnings = PyTuple::new(py, warnings)?;
+        let warnings = PyTuple::new(py, warnings.iter().map(|text| in_python(text)))?;
         let output = output.to_string_lossy().into_owned();
         (index, name, values, output, error, seconds, checksum, was_done, warnings)
             .into_pyobject(py)

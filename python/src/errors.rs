@@ -9,6 +9,8 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 use sunstone::{Error, ImageError, RenderError, SceneError, SettingsError, ThreadsError};
 
+use crate::words::in_python;
+
 /// A class of `sunstone/_errors.py`.
 pub struct Class {
     name: &'static str,
@@ -29,7 +31,7 @@ impl Class {
 
     /// An error of this class that says so.
     pub fn says(&self, text: impl ToString) -> PyErr {
-        let text = text.to_string();
+        let text = in_python(&text.to_string());
         Python::attach(|py| match self.class.import(py, "sunstone._errors", self.name) {
             Ok(class) => PyErr::from_type(class.clone(), text),
             Err(error) => error,
@@ -109,6 +111,7 @@ pub fn of_system(path: &Path, source: &io::Error, text: String) -> PyErr {
 }
 
 fn os_error(number: i32, text: String, path: &Path) -> PyErr {
+    let text = in_python(&text);
     PyOSError::new_err((number, text, path.display().to_string()))
 }
 

@@ -1,7 +1,8 @@
 //! Keyword arguments of something that is made: each is used, or refused by name.
 
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
 use sunstone::Spectrum;
 
 use crate::errors::SCENE_ERROR;
@@ -29,7 +30,23 @@ impl<'py> Keys<'py> {
         if value.is_none() {
             return Ok(None);
         }
-        extract(&self.place_of(key), &value).map(Some)
+        extract(&self.place_of(key), &value).map(Some).map_err(|error| {
+            // An error of arithmetics says less than one of the value.
+            match error.is_instance_of::<PyOverflowError>(value.py()) {
+                true => SCENE_ERROR.says(error.value(value.py())),
+                false => error,
+            }
+        })
+    }
+
+    /// Takes what is true or false.
+    pub fn flag(&self, key: &str) -> PyResult<bool> {
+        let Some(value) = self.left.get_item(key)? else { return Ok(false) };
+        self.left.del_item(key)?;
+        if value.is_none() {
+            return Ok(false);
+        }
+        flag(&self.place_of(key), &value)
     }
 
     /// Takes the value of a key that must be there.
@@ -93,11 +110,33 @@ pub fn extract<'py, T>(place: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
 where
     T: for<'a> FromPyObject<'a, 'py>,
 {
-    value.extract::<T>().map_err(|error| {
-        let error = Into::<PyErr>::into(error);
-        let text = format!("{place}: {}", error.value(value.py()));
-        PyErr::from_type(error.get_type(value.py()), text)
-    })
+    if holds_truth(value) {
+        let text = format!("{place}: must be a number, not True or False");
+        return Err(PyTypeError::new_err(text));
+    }
+    value.extract::<T>().map_err(|error| named(place, value, error.into()))
+}
+
+/// What is true or false, and nothing else.
+pub fn flag(place: &str, value: &Bound<PyAny>) -> PyResult<bool> {
+    value.extract::<bool>().map_err(|error| named(place, value, error))
+}
+
+/// Whether a value is true or false, which Python takes for 1 and 0, or a list with such.
+fn holds_truth(value: &Bound<PyAny>) -> bool {
+    if let Ok(list) = value.cast::<PyList>() {
+        return list.iter().any(|item| holds_truth(&item));
+    }
+    if let Ok(tuple) = value.cast::<PyTuple>() {
+        return tuple.iter().any(|item| holds_truth(&item));
+    }
+    value.is_instance_of::<PyBool>()
+}
+
+/// The same error, which says where the value stands.
+fn named(place: &str, value: &Bound<PyAny>, error: PyErr) -> PyErr {
+    let text = format!("{place}: {}", error.value(value.py()));
+    PyErr::from_type(error.get_type(value.py()), text)
 }
 
 /// A number, red, green and blue, or {"nm": [...], "value": [...]}.
@@ -111,6 +150,9 @@ pub fn spectrum(place: &str, value: &Bound<PyAny>) -> PyResult<Spectrum> {
         let values: Vec<f32> = keys.need("value", "give as many values as wavelengths")?;
         keys.finish("a spectrum")?;
         return Spectrum::table(&nm, &values).map_err(refuse);
+    }
+    if holds_truth(value) {
+        return Err(refuse(FORMS));
     }
     if let Ok(constant) = value.extract::<f32>() {
         return Ok(constant.into());

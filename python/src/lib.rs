@@ -12,6 +12,7 @@
 //! | `batch` | many renders from one job file |
 //! | `cell` | a value that threads replace without losing what others put there |
 //! | `image` | arrays to images and back, files, pictures |
+//! | `words` | the library's texts, with options as Python calls them |
 //! | `json` | values of scene files and job files |
 //! | `keys` | keyword arguments, each used or refused |
 //! | `material`, `medium`, `geometry`, `place` | what worlds are made of |
@@ -31,6 +32,7 @@ mod place;
 mod scene;
 mod threads;
 mod wait;
+mod words;
 mod world;
 
 use pyo3::prelude::*;
@@ -49,6 +51,7 @@ mod _sunstone {
     use super::geometry::Geometry;
     #[pymodule_export]
     use super::image::{load_image, picture, save_image};
+
     #[pymodule_export]
     use super::scene::{Scene, keys_of, load};
     #[pymodule_export]

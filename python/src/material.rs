@@ -18,7 +18,7 @@ const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null,
 /// A material.
 pub fn material(keys: Keys) -> PyResult<Material> {
     let model: String = keys.need("bsdf", MODELS)?;
-    let two_sided = keys.take("two_sided")?.unwrap_or(false);
+    let two_sided = keys.flag("two_sided")?;
     let emission = keys.spectrum("emission")?;
     let bsdf = bsdf(&keys, &model)?;
     keys.finish(&format!("a material of bsdf \"{model}\""))?;

@@ -10,7 +10,7 @@ use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX, WAVELENGTH_NM
 use sunstone::{Color, Integrator, Mode, Options, Photons, Sampling, Settings};
 
 use crate::errors::{RENDER_ERROR, of_settings};
-use crate::keys::extract;
+use crate::keys::{extract, flag};
 
 /// Options that only photons have.
 const OF_PHOTONS: [&str; 4] = ["photons", "samples_per_iteration", "radius", "alpha"];
@@ -24,7 +24,10 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         return Err(RENDER_ERROR.says("spp and iterations cannot both be given: leave one out"));
     }
     let default = Options::default();
-    let variance = option(options, "variance")?.unwrap_or(default.variance);
+    let variance = match options.get_item("variance")?.filter(|value| !value.is_none()) {
+        Some(value) => flag("variance", &value)?,
+        None => default.variance,
+    };
     let of_photons = photons.samples.unwrap_or(1).max(1);
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
     let options = Options {

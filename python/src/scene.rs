@@ -12,8 +12,8 @@ use pyo3::types::PyDict;
 use sunstone::internals::render::doubts::doubts;
 use sunstone::internals::scene::keys_of_kind;
 use sunstone::{
-    EditedFile, PlacedWorld, RenderError, Renderer, SceneError, SceneFile, Settings, StokesImage,
-    Stop,
+    Edit, EditedFile, PlacedWorld, RenderError, Renderer, SceneError, SceneFile, Settings,
+    StokesImage, Stop,
 };
 
 use crate::errors::{RENDER_ERROR, SCENE_ERROR, of_render, of_scene, of_settings, of_system};
@@ -21,6 +21,7 @@ use crate::image::{Parts, parts};
 use crate::json::{edits, to_python};
 use crate::options::{option, settings};
 use crate::wait::wait_for;
+use crate::words::in_python;
 
 /// A world in its place, with its tree; it never changes.
 #[pyclass(frozen, module = "sunstone._sunstone")]
@@ -119,10 +120,23 @@ impl Scene {
         self.placed.world().files().to_vec()
     }
 
+    /// What tells whether these files still hold what was read of them.
+    #[getter]
+    fn checksums(&self) -> Vec<String> {
+        self.placed.world().checksums().iter().map(|sum| format!("{sum:032x}")).collect()
+    }
+
+    /// Whether the size of the film is edited.
+    #[getter]
+    fn has_film_size(&self) -> bool {
+        let edits = self.source.iter().flat_map(|source| source.file.edits());
+        edits.into_iter().any(Edit::is_of_film_size)
+    }
+
     /// What of it is not rendered as it was described.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.placed.warnings().map(str::to_owned).collect()
+        self.placed.warnings().map(in_python).collect()
     }
 
     /// The same file with further edits.
@@ -132,9 +146,9 @@ impl Scene {
         edited.ok_or_else(|| SCENE_ERROR.says("nothing has been edited"))
     }
 
-    /// The same file without the edits of a place; none if there are no such edits.
-    fn take_back(&self, py: Python, target: String) -> PyResult<Option<Self>> {
-        self.edited(py, move |file| file.take_back(&target))
+    /// The same file without the edits of places and objects; none if there are no such edits.
+    fn take_back(&self, py: Python, targets: Vec<String>) -> PyResult<Option<Self>> {
+        self.edited(py, move |file| file.take_back(&targets))
     }
 
     /// The value of a place, and whether the file or an edit states it.
@@ -172,7 +186,7 @@ impl Scene {
         let described = self.ask(py, None, |placed| {
             Ok::<_, SceneError>(placed.world().describe() + &placed.describe()?)
         })?;
-        described.map_err(of_scene)
+        described.map(|text| in_python(&text)).map_err(of_scene)
     }
 
     /// Width and height of the film in pixels.
@@ -183,7 +197,8 @@ impl Scene {
     /// What is to be known of a render before it begins.
     fn notes(&self, py: Python, options: &Bound<PyDict>) -> PyResult<Vec<String>> {
         let (settings, threads) = (settings(options)?, option(options, "threads")?);
-        self.ask(py, threads, move |placed| placed.notes(&settings))?.map_err(of_render)
+        let notes = self.ask(py, threads, move |placed| placed.notes(&settings))?;
+        notes.map(told).map_err(of_render)
     }
 
     /// Renders; returns the parts of the image and the doubts about it.
@@ -219,7 +234,7 @@ impl Scene {
             Ok((lacks, render(renderer, &placed, &settings, tell)))
         })?;
         let (lacks, Rendered { image, doubts }) = rendered.map_err(of_render)?;
-        Ok((parts(py, image)?, lacks.into_iter().chain(doubts).collect()))
+        Ok((parts(py, image)?, told(lacks.into_iter().chain(doubts))))
     }
 }
 
@@ -310,6 +325,10 @@ fn render(
     let facts = [("scene", scene), ("seconds", format!("{seconds:.3}"))];
     image.metadata.splice(0..0, facts.map(|(key, value)| (key.to_owned(), value)));
     Rendered { image, doubts }
+}
+
+fn told(texts: impl IntoIterator<Item = String>) -> Vec<String> {
+    texts.into_iter().map(|text| in_python(&text)).collect()
 }
 
 /// The keys that edits of a kind of objects may have.

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::hecs::Entity;
@@ -10,7 +11,7 @@ use sunstone::world::{Filling, Lens, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
-use crate::keys::{Keys, spectrum};
+use crate::keys::{Keys, extract, spectrum};
 use crate::place::{looking, place};
 use crate::scene::Scene;
 use crate::{material, medium};
@@ -54,17 +55,37 @@ impl World {
     }
 
     /// Adds a mesh.
-    fn add_mesh(&mut self, name: &str, geometry: &Geometry, keys: &Bound<PyDict>) -> PyResult<()> {
+    fn add_mesh(
+        &mut self,
+        name: &str,
+        geometry: &Bound<PyAny>,
+        keys: &Bound<PyDict>,
+    ) -> PyResult<()> {
         let keys = Keys::of(format!("mesh `{name}`"), keys)?;
+        let Ok(geometry) = geometry.cast::<Geometry>() else {
+            let what = geometry.get_type();
+            let text = format!(
+                "{}: must be a Geometry, not a {}",
+                keys.place_of("geometry"),
+                what.name()?
+            );
+            return Err(PyTypeError::new_err(text));
+        };
         let (skin, place) = (self.skin(&keys)?, place(&keys)?);
         keys.finish("a mesh")?;
-        let geometry = std::sync::Arc::clone(&geometry.0);
+        let geometry = std::sync::Arc::clone(&geometry.get().0);
         self.world()?.add_mesh(name, geometry, skin, place).map(drop).map_err(of_any)
     }
 
     /// Adds a sphere.
-    fn add_sphere(&mut self, name: &str, radius: f64, keys: &Bound<PyDict>) -> PyResult<()> {
+    fn add_sphere(
+        &mut self,
+        name: &str,
+        radius: &Bound<PyAny>,
+        keys: &Bound<PyDict>,
+    ) -> PyResult<()> {
         let keys = Keys::of(format!("sphere `{name}`"), keys)?;
+        let radius = extract(&keys.place_of("radius"), radius)?;
         let (skin, place) = (self.skin(&keys)?, place(&keys)?);
         keys.finish("a sphere")?;
         self.world()?.add_sphere(name, radius, skin, place).map(drop).map_err(of_any)

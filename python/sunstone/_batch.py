@@ -56,11 +56,25 @@ class Batch(Iterator[Result]):
         #: Results that need not be waited for.
         self._known: Iterator[Any] | None = None
         self._said: set[str] = set()
+        #: A result with warnings that somebody has made errors of.
+        self._held: Result | None = None
 
     def __iter__(self) -> Batch:
         return self
 
     def __next__(self) -> Result:
+        result = self._held or self._taken()
+        self._held = result
+        for text in result.warnings:
+            if text not in self._said:
+                self._said.add(text)
+                about = f"job {result.index} \"{result.name}\": {text.removeprefix('warning: ')}"
+                warnings.warn(about, RenderWarning, stacklevel=2)
+        self._held = None
+        return result
+
+    def _taken(self) -> Result:
+        """The next result."""
         if self._native is None:
             raise StopIteration
         if self._known is None:
@@ -73,13 +87,7 @@ class Batch(Iterator[Result]):
         if row is None:
             self._native = None
             raise StopIteration
-        result = Result(*row)
-        for text in result.warnings:
-            if text not in self._said:
-                self._said.add(text)
-                about = f"job {result.index} \"{result.name}\": {text.removeprefix('warning: ')}"
-                warnings.warn(about, RenderWarning, stacklevel=2)
-        return result
+        return Result(*row)
 
     def close(self) -> None:
         """Ends it, and waits for that."""

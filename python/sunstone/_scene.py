@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Union
 
 from . import _sunstone
-from ._edits import Object, Parts, file_keys, plain
+from ._edits import Editable, Parts, file_keys, plain, values
 from ._errors import RenderWarning, SceneError, SceneWarning
 from ._image import Image
 
@@ -58,7 +58,7 @@ class _State(NamedTuple):
     source: Union[_File, Parts]
 
 
-class Scene:
+class Scene(Editable):
     """A scene in its place, with the tree of its shapes, which all its renders share.
 
     `load` reads one, and `World.place` makes one. It may be rendered by several threads at once,
@@ -70,20 +70,23 @@ class Scene:
     >>> scene["analyzer"].axis_deg = 30           # where one thing of that name has that key
     >>> scene["media/milk/milk.dilution"]
     0.01
+    >>> scene["analyzer"].axis_deg = None         # as if nothing stated it: the default
     >>> del scene["analyzer"].axis_deg            # as it was loaded or made
     >>> scene.edit({"nodes/ball/translation": (0, 1, 0), "cameras/#0/perspective.yfov": 0.5})
+    >>> scene.reset()                             # all of it as it was loaded or made
 
-    Kinds are materials, nodes, lights, cameras and media. The first and the last slash separate, so
-    a name may hold anything; #3 is the object of that index, from 0. Keys are those of scene files,
-    the extension's and glTF's own, and of `World` those of its methods (of meshes and spheres, too,
-    by the kind nodes; not the environment and the medium of the scene); dots lead inwards. Shapes
-    and their tree are built again only if they change: where an edit is of a material, a light, a
-    medium, a camera or an index, it takes milliseconds, and a tenth of a second where there are a
-    million triangles.
+    What is set is checked at once, and what `edit` is given after the last of it, as with values
+    that only go together. Kinds are materials, nodes, lights, cameras and media. The first and the
+    last slash separate, so a name may hold anything; #3 is the object of that index, from 0. Keys
+    are those of scene files, the extension's and glTF's own, and of `World` those of its methods
+    (of meshes and spheres, too, by the kind nodes; not the environment and the medium of the
+    scene); dots lead inwards. Shapes and their tree are built again only if they change: where an
+    edit is of a material, a light, a medium, a camera or an index, it takes milliseconds, and a
+    tenth of a second where there are a million triangles.
 
-    A loaded scene pickles as its path and its edits, and is loaded anew, so its files must be there
-    (warnings are not repeated); one that was made in code pickles as all that it is made of. A copy
-    shares the tree, and is edited by itself.
+    A loaded scene pickles as its path and its edits, and is loaded anew, so its files must be
+    there, and hold what they held (warnings are not repeated); one that was made in code pickles as
+    all that it is made of. A copy shares the tree, and is edited by itself.
     """
 
     __slots__ = ("_state",)
@@ -112,119 +115,47 @@ class Scene:
         native: _sunstone.Scene = self._state.value.native
         return native
 
-    def __getitem__(self, target: str) -> Any:
-        """A value, or, of a name or KIND/NAME, the `Object` whose attributes are the values.
-
-        Lists are tuples and objects read-only mappings: what is to change is set.
-
-        Raises:
-            KeyError: if nothing states the value; it tells the default.
-            SceneError: if there is no such thing, or several.
-        """
-        _check_target(target)
+    def _source(self) -> Any:
         native, source = self._state.value
-        of = source if isinstance(source, Parts) else native
-        if target.count("/") < 2:
-            return Object(self, of.objects(target))
-        is_stated, value = of.value(target)
-        if is_stated:
-            return value
-        default = None if isinstance(source, Parts) else native.default_of(target)
-        words = f"by default {default}" if default else "and there is no default"
-        raise KeyError(f"{target} is not stated, {words}")
-
-    def get(self, target: str, default: Any = None) -> Any:
-        """The value of a place, or another where nothing states it."""
-        try:
-            return self[target]
-        except KeyError:
-            return default
-
-    def __contains__(self, target: object) -> bool:
-        """Whether the file, or an edit, states a value."""
-        if not isinstance(target, str) or target.count("/") < 2:
-            return False
-        native, source = self._state.value
-        try:
-            stated: bool = (source if isinstance(source, Parts) else native).value(target)[0]
-        except SceneError:
-            return False
-        return stated
-
-    def __setitem__(self, target: str, value: Any) -> None:
-        self._edit({target: value}, 3)
-
-    def __delitem__(self, target: str) -> None:
-        self._take_back(target, 3)
-
-    #: Without it Python would ask for numbers.
-    __iter__ = None
-
-    def edit(self, edits: Mapping[str, Any]) -> None:
-        """Makes several edits at once, all or none: values by KIND/NAME/KEY.
-
-        For values that only go together, or of which each would build the tree again.
-
-        Raises:
-            SceneError: if there is no such thing, or several, or a value is not physical; then the
-                scene stays as it is.
-
-        Warns:
-            SceneWarning: of what is not rendered as it is described now, and was before.
-        """
-        self._edit(edits, 3)
-
-    @property
-    def edits(self) -> dict[str, Any]:
-        """The edits that count: values by KIND/NAME/KEY. `edit` makes them of another scene.
-
-        What is within an edited value belongs to it, and of one place the last edit counts. It is a
-        copy, of lists and dictionaries.
-        """
-        native, source = self._state.value
-        edits: dict[str, Any] = plain(source if isinstance(source, Parts) else native.edits())
-        return edits
+        return source if isinstance(source, Parts) else native
 
     def _edit(self, edits: Mapping[str, Any], level: int) -> None:
-        for target in edits:
-            _check_target(target)
-        values = {target: plain(value) for target, value in edits.items()}
+        changes = values(edits)
 
         def change(state: _State) -> _State:
             if isinstance(state.source, Parts):
-                return _remade(state, state.source.edited(values))
-            return state._replace(native=state.native.edit(values))
+                return _remade(state, state.source.edited(changes))
+            return state._replace(native=state.native.edit(changes))
 
         self._replace(change, level)
 
-    def _take_back(self, target: str, level: int) -> None:
-        _check_target(target)
-
+    def _take_back(self, targets: list[str], level: int) -> bool:
         def change(state: _State) -> _State | None:
             if isinstance(state.source, Parts):
-                parts = state.source.taken_back(target)
+                parts = state.source.taken_back(targets)
                 return None if parts is None else _remade(state, parts)
-            native = state.native.take_back(target)
+            native = state.native.take_back(targets)
             return None if native is None else state._replace(native=native)
 
-        if not self._replace(change, level + 1):
-            raise KeyError(f"{target} has not been edited")
+        return self._replace(change, level)
 
     def _replace(self, change: Callable[[_State], _State | None], level: int) -> bool:
         """Replaces the state by what is made of it, unless that is nothing."""
+        said: set[str] = set()
         while True:
             old: _State = self._state.value
             new = change(old)
             if new is None:
                 return False
+            known = old.native.warnings
+            # Before: who makes errors of warnings has the scene as it was.
+            for text in new.native.warnings:
+                if text not in known and text not in said:
+                    said.add(text)
+                    warnings.warn(text, SceneWarning, stacklevel=level + 1)
             # Somebody else may have edited meanwhile, which must not be lost.
             if self._state.swap(old, new):
-                break
-        known = old.native.warnings
-        for text in new.native.warnings:
-            if text not in known:
-                warnings.warn(text, SceneWarning, stacklevel=level + 1)
-        return True
+                return True
 
     def _keys(self, path: str) -> list[str]:
         """The keys that an object may have."""
@@ -255,7 +186,16 @@ class Scene:
 
         Which integrator was chosen and why, what it does not find, lamps that are shut in.
         """
-        return self._native.notes(_complete(options))
+        complete = _complete(options)
+        return [*self._overruled(complete), *self._native.notes(complete)]
+
+    def _overruled(self, options: dict[str, Any]) -> list[str]:
+        """Says if the size of the film has been edited, and options state another."""
+        if options["width"] is None or options["height"] is None:
+            return []
+        text = "the resolution of the film is edited, which means nothing where both width and " \
+            "height are given"
+        return [text] if self._source().has_film_size else []
 
     def render(
         self,
@@ -321,14 +261,16 @@ class Scene:
             SceneError: if the scene cannot be seen at the wavelength, or nothing in it emits.
 
         Warns:
-            RenderWarning: of what the image lacks, by the integrator that was chosen, and of what else
-                there is to doubt about it.
+            RenderWarning: of what the image lacks, by the integrator that was chosen, and of what
+                else there is to doubt about it.
         """
         options = dict(locals())
         del options["self"]
         return self._rendered(options)
 
     def _rendered(self, options: dict[str, Any]) -> Image:
+        for text in self._overruled(options):
+            warnings.warn(text, RenderWarning, stacklevel=3)
         progress = options.pop("progress")
         parts, doubts = self._native.render(options, progress)
         for text in doubts:
@@ -343,8 +285,7 @@ class Scene:
         native, source = self._state.value
         if isinstance(source, Parts):
             return _made, (source.name, source.base, source.steps)
-        path, camera, allow_outside = source
-        return Scene._loaded, (path, path, camera, allow_outside, plain(native.edits()))
+        return _loaded_again, (source, plain(native.edits()), _checksums(native, source.path))
 
     def __copy__(self) -> Scene:
         return self._of(*self._state.value)
@@ -361,6 +302,28 @@ def native_world(name: str, steps: list[Any]) -> _sunstone.World:
     return native
 
 
+def _checksums(native: _sunstone.Scene, path: str) -> dict[str, str]:
+    """What tells whether files still hold what was read of them, the scene's own first."""
+    paths = [path, *(os.fspath(file) for file in native.files[1:])]
+    return dict(zip(paths, native.checksums))
+
+
+def _loaded_again(
+    source: tuple[Any, ...], edits: dict[str, Any], checksums: dict[str, str]
+) -> Scene:
+    """A scene out of a pickle, if its files still hold what they held."""
+    file = _File(*source)
+    scene = Scene._loaded(file.path, file.path, file.camera, file.allow_outside, edits)
+    now = _checksums(scene._native, file.path).values()
+    for path, before, found in zip(checksums, checksums.values(), now):
+        if before != found:
+            raise SceneError(
+                f"{path}: the file has changed since the scene was pickled\n"
+                "  help: load the scene anew, make its edits again, and pickle that"
+            )
+    return scene
+
+
 def _made(name: str, base: list[Any], steps: list[Any]) -> Scene:
     return Scene._of(native_world(name, steps).place(None), Parts(name, base, steps))
 
@@ -368,11 +331,6 @@ def _made(name: str, base: list[Any], steps: list[Any]) -> Scene:
 def _remade(state: _State, parts: Parts) -> _State:
     """The scene of other parts, with the tree of what it was if that is the same."""
     return _State(native_world(parts.name, parts.steps).place(state.native), parts)
-
-
-def _check_target(target: object) -> None:
-    if not isinstance(target, str):
-        raise TypeError(f"values are found by KIND/NAME/KEY, not by a {type(target).__name__}")
 
 
 def _complete(options: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _sunstone
-from ._edits import Parts, plain
+from ._edits import Editable, Parts, plain, values
 from ._errors import SceneWarning
 from ._image import Image
 from ._scene import Scene, _complete, native_world
@@ -24,7 +24,7 @@ Spectrum = Union[float, Sequence[float], Mapping[str, Sequence[float]]]
 Vector = Union[Sequence[float], npt.NDArray[Any]]
 
 
-class World:
+class World(Editable):
     """A scene in the making: materials, media, shapes, lights and a camera, added one by one.
 
     >>> world = sunstone.World("room")
@@ -39,14 +39,19 @@ class World:
     with the name of the object and the field, and is not added. Materials and media are referred to
     by their names, each of which there is once.
 
+    What was added is edited by name, as in a `Scene`, and the world goes on with that:
+
+    >>> world["white"].reflectance = 0.5
+    >>> world["nodes/lamp/position"] = (0, 0.6, 0)
+
     Worlds pickle and copy as all that they are made of.
     """
 
     def __init__(self, name: str = "world") -> None:
         """An empty one, of a name."""
         self._name = name
-        #: All that was added: the name of the function and its arguments.
-        self._steps: list[tuple[str, tuple[Any, ...]]] = []
+        #: All that was added, names of functions and arguments, and what edits make of it.
+        self._parts = Parts(name, [])
         self._native: _sunstone.World | None = _sunstone.World(name)
         self._scene: Scene | None = None
         #: The latest scene, whose tree the next one has if its shapes are the same.
@@ -56,6 +61,31 @@ class World:
     def name(self) -> str:
         """What it is called."""
         return self._name
+
+    @property
+    def _steps(self) -> list[tuple[str, tuple[Any, ...]]]:
+        """The calls that it is made of, after edits."""
+        return self._parts.steps
+
+    def _source(self) -> Parts:
+        return self._parts
+
+    def _keys(self, path: str) -> list[str]:
+        return self._parts.keys_of(path)
+
+    def _edit(self, edits: Mapping[str, Any], level: int) -> None:
+        self._become(self._parts.edited(values(edits)))
+
+    def _take_back(self, targets: list[str], level: int) -> bool:
+        parts = self._parts.taken_back(targets)
+        if parts is not None:
+            self._become(parts)
+        return parts is not None
+
+    def _become(self, parts: Parts) -> None:
+        """Goes on as other parts, if they can be made."""
+        self._native = native_world(self._name, parts.steps)
+        self._parts, self._scene = parts, None
 
     def add_material(
         self,
@@ -199,8 +229,8 @@ class World:
             geometry,
             _given(
                 material=material,
-                position=_numbers(position),
-                transform=_numbers(transform),
+                position=position,
+                transform=transform,
                 interior=interior,
                 exterior=exterior,
                 priority=priority,
@@ -237,8 +267,8 @@ class World:
             radius,
             _given(
                 material=material,
-                position=_numbers(position),
-                transform=_numbers(transform),
+                position=position,
+                transform=transform,
                 interior=interior,
                 exterior=exterior,
                 priority=priority,
@@ -280,10 +310,10 @@ class World:
                 intensity=intensity,
                 inner=inner,
                 outer=outer,
-                position=_numbers(position),
-                direction=_numbers(direction),
-                target=_numbers(target),
-                transform=_numbers(transform),
+                position=position,
+                direction=direction,
+                target=target,
+                transform=transform,
             ),
         )
 
@@ -331,11 +361,11 @@ class World:
                 focus_distance=focus_distance,
                 half_width=half_width,
                 half_height=half_height,
-                position=_numbers(position),
-                target=_numbers(target),
-                direction=_numbers(direction),
-                up=_numbers(up),
-                transform=_numbers(transform),
+                position=position,
+                target=target,
+                direction=direction,
+                up=up,
+                transform=transform,
                 resolution=resolution,
             ),
         )
@@ -351,7 +381,8 @@ class World:
     def place(self) -> Scene:
         """The scene as it is now, ready to be rendered and edited; the world may go on.
 
-        Edits of the scene are its own, and leave the world as it is.
+        Edits of the scene are its own, and leave the world as it is: what is to hold for scenes to
+        come, too, is edited in the world.
 
         Raises:
             SceneError: if there is no camera, or things do not go together.
@@ -359,26 +390,24 @@ class World:
         Warns:
             SceneWarning: of what is not rendered as it was described.
         """
-        return copy.copy(self._warned(self._scene, self._placed()))
+        return copy.copy(self._placed())
 
     def render(self, **options: Any) -> Image:
         """Renders the world as it is now: `Scene.render` of `place`, with its options."""
         complete = _complete(options)
-        return self._warned(self._scene, self._placed())._rendered(complete)
+        return self._placed()._rendered(complete)
 
     def _placed(self) -> Scene:
         if self._scene is None:
             native, self._native = self._filled(), None
             self._latest = native.place(self._latest)
             # The world may go on, and what the scene is made of may not.
-            self._scene = Scene._of(self._latest, Parts(self._name, list(self._steps)))
+            scene = Scene._of(self._latest, Parts(self._name, list(self._steps)))
+            # Who makes errors of warnings is told again.
+            for text in scene.warnings:
+                warnings.warn(text, SceneWarning, stacklevel=3)
+            self._scene = scene
         return self._scene
-
-    def _warned(self, known: Scene | None, scene: Scene) -> Scene:
-        """The scene, of which is told what has not been told when it was known already."""
-        for text in scene.warnings if known is None else []:
-            warnings.warn(text, SceneWarning, stacklevel=3)
-        return scene
 
     def _filled(self) -> _sunstone.World:
         """The native world of all steps."""
@@ -390,7 +419,7 @@ class World:
         # What was given may change later, and the world does not with it.
         arguments = copy.deepcopy(arguments)
         getattr(self._filled(), function)(*arguments)
-        self._steps.append((function, arguments))
+        self._parts.add((function, arguments))
         self._scene = None
         if function in ("add_mesh", "add_sphere"):
             # Two trees would be in the memory at once.
@@ -400,27 +429,21 @@ class World:
         return f"<sunstone.World {self._name!r} of {len(self._steps)} things>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _world, (self._name, list(self._steps))
+        return _world, (self._name, self._parts.base, self._parts.steps)
 
     def __copy__(self) -> World:
-        return _world(self._name, self._steps)
+        return _world(self._name, list(self._parts.base), list(self._parts.steps))
 
     def __deepcopy__(self, memo: object) -> World:
         return self.__copy__()
 
 
-def _world(name: str, steps: list[tuple[str, tuple[Any, ...]]]) -> World:
+def _world(name: str, base: list[Any], steps: list[Any]) -> World:
     world = World(name)
-    for function, arguments in steps:
-        world._add(function, *arguments)
+    world._parts, world._native = Parts(name, base, steps), None
     return world
 
 
 def _given(**keys: Any) -> dict[str, Any]:
     """The keys that have a value, as plain numbers, lists and dictionaries."""
-    return {key: plain(value) for key, value in keys.items() if value is not None}
-
-
-def _numbers(values: npt.ArrayLike | None) -> Any:
-    """Nested lists of an array."""
-    return None if values is None else np.asarray(values, np.float64).tolist()
+    return {key: plain(value, key) for key, value in keys.items() if value is not None}

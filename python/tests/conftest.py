@@ -14,6 +14,15 @@ import sunstone
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CORNELL = ROOT / "scenes" / "cornell.gltf"
 
+#: What a child tells when it has been stopped: when, and the seconds of a processor that it still
+#: takes in half a second. What had begun may end first, which takes long without optimization.
+SETTLED = (
+    "    for _ in range(40):\n"
+    "        cpu = time.process_time(); time.sleep(0.5); busy = time.process_time() - cpu\n"
+    "        if busy < 0.1: break\n"
+    "    print(stopped, busy, flush=True)\n"
+)
+
 
 @pytest.fixture(scope="session")
 def cornell() -> sunstone.Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import fractions
 import json
 import math
 import os
@@ -122,7 +123,21 @@ REFUSED: list[tuple[str, Any, str]] = [
     ("glass", 1.5, r"glass: is no edit\n  help: write KIND/NAME/KEY"),
     ("materials/glass/ior", -1, r'material 5 "glass", .*ior: -1 must be greater than 0'),
     ("materials/glass/ior", "much", r"ior"),
+    ("materials/glass/ior", True, r"material 5 \"glass\", .*ior: is not a number"),
+    ("materials/glass/ior", np.array([1.5, 1.6]), r"ior: is not a number"),
+    ("materials/white/reflectance", (0.5, 0.5), r"reflectance: is not a spectrum"),
+    ("materials/white/reflectance", [0.5, True, 0.5], r"reflectance: is not a spectrum"),
+    ("materials/light/emissiveFactor", (1, 2), r"materials/light/emissiveFactor: material .*2"),
+    ("materials/light/emissiveFactor", (1, 2, True), r"materials/light/emissiveFactor: material"),
+    ("materials/light/doubleSided", 1, r"materials/light/doubleSided: material .*boolean"),
+    ("nodes/glass ball/translation.0", "left", r"nodes/glass ball/translation.0: node"),
+    ("nodes/glass ball/matrix", np.eye(4), r"nodes/glass ball/matrix: node"),
+    ("nodes/glass ball/matrix.3", None, r"an item of a list, and cannot be taken away"),
+    ("cameras/camera/film", {"resolution": (8, 8, 8)}, r"camera.*resolution"),
+    ("cameras/camera/perspective.yfov", None, r"cameras/camera/perspective.yfov: camera .*yfov"),
+    ("cameras/camera/perspective.yfov", True, r"cameras/camera/perspective.yfov: camera"),
     ("materials/glass/ior", math.nan, r"materials/glass/ior: must be finite"),
+    ("materials/glass/ior", np.float32("inf"), r"materials/glass/ior: must be finite"),
     ("materials/glass/ior", 10**30, r"materials/glass/ior: the number is too large"),
     ("materials/glass/ior", object(), r"materials/glass/ior: cannot be a object"),
     ("nodes/glass ball/matrix.77", 1, r"its list has 16 items, from 0 on"),
@@ -140,6 +155,9 @@ def test_what_cannot_be_is_refused(target: str, value: Any, text: str) -> None:
     with pytest.raises(sunstone.SceneError, match=text):
         scene.edit({"materials/white/reflectance": 0.1, target: value})
     assert scene.edits == {} and np.array_equal(pixels(scene), expected)
+    for edits in (None, [(target, value)]):
+        with pytest.raises(TypeError, match="edits are a mapping"):
+            scene.edit(edits)
     with pytest.raises(KeyError, match="has not been edited"):
         del scene["materials/glass/ior"]
     with pytest.raises(TypeError, match="not by a int"):
@@ -308,6 +326,12 @@ def test_scenes_made_in_code_are_edited(room: sunstone.World) -> None:
             scene[target] = value
     with pytest.raises(sunstone.SceneError, match="nothing is called so"):
         scene["snow"]
+    with pytest.raises(sunstone.SceneError, match="KIND/NAME/KEY; there is nothing yet"):
+        sunstone.World()["snow"]
+    for number in range(20):
+        other.add_material(f"m{number}", "diffuse")
+    with pytest.raises(sunstone.SceneError, match="m[0-9], and [0-9]+ more$"):
+        other["materials/snow/ior"] = 1
     with pytest.raises(KeyError, match="exterior_ior is not stated"):
         scene["materials/glass/exterior_ior"]
     assert scene.edits == {}
@@ -421,3 +445,280 @@ def test_pickles_have_no_edits_that_were_taken_back(room: sunstone.World) -> Non
     del scene[target]
     assert scene[target] == before
     assert scene.edits == {} == pickle.loads(pickle.dumps(scene)).edits
+
+
+def test_what_goes_together_is_swapped(room: sunstone.World) -> None:
+    scene = sunstone.load(CORNELL)
+    for thing, edited in ((scene, "gold"), (room.place(), "plate"), (room, "plate")):
+        before = pixels(thing)
+        metal, eta, k = (f"materials/{edited}/{key}" for key in ("metal", "eta", "k"))
+        for target in (eta, k):
+            with pytest.raises(sunstone.SceneError, match="either `metal` or both `eta` and `k`"):
+                thing[target] = 0.5
+        with pytest.raises(sunstone.SceneError, match="either `metal` or both"):
+            thing[metal] = None
+        thing.edit({metal: None, eta: 0.2, k: np.float32(3.5)})
+        after = pixels(thing)
+        assert not np.array_equal(before, after) and metal not in thing
+        assert thing.edits == {metal: None, eta: 0.2, k: 3.5}
+        other = copy.deepcopy(thing)
+        other.reset()
+        other.edit(thing.edits)
+        for same in (other, pickle.loads(pickle.dumps(thing))):
+            assert same.edits == thing.edits and np.array_equal(pixels(same), after)
+        with pytest.raises(sunstone.SceneError, match="either `metal` or both"):
+            del thing[eta]
+        assert np.array_equal(pixels(thing), after)
+        thing.edit({metal: "Cu", eta: None, k: None})
+        assert thing.edits == {metal: "Cu"}
+        thing.edit({metal: None, eta: 0.2, k: 3.5})
+        thing.reset(metal, eta, k)
+        assert thing.edits == {} and np.array_equal(pixels(thing), before)
+        for take_back in (thing.reset, lambda: thing.reset(edited),
+                          lambda: thing.__delitem__(f"materials/{edited}")):
+            thing.edit({metal: None, eta: 0.2, k: 3.5})
+            take_back()
+            assert thing.edits == {} and thing[metal]
+        thing.reset()
+        with pytest.raises(KeyError, match="has not been edited"):
+            del thing[edited]
+        with pytest.raises(sunstone.SceneError, match="snow"):
+            thing.reset("snow")
+
+
+def test_what_is_taken_away_is_not_stated() -> None:
+    scene = sunstone.load(CORNELL)
+    axis = "materials/half-wave plate/axis_deg"
+    scene[axis] = None
+    assert axis not in scene and scene.edits == {axis: None}
+    with pytest.raises(KeyError, match="by default 0"):
+        scene[axis]
+    by_default = pixels(scene)
+    scene[axis] = 0
+    assert np.array_equal(pixels(scene), by_default)
+    # What nothing states need not be taken away.
+    scene["materials/glass/exterior_ior"] = None
+    scene["materials/glass/exterior_ior"] = 1.1
+    scene["glass"].exterior_ior = None
+    assert set(scene.edits) == {axis}
+    scene.edit({"nodes/glass ball/matrix": None, "nodes/glass ball/scale": (0.2, 0.2, 0.2),
+                "nodes/glass ball/translation": (0.3, 0.3, 0.2)})
+    scene["nodes/glass ball/translation.0"] = 0.25
+    assert scene["nodes/glass ball/translation"] == (0.25, 0.3, 0.2)
+    scene.reset("glass ball")
+    assert len(scene["nodes/glass ball/matrix"]) == 16
+    scene["cameras/camera/film"] = {"resolution": (8, 8)}
+    with pytest.raises(KeyError, match="by itself: take back cameras/camera/film"):
+        del scene["cameras/camera/film.resolution"]
+
+
+def test_worlds_are_edited_and_go_on(room: sunstone.World) -> None:
+    first = room.place()
+    room["glass"].ior = 1.7
+    room.add_sphere("bead", 0.1, "glass", position=(-0.4, -0.6, 0.2))
+    room["nodes/bead/radius"] = 0.2
+    room["bead"].position = (-0.5, -0.6, 0.2)
+    assert set(room.edits) == {"materials/glass/ior", "nodes/bead/radius", "nodes/bead/position"}
+    scene = room.place()
+    assert scene.edits == {} and scene["glass"].ior == 1.7 and scene["nodes/bead/radius"] == 0.2
+    assert first["glass"].ior == 1.5 and "nodes/bead/radius" not in first
+    for same in (copy.copy(room), pickle.loads(pickle.dumps(room))):
+        assert same.edits == room.edits
+        same.add_light("point", "point", 1.0, position=(0, 0, 0.5))
+        same["lights/point/intensity"] = 2
+        both = [pixels(thing, integrator="ppm", spp=4, photons=1000) for thing in (same, scene)]
+        assert len(same.edits) == 4 and not np.array_equal(*both)
+        same.reset()
+        assert same["nodes/bead/radius"] == 0.1 and same["lights/point/intensity"] == 1
+    with pytest.raises(sunstone.SceneError, match="ior: -1"):
+        room["glass"].ior = -1
+    assert np.array_equal(pixels(room), pixels(scene))
+
+
+def test_names_like_indices_are_refused(tmp_path: pathlib.Path) -> None:
+    text = CORNELL.read_text().replace('"name": "glass"', '"name": "#0"')
+    (tmp_path / "a.gltf").write_text(text)
+    world = sunstone.World()
+    for name in ("white", "#0"):
+        world.add_material(name, "diffuse", reflectance=0.5)
+    for thing in (sunstone.load(tmp_path / "a.gltf", allow_outside=True), world):
+        with pytest.raises(sunstone.SceneError, match="#0") as refused:
+            thing["materials/#0/reflectance"] = 0.25
+        assert "materials/#00/" in str(refused.value) or "#00" in str(refused.value)
+        thing["materials/#00/reflectance"] = 0.25
+        assert thing["materials/white/reflectance"] == 0.25
+
+
+def test_types_of_worlds_are_checked(room: sunstone.World) -> None:
+    scene = room.place()
+    wrong: list[tuple[str, Any, str]] = [
+        ("materials/glass/ior", "high", "material `glass`, ior"),
+        ("materials/glass/ior", True, "material `glass`, ior: must be a number"),
+        ("materials/glass/ior", [1.5], "material `glass`, ior"),
+        ("materials/glass/ior", math.nan, "material `glass`, ior"),
+        ("materials/glass/two_sided", 1, "material `glass`, two_sided"),
+        ("materials/wall/reflectance", (0.5, 0.5), "material `wall`, reflectance"),
+        ("materials/wall/reflectance", [0.5, True, 1], "material `wall`, reflectance"),
+        ("materials/plate/metal", 3, "material `plate`, metal"),
+        ("nodes/ball/position", (1, 2), "sphere `ball`, position"),
+        ("nodes/ball/position", "here", "sphere `ball`, position"),
+        ("nodes/ball/position.1", True, "sphere `ball`, position"),
+        ("nodes/ball/transform", np.eye(3), "sphere `ball`, transform"),
+        ("nodes/ball/radius", "wide", "sphere `ball`, radius"),
+        ("nodes/ball/radius", None, "sphere `ball`, radius"),
+        ("nodes/walls/geometry", 3, "mesh `walls`, geometry"),
+        ("cameras/eye/resolution", (-1, 8), "camera `eye`, resolution"),
+        ("cameras/eye/resolution", (8.5, 8), "camera `eye`, resolution"),
+        ("cameras/eye/yfov", object(), "camera `eye`, yfov"),
+    ]
+    for thing in (scene, room):
+        expected = pixels(thing)
+        for target, value, text in wrong:
+            with pytest.raises((TypeError, ValueError), match=text):
+                thing[target] = value
+        assert thing.edits == {} and np.array_equal(pixels(thing), expected)
+        with pytest.raises(sunstone.SceneError, match="position.0: is of the same place as nodes"):
+            thing.edit({"nodes/ball/position": (0, 0, 0), "nodes/ball/position.0": 1})
+    endless: list[Any] = []
+    endless.append(endless)
+    for thing in (scene, sunstone.load(CORNELL)):
+        with pytest.raises(sunstone.SceneError, match="glass/ior: is nested too deeply"):
+            thing["materials/glass/ior"] = endless
+
+
+class Tensor:
+    """What other packages have for arrays."""
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return np.array([0.25, 0.5, 0.75])
+
+
+def test_numbers_of_all_kinds_are_taken(room: sunstone.World) -> None:
+    spectra = [np.array([0.25, 0.5, 0.75], kind) for kind in ("f2", "f4", "f8", "longdouble", "O")]
+    for thing in (sunstone.load(CORNELL), room.place()):
+        reflectance = next(f"materials/{name}/reflectance" for name in ("white", "wall")
+                           if f"materials/{name}/reflectance" in thing)
+        for value in (*spectra, Tensor(), (np.float16(0.25), fractions.Fraction(1, 2), 0.75)):
+            thing[reflectance] = value
+            assert thing[reflectance] == (0.25, 0.5, 0.75)
+        for number in (np.float64(1.5), np.float32(1.5), np.longdouble(1.5), np.array(1.5),
+                       np.array([3.0, 1.5])[1], fractions.Fraction(3, 2)):
+            thing["materials/glass/ior"] = number
+            assert thing["materials/glass/ior"] == 1.5
+        for number in (np.int8(2), np.uint64(2), np.array(2)):
+            thing["materials/glass/ior"] = number
+            assert thing["materials/glass/ior"] == 2
+
+
+def test_what_is_not_seen_is_checked(tmp_path: pathlib.Path) -> None:
+    document = json.loads(CORNELL.read_text())
+    spare = {"name": "spare", "extensions": {"SUNSTONE_polarization": {"bsdf": "dielectric"}}}
+    document["materials"].append(spare)
+    document["cameras"].append({"name": "other", "type": "perspective",
+                                "perspective": {"yfov": 0.5, "znear": 0.1}})
+    document["nodes"].append({"name": "away", "extensions": {
+        "SUNSTONE_polarization": {"sphere_radius": 1, "material": 0}}})
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    scene = sunstone.load(tmp_path / "a.gltf", allow_outside=True)
+    for target, value, text in [
+        ("materials/spare/ior", "high", "spare.*ior: is not a number"),
+        ("materials/spare/ior", -1, "spare.*ior: -1 must be"),
+        ("cameras/other/film", {"resolution": (0, 1)}, "other.*resolution"),
+        ("cameras/other/perspective.yfov", -1, "other.*yfov"),
+        ("nodes/away/sphere_radius", -1, "away.*sphere_radius"),
+        ("nodes/away/interior", 7, "away.*interior"),
+    ]:
+        with pytest.raises(sunstone.SceneError, match=text):
+            scene[target] = value
+    assert scene.edits == {}
+    scene["spare"].ior = 1.4
+    assert scene.edits == {"materials/spare/ior": 1.4}
+
+
+def test_warnings_that_are_errors_change_nothing(room: sunstone.World) -> None:
+    scene = sunstone.load(CORNELL)
+    size = "cameras/camera/film"
+    edit = {size: {"resolution": (8, 2)}, "cameras/camera/perspective.aspectRatio": 1.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(2):
+            with pytest.raises(sunstone.SceneWarning, match="aspect ratio"):
+                scene.edit(edit)
+            assert scene.edits == {}
+    with pytest.warns(sunstone.SceneWarning, match="aspect ratio") as heard:
+        scene.edit(edit)
+    assert heard[0].filename == __file__
+    # A world tells again, too.
+    room.add_material("sheet", "null")
+    for name, x in (("fog", -0.3), ("milk", 0.1)):
+        room.add_medium(name, "isotropic", sigma_a=0, sigma_s=1)
+        room.add_sphere(name, 0.3, "sheet", position=(x, 0.4, 0), interior=name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(2):
+            with pytest.raises(sunstone.SceneWarning, match="overlaps"):
+                room.place()
+    with pytest.warns(sunstone.SceneWarning, match="overlaps"):
+        room.place()
+
+
+def test_the_size_of_a_film_that_is_overruled_is_told(room: sunstone.World) -> None:
+    text = "resolution of the film is edited, which means nothing"
+    for scene, target in [
+        (sunstone.load(CORNELL), "cameras/camera/film.resolution"),
+        (room.place(), "cameras/eye/resolution"),
+    ]:
+        pixels(scene)
+        scene[target] = (8, 8)
+        with pytest.warns(sunstone.RenderWarning, match=text) as heard:
+            scene.render(integrator="path", spp=1, width=4, height=4)
+        assert heard[0].filename == __file__
+        assert any(text in note for note in scene.notes(width=4, height=4))
+        assert scene.render(integrator="path", spp=1).stokes.shape[:2] == (8, 8)
+        assert not any(text in note for note in scene.notes(width=4))
+        del scene[target]
+        pixels(scene)
+
+
+def test_pickles_of_changed_files_are_refused(tmp_path: pathlib.Path) -> None:
+    path = grid(tmp_path, 4)
+    scene = sunstone.load(path)
+    scene["materials/sheet/reflectance"] = 0.3
+    pickled = pickle.dumps(scene)
+    assert pickle.loads(pickled).edits == scene.edits
+    data = (tmp_path / "grid.bin").read_bytes()
+    (tmp_path / "grid.bin").write_bytes(b"\0\0\0\0" + data[4:])
+    with pytest.raises(sunstone.SceneError, match=r"grid.bin: the file has changed since"):
+        pickle.loads(pickled)
+    # What has been read before the change is not what is there now.
+    with pytest.raises(sunstone.SceneError, match=r"grid.bin: the file has changed since"):
+        pickle.loads(pickle.dumps(scene))
+    (tmp_path / "grid.bin").write_bytes(data)
+    assert np.array_equal(pixels(pickle.loads(pickled)), pixels(scene))
+    path.write_text(path.read_text().replace('"yfov": 0.7', '"yfov": 0.8'))
+    with pytest.raises(sunstone.SceneError, match=r"grid.gltf: the file has changed since"):
+        pickle.loads(pickled)
+
+
+def test_texts_name_options_as_python_does(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "in").mkdir()
+    path = grid(tmp_path, 4)
+    (tmp_path / "in" / "grid.gltf").write_text(path.read_text().replace("grid.bin", "../grid.bin"))
+    with pytest.raises(sunstone.SceneError, match="trust the scene: allow_outside=True$"):
+        sunstone.load(tmp_path / "in" / "grid.gltf")
+    scene = sunstone.load(CORNELL)
+    texts = [*scene.notes(), *scene.notes(integrator="path"), scene.describe()]
+    assert any('integrator="auto" takes' in text for text in texts)
+    with pytest.warns(sunstone.RenderWarning, match="greater max_path_length, or none"):
+        scene.render(integrator="path", spp=4, width=8, height=8, max_path_length=2)
+    path.write_text(path.read_text().replace('"intensity": 683', '"intensity": 0'))
+    with pytest.warns(sunstone.RenderWarning) as heard:
+        world = sunstone.World()
+        world.add_material("glow", "absorber", emission=1.0)
+        world.add_sphere("lamp", 0.1, "glow", position=(0, 0, 5))
+        world.set_camera(yfov=0.5, target=(0, 0, -1))
+        world.render(integrator="path", spp=1, width=4, height=4)
+        scene.render(integrator="light", spp=1, width=4, height=4)
+    texts += [str(it.message) for it in heard]
+    assert any('found by integrator="ppm"' in text for text in texts)
+    assert not [text for text in texts if " --" in text]

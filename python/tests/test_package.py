@@ -25,7 +25,7 @@ import numpy as np
 import pytest
 
 import sunstone
-from conftest import CORNELL, ROOT
+from conftest import CORNELL, ROOT, SETTLED
 
 SMALL: dict[str, Any] = dict(integrator="path", spp=2, width=16, height=16)
 
@@ -359,6 +359,7 @@ def test_geometries_are_refused_by_shape() -> None:
     assert mesh.normals is not None and mesh.normals.shape == (3, 3)
 
 
+@pytest.mark.filterwarnings("ignore:points or directions light mirrors:sunstone.RenderWarning")
 def test_everything_pickles_and_copies(cornell: sunstone.Scene, room: sunstone.World) -> None:
     fog = room  # with a medium, a light and a shared mesh besides
     fog.add_medium("fog", "hg", sigma_a=0.1, sigma_s=[0.1, 0.2, 0.3], g=0.5)
@@ -446,14 +447,17 @@ def test_ctrl_c_ends_a_render_within_a_second(integrator: str) -> None:
         # Whoever starts the tests in the background has children ignore it.
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"s = sunstone.load({str(CORNELL)!r})\n"
-        f"s.render(integrator={integrator!r}, spp=4, width=16, height=16)\n"
+        "for _ in range(2):\n"
+        "    cpu = time.process_time()\n"
+        f"    s.render(integrator={integrator!r}, spp=4, width=16, height=16)\n"
+        # Without optimization all takes dozens of times as long, what cannot be stopped, too.
+        "edge = 2000 if time.process_time() - cpu < 0.15 else 100\n"
         "print('ready', flush=True)\n"
         "try:\n"
-        f"    s.render(integrator={integrator!r}, spp=10**6, width=2000, height=2000)\n"
+        f"    s.render(integrator={integrator!r}, spp=10**6, width=edge, height=edge)\n"
         "except KeyboardInterrupt:\n"
-        "    stopped = time.monotonic(); cpu = time.process_time()\n"
-        "    s.render(integrator='path', spp=1, width=4, height=4)\n"
-        "    time.sleep(0.5); print(stopped, time.process_time() - cpu)\n"
+        "    stopped = time.monotonic()\n"
+        "    s.render(integrator='path', spp=1, width=4, height=4)\n" + SETTLED
     )
     command = [sys.executable, "-c", code]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -467,7 +471,7 @@ def test_ctrl_c_ends_a_render_within_a_second(integrator: str) -> None:
     stopped, busy = map(float, out.split())
     assert stopped - sent < 1.0
     # Nothing goes on behind one's back.
-    assert busy < 0.6
+    assert busy < 0.1
 
 
 def _in_child(scene: sunstone.Scene, results: Any) -> None:

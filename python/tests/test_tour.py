@@ -40,7 +40,7 @@ def test_2_the_effect_of_polarization() -> None:
 def test_3_degree_and_angle() -> None:
     """Maps of polarization, as arrays and as a picture with legends."""
     scene = sunstone.load(SCENES / "mirror.gltf")
-    image = scene.render(integrator="path", spp=4, width=32, height=32)
+    image = scene.render(spp=4, width=32, height=32)
     print(f"up to {image.dop.max():.0%} polarized, for one at {np.degrees(image.aolp[0, 0, 0])}")
     assert image.dop.shape == image.aolp.shape == (32, 32, 3)
     assert image.png("aolp").startswith(b"\x89PNG")

@@ -11,8 +11,12 @@ use super::known;
 use super::order::Order;
 use super::reals::Reals;
 use crate::image::{self, atomic};
+use crate::math::text::excerpt;
 use crate::render::{Part, SettingsError, check_part};
-use crate::scene::{Editable, SceneError};
+use crate::scene::{Edit, Editable, SceneError};
+
+/// Most characters of a name in errors.
+const NAME: usize = 60;
 
 /// All that is wrong, each said once.
 #[derive(Default)]
@@ -148,36 +152,58 @@ fn check_parts(orders: &[(&Job, Order)], parts: u32, wrong: &mut Wrong) {
     }
 }
 
-/// Checks that edits are of something that is there. A scene that cannot be read is told by the
-/// jobs that it is of.
+/// Checks that edits are of something that is there, and have an effect. A scene that cannot be
+/// read is told by the jobs that it is of.
 fn check_edits(file: &JobFile, wrong: &mut Wrong) {
     let mut by_scene: BTreeMap<&str, Vec<&Job>> = BTreeMap::new();
     for job in file.jobs.iter().filter(|job| !job.edits.is_empty()) {
         if let Some(scene) = job.options.get("scene").and_then(Value::as_str) {
             by_scene.entry(scene).or_default().push(job);
         }
+        if let Some(text) = without_effect(job) {
+            wrong.of(job, &text);
+        }
     }
     for (scene, jobs) in by_scene {
         let Ok(editable) = Editable::read(&file.folder.join(scene)) else { continue };
-        let mut known: HashMap<Vec<&str>, Vec<String>> = HashMap::new();
+        let mut known: HashMap<Vec<(&str, Option<&str>)>, Vec<String>> = HashMap::new();
         for job in jobs {
-            let targets: Vec<&str> = job.edits.iter().map(|edit| edit.target.as_str()).collect();
-            let texts =
-                known.entry(targets).or_insert_with_key(|targets| found(&editable, targets));
+            let key = job.edits.iter().map(|edit| (edit.target.as_str(), word(&edit.value)));
+            let texts = known.entry(key.collect()).or_insert_with(|| found(&editable, &job.edits));
             texts.iter().for_each(|text| wrong.of(job, text));
         }
     }
 }
 
+/// What of a value decides whether edits go together.
+fn word(value: &Value) -> Option<&str> {
+    match value {
+        Value::Null => Some(""),
+        Value::String(word) => Some(word),
+        Value::Bool(_) | Value::Number(_) | Value::Array(_) | Value::Object(_) => None,
+    }
+}
+
 /// What is wrong with edits of one job, by themselves and together.
-fn found(editable: &Editable, targets: &[&str]) -> Vec<String> {
+fn found(editable: &Editable, edits: &[Edit]) -> Vec<String> {
     let in_line = |error: SceneError| error.to_string().replace("\n  help: ", "; ");
-    let alone = targets.iter().filter_map(|target| editable.check(target).err());
+    let alone = edits.iter().filter_map(|edit| editable.check(&edit.target).err());
     let alone: Vec<String> = alone.map(in_line).collect();
     if !alone.is_empty() {
         return alone;
     }
-    editable.check_together(targets.iter().copied()).err().map(in_line).into_iter().collect()
+    editable.check_together(edits).err().map(in_line).into_iter().collect()
+}
+
+/// Says if the size of a film is edited that options state.
+fn without_effect(job: &Job) -> Option<String> {
+    let is_stated = |key: &str| job.options.get(key).is_some_and(|value| !value.is_null());
+    if !["width", "height"].into_iter().all(is_stated) {
+        return None;
+    }
+    let edit = job.edits.iter().find(|edit| edit.is_of_film_size())?;
+    let target = excerpt(&edit.target, NAME);
+    Some(format!("{target}: means nothing where `width` and `height` are given; leave one out"))
 }
 
 /// Checks that every output has a place of its own, in the folder of the job file unless others

@@ -11,6 +11,7 @@ use serde_json::{Map, Number, Value};
 
 use super::pattern::Pattern;
 use super::sweep::{Axis, VALUES_MAX, unfold};
+use super::unique::Unique;
 use super::values::Values;
 use crate::image::{extension, folder_of, read_bytes};
 use crate::math::text::excerpt;
@@ -108,7 +109,9 @@ impl JobFile {
             "jsonl" => lines_of(text, &mut wrong),
             _ => return Err("a job file ends in .toml or .jsonl".to_owned()),
         };
-        for key in ["name", "set", "sweep"].into_iter().filter(|key| defaults.contains_key(*key)) {
+        for key in
+            ["name", "set", "sweep", "unset"].into_iter().filter(|key| defaults.contains_key(*key))
+        {
             wrong.push(format!("defaults: `{key}` belongs to a job"));
         }
         let farm = farm_of(&farm, &mut wrong);
@@ -206,9 +209,14 @@ fn tables_of(mut file: Table, wrong: &mut Vec<String>) -> Tables {
 fn lines_of(text: &str, wrong: &mut Vec<String>) -> Tables {
     let mut found = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
-        match serde_json::from_str(line) {
+        match serde_json::from_str(line).map(|Unique(value)| value) {
             Ok(Value::Object(table)) => found.push((Some(number), table)),
             Ok(_) => wrong.push(format!("line {number} is not an object")),
+            Err(error) if error.is_data() => {
+                let text = error.to_string();
+                let text = text.split(" at line ").next().unwrap_or_default();
+                wrong.push(format!("line {number}: {text}"));
+            }
             Err(error) => wrong.push(format!("line {number} is not JSON: {error}")),
         }
     }
@@ -331,10 +339,11 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
         }
         None => Table::new(),
     };
+    let unset = unset(table.remove("unset"), wrong);
     let sweep = table.remove("sweep");
     let names = names_of_axes(sweep.as_ref());
     let axes = axes(sweep, wrong);
-    let keys = set.keys().chain(axes.iter().map(|axis| &axis.key));
+    let keys = set.keys().chain(&unset).chain(axes.iter().map(|axis| &axis.key));
     let mut own: BTreeSet<String> = table.keys().cloned().collect();
     for key in keys {
         if !own.insert(key.clone()) {
@@ -345,7 +354,8 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
     options.append(table);
     let (edits, more): (Table, Table) = set.into_iter().partition(|(key, _)| key.contains('/'));
     options.extend(more);
-    let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value)).collect();
+    let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value));
+    let edits = edits.chain(unset.into_iter().map(Edit::away)).collect();
     let output = output(options.remove("output"), &names, wrong);
     Asked { name, options, own, output, edits, axes }
 }
@@ -354,6 +364,23 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
 fn names_of_axes(sweep: Option<&Value>) -> Vec<String> {
     let axes = sweep.and_then(Value::as_array).into_iter().flatten();
     axes.filter_map(|axis| Some(axis.get("name")?.as_str()?.to_owned())).collect()
+}
+
+/// What is taken away.
+fn unset(unset: Option<Value>, wrong: &mut Vec<String>) -> Vec<String> {
+    let target = |value: Value| match value {
+        Value::String(target) if target.contains('/') => Some(target),
+        _ => None,
+    };
+    let targets = match unset {
+        Some(Value::Array(targets)) => targets.into_iter().map(target).collect(),
+        Some(_) => None,
+        None => Some(Vec::new()),
+    };
+    targets.unwrap_or_else(|| {
+        wrong.push("`unset` is not a list of KIND/NAME/KEY".to_owned());
+        Vec::new()
+    })
 }
 
 fn axes(sweep: Option<Value>, wrong: &mut Vec<String>) -> Vec<Axis> {

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`file`] | `jobs.toml` or `.jsonl`: what is asked for |
 //! | [`sweep`], [`values`], [`pattern`] | axes, their values, and names made of them |
+//! | [`unique`] | JSON in which nothing is stated twice |
 //! | [`order`] | a job that has been checked |
 //! | [`check`], [`reals`] | what the job file alone shows to be wrong, and where its files are |
 //! | [`prepared`] | from the file to what is left to do, and its results noted |
@@ -34,4 +35,5 @@ pub mod run;
 mod scenes;
 pub mod share;
 mod sweep;
+mod unique;
 pub mod values;

@@ -352,9 +352,10 @@ An option of a job goes before the default of that name, and before a default th
 itself: in messages, in results.jsonl and in {index}.
 
 Edits are KIND/NAME/KEY: materials, nodes, lights, cameras or media, a name or #0, #1, ... by the \
-order in the file, and a key of the scene file (dots lead inwards). Axes may sweep options too, \
-by bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each its \
-index.
+order in the file, and a key of the scene file (dots lead inwards). Those of a job are checked \
+together; unset = [KIND/NAME/KEY, ...] takes away what the file states. Axes may sweep options, \
+too, by bare name. All jobs have the same seed unless they say another; seed = \"job\" gives each \
+its index.
 
 A batch that is started again does what is left, and again what has failed or whose scene, \
 options, program or image has changed. What another job file of the same results makes is not \

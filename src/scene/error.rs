@@ -84,6 +84,11 @@ impl SceneError {
         &self.troubles[0].place
     }
 
+    /// What is wrong.
+    pub(super) fn problem(&self) -> &str {
+        &self.troubles[0].problem
+    }
+
     /// How to mend it.
     pub fn remedy(&self) -> &str {
         &self.troubles[0].remedy

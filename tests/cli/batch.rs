@@ -408,6 +408,77 @@ fn what_is_no_job_file_is_refused() {
     assert_eq!(sunstone(&here, &["batch", "lab.gltf"]).code, 2);
 }
 
+/// Gold by name, and the same by indices of its own.
+const SWAPPED: &str = r#"
+[[jobs]]
+name = "own"
+output = "out/{name}.exr"
+unset = ["materials/gold/metal"]
+set = { "materials/gold/eta" = [0.2, 0.4, 1.3], "materials/gold/k" = [3.9, 2.5, 1.9] }
+
+[[jobs]]
+name = "turned"
+output = "out/{name}.exr"
+unset = ["nodes/glass ball/matrix"]
+[jobs.set]
+"nodes/glass ball/translation" = [0.3, 0.3, 0.2]
+"nodes/glass ball/scale" = [0.2, 0.2, 0.2]
+"#;
+
+#[test]
+fn what_is_taken_away_makes_room_for_what_excludes_it() {
+    let here = lab("unset", SWAPPED);
+    batch(&here, &[]).done();
+    let names = ["own", "turned"].map(|name| planes(&here.join(format!("out/{name}.exr"))));
+    assert_ne!(names[0], names[1]);
+    // A line of JSON may say null.
+    let line = json!({
+        "scene": "lab.gltf", "integrator": "path", "spp": 2, "width": 8, "height": 8,
+        "output": "null.exr", "set": {
+            "materials/gold/metal": null,
+            "materials/gold/eta": [0.2, 0.4, 1.3], "materials/gold/k": [3.9, 2.5, 1.9],
+        },
+    });
+    fs::write(here.join("jobs.jsonl"), line.to_string()).unwrap();
+    sunstone(&here, &["batch", "jobs.jsonl", "--results", "null.jsonl"]).done();
+    assert_eq!(planes(&here.join("null.exr")), names[0]);
+}
+
+#[test]
+fn edits_that_do_not_go_together_stop_all() {
+    let job = |text: &str| format!("[[jobs]]\noutput = \"{{index}}.exr\"\n{text}\n");
+    let jobs = [
+        "unset = \"materials/gold/metal\"",
+        "unset = [\"materials/gold/metal\"]\nset = { \"materials/gold/metal\" = \"Cu\" }",
+        "unset = [\"materials/snow/metal\"]",
+        "unset = [\"nodes/glass ball/matrix.0\"]",
+        "set = { \"nodes/glass ball/scale\" = [1, 1, 1] }",
+        "set = { \"cameras/camera/film.resolution\" = [8, 8] }",
+    ];
+    let here = lab("together", &jobs.map(job).concat());
+    refused(
+        &here,
+        &[
+            "job 1, `unset` is not a list of KIND/NAME/KEY",
+            "job 2, `materials/gold/metal` is stated twice",
+            "job 3, materials/snow/metal: no material is called `snow`",
+            "job 4, nodes/glass ball/matrix.0: is an item of a list",
+            "job 5, nodes/glass ball/scale: the node has a `matrix`",
+            "job 6, cameras/camera/film.resolution: means nothing where `width` and `height`",
+        ],
+    );
+    fs::write(
+        here.join("jobs.jsonl"),
+        "{\"spp\": 1, \"spp\": 2}\n{\"set\": {\"a/b/c\": 1, \"a/b/c\": 1}}",
+    )
+    .unwrap();
+    let run = sunstone(&here, &["batch", "jobs.jsonl"]);
+    assert_eq!(run.code, 2);
+    for words in ["line 1: `spp` is stated twice\n", "line 2: `a/b/c` is stated twice\n"] {
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn a_dry_run_lists_the_jobs_and_makes_nothing() {
     let here = lab("dry", &SWEEP.replace("set = { \"media/fog/g\" = 0 }\n", ""));

@@ -5,8 +5,10 @@ use gltf::json::camera::{Camera, Orthographic, Perspective, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
+use super::document::Document;
 use super::extension::{ANALYZER, Body, CAMERA, FILM};
 use super::hierarchy::PlacedNode;
+use super::places::number_of;
 use crate::math::text::{excerpt, listed};
 use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
@@ -22,8 +24,7 @@ impl Import<'_> {
         nodes: &[PlacedNode],
         wanted: Option<&str>,
     ) -> Result<(), SceneError> {
-        let document = self.document;
-        let root = &document.root;
+        let (document, root) = (self.document, &self.document.root);
         let cameras: Vec<(&PlacedNode, usize)> = nodes
             .iter()
             .filter_map(|placed| Some((placed, root.nodes[placed.node].camera?.value())))
@@ -33,12 +34,7 @@ impl Import<'_> {
         let place = placed.to_world;
         Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
         let label = format!("{node}, {}", document.label("cameras", camera));
-        let body = Body::of(&document.value["cameras"][camera], &label, &CAMERA)?;
-        let lens = lens(&root.cameras[camera], &body)?;
-        let (resolution, analyzer) = match body.object("film", &FILM)? {
-            Some(film) => (resolution(&film)?, analyzer(&film)?),
-            None => (None, None),
-        };
+        let (body, lens, (resolution, analyzer)) = read_camera(document, camera, &label)?;
         if let (Some(Resolution([width, height])), Some(aspect)) = (resolution, aspect(&lens))
             && (width as f32 / height as f32 / aspect - 1.0).abs() > 0.01
         {
@@ -53,14 +49,32 @@ impl Import<'_> {
     }
 }
 
+/// The keys of a camera, and what they mean.
+pub type Read<'a> = (Body<'a>, Lens, (Option<Resolution>, Option<Analyzer>));
+
+/// What the file says of a camera: its projection and its film.
+pub fn read_camera<'a>(
+    document: &'a Document,
+    index: usize,
+    label: &str,
+) -> Result<Read<'a>, SceneError> {
+    let body = Body::of(&document.value["cameras"][index], label, &CAMERA)?;
+    let lens = lens(&document.root.cameras[index], &body)?;
+    let film = match body.object("film", &FILM)? {
+        Some(film) => (resolution(&film)?, analyzer(&film)?),
+        None => (None, None),
+    };
+    Ok((body, lens, film))
+}
+
 /// The names of a camera: its node's and its own.
 fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a str> {
     let names = [&root.nodes[placed.node].name, &root.cameras[*camera].name];
     names.into_iter().flatten().map(String::as_str).collect()
 }
 
-/// The camera of a name, its own or its node's, or, if none has it, the one of an index, as `#0`,
-/// in the order of the file's cameras; the first that is placed if none is wanted.
+/// The camera of a name, its own or its node's, or the one of an index, as `#0` or `#00`, in the
+/// order of the file's cameras, if only one is meant; the first that is placed if none is wanted.
 fn chosen<'a, 'b>(
     root: &Root,
     cameras: &'a [(&'b PlacedNode, usize)],
@@ -72,14 +86,15 @@ fn chosen<'a, 'b>(
     };
     let named: Vec<_> =
         cameras.iter().filter(|camera| names(root, camera).contains(&wanted)).collect();
-    let index: Option<usize> = wanted.strip_prefix('#').and_then(|index| index.parse().ok());
+    let index = number_of(wanted);
     let numbered = cameras.iter().find(|(_, camera)| Some(*camera) == index);
     let known = cameras.iter().map(|camera| {
         let names = names(root, camera);
         format!("#{} {}", camera.1, excerpt(&names.join(" or "), NAME)).trim_end().to_owned()
     });
     let problem = match (&named[..], numbered) {
-        (&[camera], _) => return Ok(camera),
+        (&[camera], other) if other.is_none_or(|other| other.1 == camera.1) => return Ok(camera),
+        (&[_], _) => "one camera is called, and another has the index",
         ([], Some(camera)) => return Ok(camera),
         ([], None) => "no camera is called",
         (_, _) => "several cameras are called",

@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
+use std::slice;
 use std::sync::Arc;
 
 use base64::Engine;
@@ -37,6 +38,7 @@ impl Document {
 
     /// Validates the bytes of a scene, and reads everything that it refers to.
     pub fn parse(bytes: &[u8], files: Files) -> Result<Self, SceneError> {
+        files.note_scene(bytes);
         let (mut value, binary) = json_of(bytes)?;
         validate::check(&value)?;
         let root = typed(&value)?;
@@ -51,11 +53,21 @@ impl Document {
 
     /// The same document after edits, with the same buffers.
     pub fn edited(&self, edits: &[Edit]) -> Result<Self, SceneError> {
-        let mut value = self.value.clone();
-        edit::apply(&mut value, edits)?;
+        let value = edit::applied(&self.value, edits)?;
         validate::check(&value)?;
-        let root = typed(&value)?;
+        let root = typed(&value).map_err(|error| self.told_of_edits(edits, error))?;
         Ok(Self { value, root, buffers: Arc::clone(&self.buffers), files: self.files.again() })
+    }
+
+    /// The same error, which names the edit if one alone makes it.
+    fn told_of_edits(&self, edits: &[Edit], error: SceneError) -> SceneError {
+        let of_edit = |edit: &Edit| {
+            let value = edit::applied(&self.value, slice::from_ref(edit)).ok()?;
+            let error = typed(&value).err()?;
+            let problem = format!("{} {}", error.place(), error.problem());
+            Some(SceneError::new(&edit.target, problem, "give such a value as glTF has there"))
+        };
+        edits.iter().find_map(of_edit).unwrap_or(error)
     }
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.

@@ -1,28 +1,34 @@
-//! Edits of a scene file by name, before it is read: `KIND/NAME/KEY` and a value.
+//! Edits of a scene file by name, before it is read: `KIND/NAME/KEY` and a value, or null to take
+//! away what stands there.
 //!
 //! The first and the last slash separate, so names may hold anything. `#3` in place of a name is
 //! the object of that index, counted from zero as in the file. A key is one of the extension's, set
 //! wherever it stands (or is put into `SUNSTONE_polarization`), or one of glTF's own, which starts
 //! at the object; dots lead inwards, into lists by index.
+//!
+//! Edits that are made at once are all made before any of them is checked.
 
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::document;
-use super::extension::{CAMERA, EXTENSION, Keys, LIGHT, MATERIAL, MEDIUM, NODE, inner};
-use crate::math::text::{excerpt, listed};
+use super::places::{Place, Step, Wrong, at, forms, places, put};
+use crate::math::text::excerpt;
 use crate::scene::error::{Findings, SceneError};
 
 /// Most characters of a name in errors.
 const NAME: usize = 60;
+/// Arrays of a file that no edit is about.
+const UNEDITED: [&str; 7] =
+    ["accessors", "animations", "bufferViews", "buffers", "images", "meshes", "skins"];
 
 /// A value in place of that of a scene file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
     /// Which: `materials/analyzer/axis_deg`, `media/milk/milk.dilution`, `nodes/#3/translation`.
     pub target: String,
-    /// What instead, as in the file.
+    /// What instead, as in the file; null if nothing is to be stated.
     pub value: Value,
 }
 
@@ -30,6 +36,36 @@ impl Edit {
     /// An edit.
     pub fn new(target: impl Into<String>, value: impl Into<Value>) -> Self {
         Self { target: target.into(), value: value.into() }
+    }
+
+    /// One that takes away what is stated, so that the default holds, or a key that excludes
+    /// another.
+    ///
+    /// ```
+    /// use sunstone::{Edit, SceneFile};
+    ///
+    /// // A metal has a name, or else indices of its own.
+    /// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
+    /// let metal = Edit::away("materials/gold/metal");
+    /// let [eta, k] = [("eta", 0.2), ("k", 3.9)]
+    ///     .map(|(key, value)| Edit::new(format!("materials/gold/{key}"), value));
+    /// file.world(None, &[metal, eta.clone(), k])?;
+    /// assert!(file.world(None, &[eta]).is_err());
+    /// # Ok::<(), sunstone::SceneError>(())
+    /// ```
+    pub fn away(target: impl Into<String>) -> Self {
+        Self::new(target, Value::Null)
+    }
+
+    /// Whether it states how many pixels a film has.
+    pub fn is_of_film_size(&self) -> bool {
+        let key = self.target.rsplit('/').next().unwrap_or_default();
+        let words: Vec<&str> = key.split(['.', '_']).collect();
+        match words[..] {
+            [.., "film", "resolution"] | [.., "film", "resolution", _] => !self.value.is_null(),
+            [.., "film"] => self.value.get("resolution").is_some_and(|size| !size.is_null()),
+            _ => false,
+        }
     }
 }
 
@@ -42,7 +78,11 @@ impl Editable {
     /// # Errors
     /// When the file cannot be read, or is not JSON.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        document::read_json(path).map(Self).map_err(|error| error.in_file(path))
+        let mut value = document::read_json(path).map_err(|error| error.in_file(path))?;
+        if let Some(root) = value.as_object_mut() {
+            UNEDITED.iter().for_each(|name| drop(root.remove(*name)));
+        }
+        Ok(Self(value))
     }
 
     /// Checks that an edit would be of something that is there; its value is not looked at.
@@ -51,32 +91,35 @@ impl Editable {
     /// When the kind, the name or the key is unknown, or the name is that of several; with what
     /// there is.
     pub fn check(&self, target: &str) -> Result<(), SceneError> {
-        places_to_set(&self.0, target).map(drop)
+        places(&self.0, target).map(drop)
     }
 
-    /// Checks that edits do not contradict each other.
+    /// Checks that edits do not contradict each other, and that none is without effect. Of values
+    /// only words and nulls matter.
     ///
     /// # Errors
-    /// When two are of one place.
-    pub fn check_together<'a>(
-        &self,
-        targets: impl IntoIterator<Item = &'a str>,
-    ) -> Result<(), SceneError> {
-        let mut taken = Taken::default();
-        for target in targets {
-            let places = places_to_set(&self.0, target)?;
-            taken.add(target, &places)?;
-        }
-        Ok(())
+    /// When two are of one place, or a key means nothing beside others.
+    pub fn check_together(&self, edits: &[Edit]) -> Result<(), SceneError> {
+        applied(&self.0, edits).map(drop)
     }
 }
 
-/// Makes edits, all or none.
-pub fn apply(value: &mut Value, edits: &[Edit]) -> Result<(), SceneError> {
-    for (places, edit) in found(value, edits)? {
-        places.iter().for_each(|place| set(value, place, &edit.value));
+/// What edits that are made at once make of a file.
+///
+/// # Errors
+/// When one is about nothing that is there, is of the place of another, or has no effect.
+pub fn applied(value: &Value, edits: &[Edit]) -> Result<Value, SceneError> {
+    let found = found(value, edits)?;
+    let mut edited = value.clone();
+    for (places, edit) in &found {
+        places.iter().for_each(|place| put(&mut edited, place, &edit.value));
     }
-    Ok(())
+    let mut findings = Findings::default();
+    for (places, edit) in found.iter().filter(|(_, edit)| !edit.value.is_null()) {
+        findings.note(refuse_without_effect(&edited, places, &edit.target));
+    }
+    findings.result()?;
+    Ok(edited)
 }
 
 /// The places of edits that are made at once.
@@ -88,8 +131,9 @@ pub fn found<'a>(
     let mut taken = Taken::default();
     let mut found = Vec::with_capacity(edits.len());
     for edit in edits {
-        let places = places_to_set(value, &edit.target).and_then(|places| {
+        let places = places(value, &edit.target).and_then(|places| {
             taken.add(&edit.target, &places)?;
+            refuse_taking_item(edit, &places)?;
             Ok(places)
         });
         found.extend(findings.note(places).map(|places| (places, edit)));
@@ -118,297 +162,55 @@ impl<'a> Taken<'a> {
     }
 }
 
-/// A step inwards.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    Key(String),
-    Index(usize),
-}
-
-/// The way to a value from the root of the file.
-pub type Place = Vec<Step>;
-
-fn key(name: &str) -> Step {
-    Step::Key(name.to_owned())
-}
-
-/// A kind of objects that edits are about.
-pub struct Kind {
-    /// What edits call it.
-    pub name: &'static str,
-    /// One of it.
-    one: &'static str,
-    /// Its keys in the extension.
-    pub keys: &'static Keys,
-    /// glTF's own keys that are read, with those of other extensions.
-    pub own: &'static [&'static str],
-    /// Whether the object itself is of the extension, with the keys in it.
-    is_of_extension: bool,
-    /// Where the lists of its objects stand that a scene may have; all that are there are alike.
-    pub lists: fn(&Value) -> Vec<Place>,
-}
-
-/// All kinds.
-pub const KINDS: [Kind; 5] = [
-    Kind {
-        name: "materials",
-        one: "material",
-        keys: &MATERIAL,
-        own: &[
-            "doubleSided",
-            "emissiveFactor",
-            "pbrMetallicRoughness.baseColorFactor",
-            "pbrMetallicRoughness.metallicFactor",
-            "pbrMetallicRoughness.roughnessFactor",
-            "extensions.KHR_materials_emissive_strength.emissiveStrength",
-            "extensions.KHR_materials_ior.ior",
-            "extensions.KHR_materials_transmission.transmissionFactor",
-            "extensions.KHR_materials_volume.attenuationColor",
-            "extensions.KHR_materials_volume.attenuationDistance",
-            "extensions.KHR_materials_volume.thicknessFactor",
-        ],
-        is_of_extension: false,
-        lists: |_| vec![vec![key("materials")]],
-    },
-    Kind {
-        name: "nodes",
-        one: "node",
-        keys: &NODE,
-        own: &[
-            "camera",
-            "extensions.KHR_lights_punctual.light",
-            "matrix",
-            "mesh",
-            "rotation",
-            "scale",
-            "translation",
-        ],
-        is_of_extension: false,
-        lists: |_| vec![vec![key("nodes")]],
-    },
-    Kind {
-        name: "lights",
-        one: "light",
-        keys: &LIGHT,
-        own: &["color", "intensity", "spot.innerConeAngle", "spot.outerConeAngle", "type"],
-        is_of_extension: false,
-        lists: |_| vec![vec![key("extensions"), key("KHR_lights_punctual"), key("lights")]],
-    },
-    Kind {
-        name: "cameras",
-        one: "camera",
-        keys: &CAMERA,
-        own: &[
-            "orthographic.xmag",
-            "orthographic.ymag",
-            "perspective.aspectRatio",
-            "perspective.yfov",
-            "type",
-        ],
-        is_of_extension: false,
-        lists: |_| vec![vec![key("cameras")]],
-    },
-    Kind {
-        name: "media",
-        one: "medium",
-        keys: &MEDIUM,
-        own: &[],
-        is_of_extension: true,
-        lists: lists_of_media,
-    },
-];
-
-/// Media stand in the default scene or at the root, in one of the forms of the extension.
-fn lists_of_media(value: &Value) -> Vec<Place> {
-    let scene = value["scene"].as_u64().unwrap_or(0) as usize;
-    let owners = [vec![], vec![key("scenes"), Step::Index(scene)]];
-    let lists = owners.into_iter().flat_map(|owner| forms(&owner, "media"));
-    lists.filter(|list| at(value, list).is_some()).collect()
-}
-
-/// Where a key of the extension may stand in an object.
-fn forms(object: &[Step], name: &str) -> [Place; 3] {
-    [
-        vec![key("extensions"), key(EXTENSION), key(name)],
-        vec![key("extras"), key("sunstone"), key(name)],
-        vec![key("extras"), Step::Key(format!("sunstone_{name}"))],
-    ]
-    .map(|form| object.iter().cloned().chain(form).collect())
-}
-
-/// What stands in a place.
-pub fn at<'a>(value: &'a Value, place: &[Step]) -> Option<&'a Value> {
-    place.iter().try_fold(value, |inner, step| match step {
-        Step::Key(name) => inner.get(name),
-        Step::Index(index) => inner.get(index),
-    })
-}
-
-/// Puts a value into a place, with the objects around it that are not there.
-pub fn set(value: &mut Value, place: &[Step], new: &Value) {
-    let mut inner = value;
-    for step in place {
-        inner = match step {
-            Step::Key(name) => {
-                if !inner.is_object() {
-                    *inner = Value::Object(Map::new());
-                }
-                &mut inner[name.as_str()]
-            }
-            Step::Index(index) => match inner.get_mut(*index) {
-                Some(inner) => inner,
-                // Places have been looked up in this value.
-                None => return,
-            },
-        };
+/// Refuses to take an item out of a list: others would move to its place.
+fn refuse_taking_item(edit: &Edit, places: &[Place]) -> Result<(), SceneError> {
+    let is_item = |place: &Place| matches!(place.last(), Some(Step::Index(_)));
+    if !(edit.value.is_null() && places.iter().any(is_item)) {
+        return Ok(());
     }
-    *inner = new.clone();
+    let problem = "is an item of a list, and cannot be taken away";
+    Err(SceneError::new(&edit.target, problem, "set the whole list"))
 }
 
-/// The places of what an edit is about, if it has an effect there.
-fn places_to_set(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
-    let places = places(value, target)?;
-    let refuse = |(problem, remedy): Wrong| SceneError::new(target, problem, remedy);
-    places.iter().try_for_each(|place| refuse_without_effect(value, place)).map_err(refuse)?;
-    Ok(places)
-}
-
-/// The places of what an edit is about.
-pub fn places(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
-    let refuse = |problem: String, remedy: String| SceneError::new(target, problem, remedy);
-    let parts = target.split_once('/').and_then(|(kind, rest)| {
-        let (name, key) = rest.rsplit_once('/')?;
-        Some((kind, name, key))
-    });
-    let kinds = || listed(KINDS.iter().map(|kind| kind.name));
-    let Some((kind, name, path)) = parts else {
-        let remedy = format!("write KIND/NAME/KEY; kinds are {}", kinds());
-        return Err(refuse("is no edit".to_owned(), remedy));
-    };
-    let Some(kind) = KINDS.iter().find(|known| known.name == kind) else {
-        let problem = format!("`{}` is no kind of object", excerpt(kind, NAME));
-        return Err(refuse(problem, format!("kinds are {}", kinds())));
-    };
-    let lists = (kind.lists)(value);
-    let objects = lists.first().and_then(|list| at(value, list)).and_then(Value::as_array);
-    let objects = objects.map_or(&[][..], Vec::as_slice);
-    let index =
-        index_of(objects, kind, name).map_err(|(problem, remedy)| refuse(problem, remedy))?;
-    let owners = lists.into_iter().map(|mut list| {
-        list.push(Step::Index(index));
-        list
-    });
-    let found = owners.map(|owner| places_of_key(value, kind, &owner, path));
-    let found: Result<Vec<_>, _> = found.collect();
-    found
-        .map(|found| found.into_iter().flatten().collect())
-        .map_err(|(problem, remedy)| refuse(problem, remedy))
-}
-
-/// What is wrong, and how to mend it.
-type Wrong = (String, String);
-
-/// The index of the object of a name, or of `#3`.
-fn index_of(objects: &[Value], kind: &Kind, name: &str) -> Result<usize, Wrong> {
-    let named = |index: &usize| objects[*index]["name"].as_str() == Some(name);
-    let found: Vec<usize> = (0..objects.len()).filter(named).collect();
-    match found[..] {
-        [index] => return Ok(index),
-        [] => {}
-        _ => {
-            let indices = listed(found.iter().map(|index| format!("#{index}")));
-            let problem = format!("several {} are called so: {indices}", kind.name);
-            let remedy = format!("write {}/#{}/...", kind.name, found[0]);
-            return Err((problem, remedy));
-        }
-    }
-    let index = name.strip_prefix('#').and_then(|index| index.parse().ok());
-    if let Some(index) = index.filter(|index| *index < objects.len()) {
-        return Ok(index);
-    }
-    let problem = format!("no {} is called `{}`", kind.one, excerpt(name, NAME));
-    if objects.is_empty() {
-        return Err((problem, format!("the scene has no {}", kind.name)));
-    }
-    let names = objects.iter().enumerate().map(|(index, object)| {
-        let name = object["name"].as_str().unwrap_or("without a name");
-        format!("#{index} {}", excerpt(name, NAME))
-    });
-    Err((problem, format!("the {} are {}", kind.name, listed(names))))
-}
-
-/// The places of a key in an object: one, or all where a key of the extension stands.
-fn places_of_key(
+/// Refuses an edit of places in which a value counts for nothing.
+pub fn refuse_without_effect(
     value: &Value,
-    kind: &Kind,
-    object: &[Step],
-    path: &str,
-) -> Result<Vec<Place>, Wrong> {
-    let words: Vec<&str> = path.split('.').collect();
-    if let Some((name, rest)) = of_extension(kind, &words) {
-        let forms = match kind.is_of_extension {
-            true => vec![object.iter().cloned().chain([key(name)]).collect()],
-            false => forms(object, name).to_vec(),
-        };
-        let is_there = |form: &&Place| at(value, form).is_some();
-        let mut found: Vec<Place> = forms.iter().filter(is_there).cloned().collect();
-        if found.is_empty() {
-            found.extend(forms.into_iter().take(1));
-        }
-        let keys = inner(kind.keys, name);
-        return found.into_iter().map(|place| inwards(value, place, rest, keys)).collect();
-    }
-    let own = |known: &&&str| path == **known || path.strip_prefix(**known).is_some_and(is_inner);
-    let Some(known) = kind.own.iter().find(own) else {
-        let known = kind.keys.known.iter().filter(|key| **key != "name").chain(kind.own);
-        let problem = format!("a {} has no key `{}`", kind.one, excerpt(path, NAME));
-        return Err((
-            problem,
-            format!("keys are {}", known.copied().collect::<Vec<_>>().join(", ")),
-        ));
+    places: &[Place],
+    target: &str,
+) -> Result<(), SceneError> {
+    let refuse = |(problem, remedy): Wrong| SceneError::new(target, problem, remedy);
+    let check = |place: &Place| {
+        refuse_overruled(value, place)?;
+        refuse_meaningless(value, place)
     };
-    if let Some(place) = translation_of_matrix(value, object, &words) {
-        return Ok(vec![place]);
-    }
-    refuse_overruled(at(value, object), known)?;
-    let depth = known.split('.').count();
-    let place = object.iter().cloned().chain(words[..depth].iter().map(|word| key(word))).collect();
-    Ok(vec![inwards(value, place, &words[depth..], None)?])
+    places.iter().try_for_each(check).map_err(refuse)
 }
 
-fn is_inner(rest: &str) -> bool {
-    rest.starts_with('.')
-}
-
-/// Where a coordinate of a node's translation stands in its matrix, if it has one.
-fn translation_of_matrix(value: &Value, object: &[Step], words: &[&str]) -> Option<Place> {
-    const START: usize = 12;
-    let ["translation", axis] = words else { return None };
-    let axis = axis.parse().ok().filter(|axis: &usize| *axis < 3)?;
-    let place = object.iter().cloned().chain([key("matrix"), Step::Index(START + axis)]);
-    let place: Place = place.collect();
-    at(value, &place).map(|_| place)
-}
-
-/// Refuses a place of a node that the file states in the other way.
-fn refuse_overruled(node: Option<&Value>, name: &str) -> Result<(), Wrong> {
+/// Refuses a place of a node that is stated in the other way.
+pub fn refuse_overruled(value: &Value, place: &[Step]) -> Result<(), Wrong> {
     const PARTS: [&str; 3] = ["translation", "rotation", "scale"];
+    let [Step::Key(list), Step::Index(_), Step::Key(name), ..] = place else { return Ok(()) };
+    if list != "nodes" {
+        return Ok(());
+    }
+    let node = at(value, &place[..2]);
     let has = |name: &str| node.is_some_and(|node| !node[name].is_null());
-    let other = match name {
+    let other = match name.as_str() {
         "matrix" => PARTS.into_iter().find(|part| has(part)),
         part if PARTS.contains(&part) => Some("matrix").filter(|matrix| has(matrix)),
         _ => None,
     };
     let Some(other) = other else { return Ok(()) };
-    let remedy = match name {
+    let remedy = match name.as_str() {
         "translation" => "edit `translation.0` to `translation.2`, or `matrix`".to_owned(),
         _ => format!("edit `{other}`"),
     };
+    let remedy = format!("{remedy}, or take that away with the same edits");
     Err((format!("the node has a `{other}`, which says where it is"), remedy))
 }
 
 /// Refuses a key of glTF's that counts for nothing in a material whose `bsdf` says what it is.
-fn refuse_without_effect(value: &Value, place: &[Step]) -> Result<(), Wrong> {
+fn refuse_meaningless(value: &Value, place: &[Step]) -> Result<(), Wrong> {
     let [Step::Key(list), Step::Index(_), rest @ ..] = place else { return Ok(()) };
     if list != "materials" {
         return Ok(());
@@ -438,58 +240,15 @@ fn refuse_without_effect(value: &Value, place: &[Step]) -> Result<(), Wrong> {
         return Ok(());
     }
     let problem = format!("means nothing in this material, whose `bsdf` is `{model}`");
-    Err((problem, "edit the keys of that, as `reflectance` or `ior`".to_owned()))
-}
-
-/// The extension's key that a path begins with, in any of its forms, and what follows.
-pub fn of_extension<'a, 'b>(kind: &Kind, words: &'a [&'b str]) -> Option<(&'b str, &'a [&'b str])> {
-    let (name, rest) = match words {
-        ["extensions", EXTENSION, name, rest @ ..] | ["extras", "sunstone", name, rest @ ..] => {
-            (*name, rest)
-        }
-        ["extras", name, rest @ ..] => (name.strip_prefix("sunstone_")?, rest),
-        [name, rest @ ..] => (*name, rest),
-        [] => return None,
-    };
-    (kind.keys.known.contains(&name) && name != "name").then_some((name, rest))
-}
-
-/// The place further inwards; `keys` are those of the object that stands there, if it has keys.
-fn inwards(
-    value: &Value,
-    mut place: Place,
-    words: &[&str],
-    mut keys: Option<&'static Keys>,
-) -> Result<Place, Wrong> {
-    for word in words {
-        let here = at(value, &place);
-        if let Some(Value::Array(list)) = here {
-            let Some(index) = word.parse().ok().filter(|index: &usize| *index < list.len()) else {
-                let problem = format!("`{}` is no index into it", excerpt(word, NAME));
-                return Err((problem, format!("its list has {} items, from 0 on", list.len())));
-            };
-            place.push(Step::Index(index));
-            continue;
-        }
-        let is_object = here.is_none_or(|here| here.is_object() || here.is_null());
-        let Some(known) = keys.filter(|known| is_object && known.known.contains(word)) else {
-            let problem = format!("there is no `{}` in it", excerpt(word, NAME));
-            let remedy = match keys {
-                Some(keys) if is_object => format!("keys are {}", keys.known.join(", ")),
-                _ => "set the whole of it".to_owned(),
-            };
-            return Err((problem, remedy));
-        };
-        place.push(key(word));
-        keys = inner(known, word);
-    }
-    Ok(place)
+    let remedy = "edit the keys of that, as `reflectance` or `ior`, and leave this one out";
+    Err((problem, remedy.to_owned()))
 }
 
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
+    use super::super::extension::EXTENSION;
     use super::*;
 
     fn lab() -> Value {
@@ -498,7 +257,7 @@ mod tests {
                 {"name": "a/b c", "extensions": {EXTENSION: {"bsdf": "diffuse"}}},
                 {"name": "twin", "extras": {"sunstone_ior": 1.5, "sunstone": {"ior": 1.5}}},
                 {"name": "twin"},
-                {"name": "#1"},
+                {"name": "#3"},
             ],
             "nodes": [{"name": "still", "matrix": vec![1.0; 16]}, {"translation": [1.0, 2.0, 3.0]}],
             "scenes": [{}, {"extensions": {EXTENSION: {"media": [
@@ -513,9 +272,7 @@ mod tests {
     }
 
     fn edited(target: &str, value: Value) -> Value {
-        let mut lab = lab();
-        apply(&mut lab, &[Edit::new(target, value)]).unwrap_or_else(|error| panic!("{error}"));
-        lab
+        applied(&lab(), &[Edit::new(target, value)]).unwrap_or_else(|error| panic!("{error}"))
     }
 
     #[test]
@@ -526,7 +283,7 @@ mod tests {
                 "materials/a/b c/reflectance",
                 "/materials/0/extensions/SUNSTONE_polarization/reflectance",
             ),
-            ("materials/#1/bsdf", "/materials/3/extensions/SUNSTONE_polarization/bsdf"),
+            ("materials/#3/bsdf", "/materials/3/extensions/SUNSTONE_polarization/bsdf"),
             ("materials/#2/emissiveFactor", "/materials/2/emissiveFactor"),
             (
                 "materials/#2/pbrMetallicRoughness.baseColorFactor",
@@ -543,14 +300,13 @@ mod tests {
             assert_eq!(value.pointer(pointer), Some(&json!(7.0)), "{target}: {value:#}");
         }
         // In all its forms at once: they must not contradict each other.
-        let value = edited("materials/#1/reflectance", json!(0.5));
+        let value = edited("materials/#3/reflectance", json!(0.5));
         assert_eq!(value["materials"][3]["extensions"][EXTENSION]["reflectance"], 0.5);
         let mut both = lab();
         both["materials"][2]["name"] = json!("other");
         for target in ["ior", "extras.sunstone.ior", "extras.sunstone_ior"] {
-            let mut both = both.clone();
             let edit = Edit::new(format!("materials/twin/{target}"), 1.7);
-            apply(&mut both, &[edit]).unwrap();
+            let both = applied(&both, &[edit]).unwrap();
             let extras = &both["materials"][1]["extras"];
             assert_eq!(
                 (&extras["sunstone_ior"], &extras["sunstone"]["ior"]),
@@ -564,16 +320,11 @@ mod tests {
     fn what_is_not_there_is_refused_with_what_is() {
         // This color stands in for a reflectance that is not given.
         edited("materials/#0/pbrMetallicRoughness.baseColorFactor", json!([1, 0, 0, 1]));
-        let refused = |edits: &[Edit]| {
-            let mut lab = lab();
-            let error = apply(&mut lab, edits).unwrap_err().to_string();
-            assert_eq!(lab, self::lab(), "nothing is edited");
-            error
-        };
+        let refused = |edits: &[Edit]| applied(&lab(), edits).unwrap_err().to_string();
         for (target, words) in [
             ("glass", "kinds are materials, nodes, lights, cameras, media"),
             ("shapes/a/b", "`shapes` is no kind of object"),
-            ("materials/snow/ior", "the materials are #0 a/b c, #1 twin, #2 twin, #3 #1"),
+            ("materials/snow/ior", "the materials are #0 a/b c, #1 twin, #2 twin, #3 #3"),
             ("materials/twin/ior", "several materials are called so: #1, #2"),
             ("materials/#9/ior", "no material is called `#9`"),
             ("materials/#2/index", "a material has no key `index`"),
@@ -596,5 +347,80 @@ mod tests {
         // All of them at once.
         let several = [Edit::new("materials/x/ior", 1.0), Edit::new("media/x/g", 1.0)];
         assert!(refused(&several).starts_with("2 things are wrong"));
+    }
+
+    #[test]
+    fn what_is_taken_away_is_not_stated() {
+        let away = |target: &str| edited(target, Value::Null);
+        // With the objects of which nothing is left, and in all forms.
+        assert_eq!(away("materials/a/b c/bsdf")["materials"][0], json!({"name": "a/b c"}));
+        assert_eq!(away("materials/#1/ior")["materials"][1], json!({"name": "twin"}));
+        assert_eq!(away("nodes/#1/translation")["nodes"][1], json!({}));
+        // What is not there may be taken away, and nothing else with it.
+        assert_eq!(away("materials/#2/ior"), lab());
+        assert_eq!(away("media/milk/milk.fat_percent"), lab());
+        let error = applied(&lab(), &[Edit::away("nodes/still/matrix.3")]).unwrap_err();
+        assert!(error.to_string().contains("an item of a list"), "{error}");
+    }
+
+    #[test]
+    fn edits_at_once_are_checked_after_the_last_of_them() {
+        let moved =
+            [Edit::away("nodes/still/matrix"), Edit::new("nodes/still/scale", json!([2, 2, 2]))];
+        for edits in [moved.clone(), [moved[1].clone(), moved[0].clone()]] {
+            let value = applied(&lab(), &edits).unwrap();
+            assert_eq!(value["nodes"][0], json!({"name": "still", "scale": [2, 2, 2]}));
+        }
+        assert!(applied(&lab(), &moved[1..]).is_err());
+        let ior = Edit::new("materials/#0/extensions.KHR_materials_ior.ior", 1.3);
+        let glass = Edit::new("materials/#0/bsdf", "dielectric");
+        assert!(applied(&lab(), &[ior.clone(), glass]).is_ok());
+        assert!(applied(&lab(), &[ior]).is_err());
+        let color =
+            Edit::new("materials/#0/pbrMetallicRoughness.baseColorFactor", json!([1, 1, 1, 1]));
+        let both = [color, Edit::new("materials/#0/reflectance", 0.5)];
+        let error = applied(&lab(), &both).unwrap_err().to_string();
+        assert!(error.contains("baseColorFactor: means nothing"), "{error}");
+    }
+
+    #[test]
+    fn sizes_of_films_are_known() {
+        let size = json!([8, 8]);
+        for (key, value, is_it) in [
+            ("film.resolution", size.clone(), true),
+            ("film.resolution.0", json!(8), true),
+            ("film", json!({"resolution": [8, 8]}), true),
+            ("extras.sunstone_film.resolution", size, true),
+            ("extensions.SUNSTONE_polarization.film", json!({"resolution": [8, 8]}), true),
+            ("film", json!({"analyzer": {"kind": "linear"}}), false),
+            ("film.resolution", Value::Null, false),
+            ("film.analyzer.axis_deg", json!(30), false),
+        ] {
+            let edit = Edit::new(format!("cameras/a.film.resolution/b/{key}"), value);
+            assert_eq!(edit.is_of_film_size(), is_it, "{edit:?}");
+        }
+    }
+
+    #[test]
+    fn names_like_indices_of_others_are_refused() {
+        let mut lab = lab();
+        lab["materials"][3]["name"] = json!("#0");
+        lab["materials"][2]["name"] = json!("#3");
+        lab["materials"][1]["name"] = json!("#03");
+        let of = |target: &str| applied(&lab, &[Edit::new(target, 0.5)]);
+        let error = of("materials/#0/reflectance").unwrap_err().to_string();
+        for words in [
+            "name of material 3, and the index of another",
+            "materials/#003/... for the first",
+            "materials/#00/... for the other",
+        ] {
+            assert!(error.contains(words), "{error}");
+        }
+        let edited = |target: &str| of(target).unwrap_or_else(|error| panic!("{error}"));
+        let value = edited("materials/#00/reflectance");
+        assert_eq!(value["materials"][0]["extensions"][EXTENSION]["reflectance"], 0.5);
+        let value = edited("materials/#003/reflectance");
+        assert_eq!(value["materials"][3]["extensions"][EXTENSION]["reflectance"], 0.5);
+        assert!(of("materials/#+0/reflectance").is_err());
     }
 }

@@ -6,8 +6,9 @@ use std::sync::{Arc, LazyLock};
 use serde_json::Value;
 
 use super::SceneFile;
-use super::edit::{Edit, KINDS, Kind, Place, at, found, of_extension, places, set};
+use super::edit::{Edit, applied, found, refuse_overruled};
 use super::extension::{Keys, inner};
+use super::places::{KINDS, Kind, Place, at, number_of, objects_called, of_extension, places, put};
 use crate::math::text::{excerpt, listed};
 use crate::scene::error::SceneError;
 use crate::scene::world::World;
@@ -75,37 +76,55 @@ impl EditedFile {
         Self { file, edits: Arc::default(), value }
     }
 
-    /// Makes further edits, all or none.
+    /// Makes further edits, all or none. They are checked together with those before them, after
+    /// the last; null takes away what is stated.
     ///
     /// # Errors
-    /// When one is about nothing that is there, or two are of one place.
+    /// When one is about nothing that is there, or two are of one place, or one has no effect
+    /// beside the others.
     pub fn edit(&self, edits: Vec<Edit>) -> Result<Self, SceneError> {
-        let in_file = |error: SceneError| error.in_file(self.path());
         let mut kept = (*self.edits).clone();
-        let mut value = (*self.value).clone();
-        for (places, edit) in found(&self.value, &edits).map_err(in_file)? {
+        for (places, edit) in found(&self.value, &edits).map_err(|error| self.told(error))? {
             if !self.add_within(&mut kept, edit, &places)? {
                 self.drop_within(&mut kept, &places)?;
                 kept.push(edit.clone());
             }
-            places.iter().for_each(|place| set(&mut value, place, &edit.value));
         }
-        Ok(Self { file: Arc::clone(&self.file), edits: Arc::new(kept), value: Arc::new(value) })
+        self.with(kept)
     }
 
-    /// Takes back what was edited at a place and further inwards: what the file says holds again.
-    /// None if nothing was.
+    /// Takes back what was edited at places and further inwards, or of whole objects, `KIND/NAME`:
+    /// what the file says holds again. None if nothing was.
     ///
     /// # Errors
-    /// When there is no such place.
-    pub fn take_back(&self, target: &str) -> Result<Option<Self>, SceneError> {
-        let places = self.places(target)?;
+    /// When there is no such place, or what is left does not go together.
+    pub fn take_back(&self, targets: &[impl AsRef<str>]) -> Result<Option<Self>, SceneError> {
         let mut kept = (*self.edits).clone();
-        self.drop_within(&mut kept, &places)?;
+        for target in targets.iter().map(AsRef::as_ref) {
+            let places = match (self.places(target), objects_called(&self.value, target)) {
+                (Ok(places), _) => places,
+                (Err(_), Some(objects)) => objects,
+                (Err(error), None) => return Err(error),
+            };
+            self.drop_within(&mut kept, &places)?;
+        }
         if kept.len() == self.edits.len() {
             return Ok(None);
         }
-        Self::new(Arc::clone(&self.file)).edit(kept).map(Some)
+        self.with(kept).map(Some)
+    }
+
+    /// The same file with these edits, which are of a place each.
+    fn with(&self, mut kept: Vec<Edit>) -> Result<Self, SceneError> {
+        let original = &self.file.document.value;
+        // What the file does not state need not be taken away.
+        let is_stated = |edit: &Edit| {
+            let places = places(original, &edit.target);
+            places.map_or(true, |places| places.iter().any(|place| at(original, place).is_some()))
+        };
+        kept.retain(|edit| !edit.value.is_null() || is_stated(edit));
+        let value = applied(original, &kept).map_err(|error| self.told(error))?;
+        Ok(Self { file: Arc::clone(&self.file), edits: Arc::new(kept), value: Arc::new(value) })
     }
 
     /// The edits that count, in no order: each is of a place of its own.
@@ -124,6 +143,10 @@ impl EditedFile {
     /// When there is no such place.
     pub fn value(&self, target: &str) -> Result<Option<Value>, SceneError> {
         let places = self.places(target)?;
+        for place in &places {
+            let refuse = |(problem, remedy)| SceneError::new(target, problem, remedy);
+            refuse_overruled(&self.value, place).map_err(refuse).map_err(|it| self.told(it))?;
+        }
         Ok(places.iter().find_map(|place| at(&self.value, place)).cloned())
     }
 
@@ -148,7 +171,7 @@ impl EditedFile {
     pub fn objects(&self, name: &str) -> Result<Vec<String>, SceneError> {
         let is_called = |kind: &Kind, name: &str| {
             let objects = self.list(kind);
-            let index = name.strip_prefix('#').and_then(|index| index.parse::<usize>().ok());
+            let index = number_of(name);
             objects.iter().any(|object| object["name"].as_str() == Some(name))
                 || index.is_some_and(|index| index < objects.len())
         };
@@ -188,7 +211,11 @@ impl EditedFile {
     }
 
     fn places(&self, target: &str) -> Result<Vec<Place>, SceneError> {
-        places(&self.value, target).map_err(|error| error.in_file(self.path()))
+        places(&self.value, target).map_err(|error| self.told(error))
+    }
+
+    fn told(&self, error: SceneError) -> SceneError {
+        error.in_file(self.path())
     }
 
     /// Makes an edit within the values of earlier ones, if it is of a place in these.
@@ -206,7 +233,7 @@ impl EditedFile {
                 Some(&new[places.iter().find(is_around)?.len()..])
             });
             if let Some(inner) = inner {
-                set(&mut old.value, inner, &edit.value);
+                put(&mut old.value, inner, &edit.value);
                 is_within = true;
             }
         }
@@ -309,11 +336,44 @@ mod tests {
         let before = lab.value("media/#0/milk.dilution").unwrap();
         let other = edited(&lab, &[("media/#0/milk.dilution", json!(0.1))]);
         assert_eq!(other.value("media/#0/milk.dilution").unwrap(), Some(json!(0.1)));
-        let back = other.take_back("media/#0/milk").unwrap().unwrap();
+        let back = other.take_back(&["media/#0/milk"]).unwrap().unwrap();
         assert!(back.edits().is_empty());
         assert_eq!(back.value("media/#0/milk.dilution").unwrap(), before);
-        assert!(back.take_back("media/#0/milk").unwrap().is_none());
-        assert!(back.take_back("media/snow/milk").is_err());
+        assert!(back.take_back(&["media/#0/milk"]).unwrap().is_none());
+        assert!(back.take_back(&["media/snow/milk"]).is_err());
+    }
+
+    #[test]
+    fn what_goes_together_is_swapped_and_taken_back_at_once() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.gltf"));
+        let file = SceneFile::read(path, false).unwrap_or_else(|error| panic!("{error}"));
+        let lab = EditedFile::new(Arc::new(file));
+        let [metal, eta, k] = ["metal", "eta", "k"].map(|key| format!("materials/gold/{key}"));
+        let swap = [(&*metal, Value::Null), (&*eta, json!(0.2)), (&*k, json!(3.9))];
+        let own = edited(&lab, &swap);
+        check(&own);
+        assert!(own.world(None).is_ok());
+        assert_eq!((own.value(&metal).unwrap(), own.edits().len()), (None, 3));
+        // One of them is told when the scene is read.
+        let half = own.take_back(&[&eta]).unwrap().unwrap();
+        assert!(half.world(None).is_err());
+        for targets in [vec![&*metal, &*eta, &*k], vec!["materials/gold"]] {
+            let back = own.take_back(&targets).unwrap().unwrap();
+            assert!(back.edits().is_empty() && back.world(None).is_ok());
+        }
+        let other = [(&*metal, json!("Cu")), (&*eta, Value::Null), (&*k, Value::Null)];
+        let back = edited(&own, &other);
+        assert_eq!(back.edits(), [Edit::new(&*metal, "Cu")]);
+        assert!(back.world(None).is_ok());
+        // A key that was put into what was taken away.
+        let film = "cameras/camera/film";
+        let film = edited(&lab, &[(film, json!({"resolution": [8, 8]}))]);
+        let none = edited(&film, &[("cameras/camera/film.resolution", Value::Null)]);
+        let again = edited(&none, &[("cameras/camera/film.resolution", json!([9, 9]))]);
+        for file in [&film, &none, &again] {
+            check(file);
+        }
+        assert!(again.world(None).is_ok());
     }
 
     #[test]

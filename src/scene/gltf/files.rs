@@ -2,8 +2,10 @@
 //! opens the scene of a stranger does not mean to open his own files with it.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 use std::{fs, io};
+
+use xxhash_rust::xxh3::xxh3_128;
 
 use crate::image::read_bytes;
 use crate::math::text::excerpt;
@@ -17,7 +19,17 @@ pub struct Files {
     /// Where relative paths start.
     folder: PathBuf,
     allow_outside: bool,
-    read: Mutex<Vec<PathBuf>>,
+    read: Mutex<Vec<ReadFile>>,
+}
+
+/// A file that has been read, and what tells whether it still holds the same: the XXH3 of what was
+/// read of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// The checksum.
+    pub checksum: u128,
 }
 
 impl Files {
@@ -27,12 +39,22 @@ impl Files {
             Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
             _ => PathBuf::from("."),
         };
-        Self { folder, allow_outside, read: Mutex::new(vec![path.to_owned()]) }
+        let scene = ReadFile { path: path.to_owned(), checksum: 0 };
+        Self { folder, allow_outside, read: Mutex::new(vec![scene]) }
+    }
+
+    /// Notes what the scene itself holds.
+    pub fn note_scene(&self, bytes: &[u8]) {
+        self.list()[0].checksum = xxh3_128(bytes);
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<ReadFile>> {
+        self.read.lock().expect("no thread panics while it holds the lock")
     }
 
     /// The scene and all that has been read for it.
-    pub fn read(&self) -> Vec<PathBuf> {
-        self.read.lock().expect("no thread panics while it holds the lock").clone()
+    pub fn read(&self) -> Vec<ReadFile> {
+        self.list().clone()
     }
 
     /// The same scene, which has read so much, and goes on by itself.
@@ -65,7 +87,11 @@ impl Files {
             return Err(refuse(problem, remedy));
         }
         let bytes = read_bytes(&path, limit).map_err(failed)?;
-        self.read.lock().expect("no thread panics while it holds the lock").push(path);
+        let file = ReadFile { path, checksum: xxh3_128(&bytes) };
+        let mut read = self.list();
+        if !read.contains(&file) {
+            read.push(file);
+        }
         Ok(bytes)
     }
 }

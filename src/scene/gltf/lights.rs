@@ -15,7 +15,7 @@ use crate::spectrum::Spectrum;
 const LUMENS_PER_WATT: f32 = 683.0;
 
 impl Import<'_> {
-    /// Adds the light that a node refers to; a light without intensity adds nothing.
+    /// Adds the light that a node, or nothing, refers to; one without intensity adds nothing.
     pub fn add_light(
         &mut self,
         index: usize,
@@ -28,9 +28,10 @@ impl Import<'_> {
             return Ok(());
         };
         let value = &document.value["extensions"]["KHR_lights_punctual"]["lights"][index];
+        let separator = if node.is_empty() { "" } else { ", " };
         let label = match &light.name {
-            Some(name) => format!("{node}, light {index} \"{name}\""),
-            None => format!("{node}, light {index}"),
+            Some(name) => format!("{node}{separator}light {index} \"{name}\""),
+            None => format!("{node}{separator}light {index}"),
         };
         if light.range.is_some() {
             self.warnings.add(&label, "range is ignored, light fades with distance alone");

@@ -2,6 +2,8 @@
 //!
 //! `document` reads and validates; `hierarchy` walks the nodes; `media`, `meshes`, `materials`,
 //! `lights` and `cameras` turn what hangs on them into entities; `extension` reads the vendor keys.
+//! `edit` changes the JSON by name before that, in the `places` that names mean; `edited` keeps
+//! what was edited, and `unused` checks what is edited and not seen.
 
 mod accessors;
 mod cameras;
@@ -17,10 +19,13 @@ mod media;
 mod meshes;
 mod particles;
 mod phase_matrix;
+mod places;
+mod unused;
 mod validate;
 mod volume;
 
 use std::collections::BTreeMap;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -118,23 +123,30 @@ impl SceneFile {
     /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
     pub fn world(&self, camera: Option<&str>, edits: &[Edit]) -> Result<World, SceneError> {
         let import = || match edits {
-            [] => self.import(&self.document, camera),
-            _ => self.import(&self.document.edited(edits)?, camera),
+            [] => self.import(&self.document, camera, edits),
+            _ => self.import(&self.document.edited(edits)?, camera, edits),
         };
         import().map_err(|error| error.in_file(&self.path))
     }
 
-    fn import(&self, document: &Document, camera: Option<&str>) -> Result<World, SceneError> {
+    fn import(
+        &self,
+        document: &Document,
+        camera: Option<&str>,
+        edits: &[Edit],
+    ) -> Result<World, SceneError> {
         let mut import = Import::new(document, &self.geometries);
         let scene = import.scene()?;
         import.add_scene(scene, camera)?;
         let stem = || self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = document.root.scenes[scene].name.clone();
-        let Import { mut world, warnings, .. } = import;
+        let mut world = mem::replace(&mut import.world, World::new(""));
         world.name = name.unwrap_or_else(stem);
         world.file = self.path.clone();
-        world.files = document.files.read();
-        world.warnings = warnings.sentences();
+        let read = document.files.read().into_iter();
+        (world.files, world.checksums) = read.map(|file| (file.path, file.checksum)).unzip();
+        world.warnings = mem::take(&mut import.warnings).sentences();
+        import.check_edited(edits)?;
         Ok(world)
     }
 }

@@ -51,6 +51,7 @@ impl World {
             name: name.into(),
             file: PathBuf::new(),
             files: Vec::new(),
+            checksums: Vec::new(),
             warnings: Vec::new(),
             order: 0,
             checked: HashMap::new(),

@@ -56,6 +56,7 @@ pub struct World {
     pub(super) name: String,
     pub(super) file: PathBuf,
     pub(super) files: Vec<PathBuf>,
+    pub(super) checksums: Vec<u128>,
     pub(super) warnings: Vec<String>,
     /// The [`Order`] of the last entity.
     order: u32,
@@ -114,6 +115,11 @@ impl World {
     /// that was made in code.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
+    }
+
+    /// What tells whether the files still hold what was read of them: the XXH3 of each.
+    pub fn checksums(&self) -> &[u128] {
+        &self.checksums
     }
 
     /// What the scene asks for and the renderer ignores, one sentence each.
