@@ -108,6 +108,8 @@ impl Halves {
             }));
             shares.push(&noise);
         }
+        shares.tiles.shrink_to_fit();
+        shares.of_kinds.shrink_to_fit();
         Some(shares)
     }
 }
