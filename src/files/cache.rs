@@ -19,12 +19,10 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
-use xxhash_rust::xxh3::{Xxh3, xxh3_128};
-
 use super::temporary;
 
 /// What the files begin with; the last digit is the format's.
-const MAGIC: [u8; 8] = *b"SunTabl1";
+const MAGIC: [u8; 8] = *b"SunTabl2";
 /// What their names end with.
 const SUFFIX: &str = ".table";
 /// Length of what stands before the result: magic, key, checksum.
@@ -45,7 +43,7 @@ pub struct Key(u128);
 
 /// A key in the making; the order of what is added matters.
 #[derive(Clone, Default)]
-pub struct KeyBuilder(Xxh3);
+pub struct KeyBuilder(blake3::Hasher);
 
 impl KeyBuilder {
     /// Adds text.
@@ -72,7 +70,7 @@ impl KeyBuilder {
 
     /// The key of all that was added.
     pub fn key(&self) -> Key {
-        Key(self.0.digest128())
+        Key(u128::from_le_bytes(short(&self.0.finalize())))
     }
 }
 
@@ -197,11 +195,16 @@ fn folder_of(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     Some(caches?.join("sunstone"))
 }
 
+/// As much of a digest as tells billions of results apart.
+fn short(digest: &blake3::Hash) -> [u8; 16] {
+    std::array::from_fn(|index| digest.as_bytes()[index])
+}
+
 fn header(key: Key, result: &[u8]) -> [u8; HEADER] {
     let mut header = [0; HEADER];
     header[..8].copy_from_slice(&MAGIC);
     header[8..24].copy_from_slice(&key.0.to_le_bytes());
-    header[24..].copy_from_slice(&xxh3_128(result).to_le_bytes());
+    header[24..].copy_from_slice(&short(&blake3::hash(result)));
     header
 }
 

@@ -108,6 +108,8 @@ impl Halves {
             }));
             shares.push(&noise);
         }
+        shares.tiles.shrink_to_fit();
+        shares.of_kinds.shrink_to_fit();
         Some(shares)
     }
 }
@@ -286,9 +288,9 @@ mod tests {
     }
 
     /// The edge of a lamp across a tile takes nothing from the variance of the pixels beside it,
-    /// but for the weight of a pixel that the tile has among those of a kind: 7 % here, at most. And
-    /// nobody takes anything where all pixels are alike. With other random numbers, one run in 4,000
-    /// would fail.
+    /// but for the weight of a pixel that the tile has among those of a kind: 7 % here, at most.
+    /// And nobody takes anything where all pixels are alike. With other random numbers, one run in
+    /// 4,000 would fail.
     #[test]
     fn bright_edges_leave_the_noise_of_their_tile_as_it_is() {
         let edge = 0..TILE;

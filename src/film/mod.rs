@@ -11,6 +11,7 @@ use crate::spectrum::Color;
 
 pub use self::developed::Developed;
 use self::halves::Halves;
+pub use self::state::recorded_values;
 
 /// Stokes values per pixel, summed over iterations.
 ///

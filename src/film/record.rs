@@ -222,6 +222,15 @@ impl Record {
         self.columns.iter().any(|column| column.name == name)
     }
 
+    /// The numbers of a column, which the file is as long as to have.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn length(&self, name: &str) -> Result<u64, OutputError> {
+        let column = self.columns.iter().find(|column| column.name == name);
+        column.map(|column| column.length).ok_or_else(|| self.lacks(name))
+    }
+
     /// Reads a column of `count` numbers in double precision.
     ///
     /// # Errors
@@ -240,7 +249,12 @@ impl Record {
 
     /// What is wrong with a file that lacks something.
     pub fn lacks(&self, name: &str) -> OutputError {
-        OutputError::malformed(&self.path, FORMAT, format!("it lacks `{name}`"))
+        self.is_wrong(format!("it lacks `{name}`"))
+    }
+
+    /// A file with something wrong in it.
+    pub fn is_wrong(&self, what: String) -> OutputError {
+        OutputError::malformed(&self.path, FORMAT, what)
     }
 
     fn read<T, const BYTES: usize>(

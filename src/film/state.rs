@@ -20,6 +20,14 @@ fn block_name(index: usize) -> String {
     format!("block {index}")
 }
 
+/// The values, over all pixels, of the film that has been recorded.
+///
+/// # Errors
+/// When the record lacks them.
+pub fn recorded_values(record: &Record) -> Result<u64, OutputError> {
+    record.length(SUMS[0])
+}
+
 impl Film {
     /// Facts and columns from which [`Film::restore`] makes the same film.
     pub fn state(&self) -> (Vec<Fact>, Vec<(String, Column<'_>)>) {
@@ -87,7 +95,7 @@ impl Film {
             Finished::Sums => {
                 let sums = recorded_sums(record, values)?;
                 self.sums.add_sums(0, &sums, 0, values);
-                self.blocks += record.number(BLOCKS)?;
+                self.blocks = self.blocks.saturating_add(record.number(BLOCKS)?);
                 self.iterations += u64::from(record.number(ITERATIONS)?);
                 Ok(())
             }

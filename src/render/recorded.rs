@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
-use crate::film::{Film, Variances};
+use crate::film::{Film, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
 use crate::polarization::Analyzer;
@@ -244,6 +244,9 @@ pub fn resume(
         }
     }
     let next = record.number(NEXT)?;
+    if !(settings.first_sample..=settings.end_sample).contains(&next) {
+        return Err(record.is_wrong(format!("sample {next} is none of its part")).into());
+    }
     Ok(steps.restore(&mut record, next)?)
 }
 
@@ -416,7 +419,25 @@ fn film_of(part: &Record) -> Result<(Film, Option<Analyzer>, Mode), PartError> {
     let analyzer = analyzer_of(known(ANALYZER)?).ok_or_else(|| part.lacks(ANALYZER))?;
     let size = [part.number(WIDTH)?, part.number(HEIGHT)?];
     let components = components(mode, analyzer);
+    check_size(part, size, components * color.channels())?;
     Ok((Film::new(size, color, components, variances, false), analyzer, mode))
+}
+
+/// Refuses a part whose head claims another film than its columns hold, before there is any.
+fn check_size(part: &Record, size: [u32; 2], values_per_pixel: usize) -> Result<(), OutputError> {
+    let held = recorded_values(part)?;
+    let [width, height] = size;
+    let claimed = [width, height]
+        .map(u64::from)
+        .into_iter()
+        .try_fold(values_per_pixel as u64, |product, edge| product.checked_mul(edge));
+    if claimed == Some(held) && held > 0 {
+        return Ok(());
+    }
+    Err(part.is_wrong(format!(
+        "its head claims {width} x {height} pixels of {values_per_pixel} values, and its columns \
+         hold {held} values: render it again"
+    )))
 }
 
 /// An analyzer as [`analyzer_of`] reads it.
@@ -448,4 +469,45 @@ fn metadata_of(part: &Record) -> Vec<Fact> {
     let of_image = of_image
         .filter_map(|(name, value)| Some((name.strip_prefix(METADATA)?.to_owned(), value.clone())));
     of_image.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::record::Column;
+
+    /// A part of an image of one sample, with 2 x 1 pixels in its columns, whatever its head says.
+    fn part(name: &str, width: u32, height: u32, mode: &str) -> PathBuf {
+        let path =
+            std::env::temp_dir().join(format!("sunstone-{}-{name}.part", std::process::id()));
+        let numbers = [(WIDTH, width), (HEIGHT, height), (SAMPLES, 1), (FIRST, 0), (NEXT, 1)];
+        let more = [(END, 1), ("finished blocks", 1), ("finished iterations", 1)];
+        let words = [(MODE, mode), (COLOR, "550"), (VARIANCE, "none"), (ANALYZER, "none")];
+        let numbers = numbers.into_iter().chain(more).map(|(name, it)| (name, it.to_string()));
+        let words = words.into_iter().map(|(name, it)| (name, it.to_owned()));
+        let facts = numbers.chain(words).map(|(name, it)| (name.to_owned(), it)).collect();
+        let column = |name: &str, values| (name.to_owned(), Column::Doubles(values));
+        let columns = [column("sums", &[1.0, 2.0]), column("sums (rest)", &[0.0; 2])];
+        record::write(&path, facts, &columns).unwrap();
+        path
+    }
+
+    /// No memory is asked for: of the largest of these no machine has so much.
+    #[test]
+    fn parts_whose_heads_claim_another_size_are_refused() {
+        let most = u32::MAX;
+        let claims = [(most, most, "scalar"), (most, 1, "scalar"), (2, 1, "polarized")];
+        for (width, height, mode) in claims.into_iter().chain([(0, 0, "scalar"), (1, 1, "scalar")])
+        {
+            let path = part("claims", width, height, mode);
+            let error = merge(std::slice::from_ref(&path)).unwrap_err().to_string();
+            let claim = format!("its head claims {width} x {height} pixels of ");
+            assert!(error.contains(&claim), "{error}");
+            assert!(error.contains(&path.display().to_string()), "{error}");
+            std::fs::remove_file(path).unwrap();
+        }
+        let path = part("honest", 2, 1, "scalar");
+        assert_eq!(merge(std::slice::from_ref(&path)).unwrap().planes, [[1.0, 2.0]]);
+        std::fs::remove_file(path).unwrap();
+    }
 }
