@@ -140,7 +140,8 @@ def batch(
             batch is at work on the same results.
 
     Warns:
-        RenderWarning: of what there is to doubt about images and scenes, once each.
+        RenderWarning: of what there is to doubt about images and scenes, once each, and of results
+            that cannot be read and parts of images that tasks have left.
     """
     where = None if results is None else os.fspath(results)
     native = _sunstone.Batch(os.fspath(jobs), where, allow_outside)

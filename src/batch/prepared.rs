@@ -269,7 +269,7 @@ impl Prepared {
                 count => format!(" and {count} more parts"),
             };
             notes.push(format!(
-                "note: {}{more} are left beside the images: no task has noted that it made them; \
+                "note: beside the images are left: {}{more}; no task has noted that it made them: \
                  remove them if they are of no use",
                 first.display()
             ));

@@ -357,10 +357,11 @@ impl<'a> Work<'a> {
         order: &Order,
         account: &mut Account,
     ) -> Result<Option<String>, JobError> {
-        match self.merge(merging, order, account) {
-            Err(JobError::Merging(_)) => self.render(order, account),
-            made => made.map(Some),
+        let made = self.merge(merging, order, account);
+        if let Err(JobError::Merging(_)) = made {
+            return self.render(order, account);
         }
+        made.map(Some)
     }
 
     /// Makes the image of a job of its parts; returns its checksum.

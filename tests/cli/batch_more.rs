@@ -143,7 +143,7 @@ fn a_plain_batch_takes_parts_that_are_all_there() {
     let run = batch(&here, &["jobs.toml"]).done();
     for words in [
         "note: tasks have rendered 1 part of 1 image and not all of any",
-        "note: out/1.4.exr.7-of-7.part are left beside the images",
+        "note: beside the images are left: out/1.4.exr.7-of-7.part; no task has noted",
         "jobs.toml: 2 images in ",
     ] {
         assert!(run.stderr.contains(words), "{words}: {}", run.stderr);

@@ -192,7 +192,8 @@ fn images_that_are_not_what_was_rendered_are_told() {
         &[
             record(0, "same.exr"),
             with(record(1, "changed.exr"), "checksum", sum),
-            record(2, "damaged.exr"),
+            // Told once, whatever its checksum.
+            with(record(2, "damaged.exr"), "checksum", sum),
             record(3, "empty.exr"),
             record(4, "gone.exr"),
             record(5, "folder.exr"),
