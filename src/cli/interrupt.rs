@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use super::CliError;
 use super::files::say;
 use crate::image::StokesImage;
+use crate::render::threads::Threads;
 use crate::render::{Progress, Stop};
 
 /// How long the wave in hand may take before the image of the one before is written instead.
@@ -98,12 +99,14 @@ impl Interrupt {
         signal_of(&self.number)
     }
 
-    /// Takes notice that a wave is done.
-    pub fn keep(&self, so_far: &Progress) {
+    /// Takes notice that a wave is done, and keeps its image on these threads.
+    pub fn keep(&self, so_far: &Progress, threads: &Threads) {
         let mut state = locked(&self.state);
         // After the last wave there is none that could take long.
         let is_long = state.latest.elapsed() > PATIENCE && so_far.samples < so_far.total;
-        state.image = is_long.then(|| (so_far.preview(), so_far.samples));
+        // First, as there is no need for two of them at once.
+        state.image = None;
+        state.image = is_long.then(|| (threads.run(|| so_far.preview()), so_far.samples));
         state.latest = Instant::now();
     }
 

@@ -134,7 +134,7 @@ fn run(
     })?;
     renderer.run(|so_far| {
         progress.set(so_far.samples.into());
-        interrupt.keep(so_far);
+        interrupt.keep(so_far, &followers.threads);
         followers.hear(arguments, so_far);
         match interrupt.signal() {
             Some(_) => ControlFlow::Break(()),

@@ -17,6 +17,9 @@ use crate::image::StokesImage;
 use crate::image::rows::{Frame, Rows};
 use crate::polarization::{Analyzer, Stokes};
 
+/// Pixels of which all numbers are at hand at once.
+const PIXELS: usize = 64;
+
 /// The image of a film.
 pub struct Developed<'a> {
     film: Source<'a>,
@@ -154,8 +157,8 @@ impl<'a> Developed<'a> {
         (deviations[index] * (1.0 / degrees)) as f32
     }
 
-    /// The values of a row that a plane of the film has.
-    fn values(&self, plane: usize, y: usize, to: &mut [f32]) {
+    /// The values that a plane of the film has of a row, from the pixel `left` on.
+    fn values(&self, plane: usize, (left, y): (usize, usize), to: &mut [f32]) {
         let film = &*self.film;
         let of_block = match self.count {
             Count::Finished => 0,
@@ -163,7 +166,7 @@ impl<'a> Developed<'a> {
         };
         let all = (film.iterations + u64::from(of_block)).max(1) as f64;
         let share = film.iterations as f64 / all;
-        let (sums, indices) = (&film.sums, self.indices(plane, y));
+        let (sums, indices) = (&film.sums, self.indices(plane, (left, y)));
         match (&film.finished, self.count) {
             (Finished::Sums, _) => put(to, indices, |index| sums.get(index) / all),
             (Finished::Means { mean, .. }, Count::Finished) => {
@@ -179,35 +182,46 @@ impl<'a> Developed<'a> {
         }
     }
 
-    /// The variances of a row that a plane of the film has.
-    fn variances(&self, plane: usize, y: usize, to: &mut [f32]) {
+    /// The variances that a plane of the film has of a row, from the pixel `left` on.
+    fn variances(&self, plane: usize, (left, y): (usize, usize), to: &mut [f32]) {
         let tiles = self.film.width.div_ceil(TILE);
         let shares = self.shares.as_ref().map(|shares| &shares[plane]);
-        for ((x, to), index) in to.iter_mut().enumerate().zip(self.indices(plane, y)) {
+        for ((x, to), index) in (left..).zip(to).zip(self.indices(plane, (left, y))) {
             let stated = self.variance_at(index);
             let tile = y / TILE * tiles + x / TILE;
             *to = stated * shares.map_or(1.0, |shares| shares.of(tile, stated));
         }
     }
 
-    /// Where the numbers of a row are in the tables of the film.
-    fn indices(&self, plane: usize, y: usize) -> impl Iterator<Item = usize> + use<> {
+    /// Where the numbers of a row are in the tables of the film, from the pixel `left` on.
+    fn indices(
+        &self,
+        plane: usize,
+        (left, y): (usize, usize),
+    ) -> impl Iterator<Item = usize> + use<> {
         let (width, stride) = (self.film.width, self.film.values_per_pixel());
-        (0..width).map(move |x| (y * width + x) * stride + plane)
+        (left..width).map(move |x| (y * width + x) * stride + plane)
     }
 
-    /// The numbers of a row of one plane of the image: values, or variances.
-    fn plane_of_row(&self, plane: usize, y: usize, of_variance: bool, to: &mut [f32]) {
+    /// The numbers that one plane of the image has of a row, from the pixel `left` on: values, or
+    /// variances.
+    fn plane_of_row(
+        &self,
+        plane: usize,
+        (left, y): (usize, usize),
+        of_variance: bool,
+        to: &mut [f32],
+    ) {
         let channels = self.film.color.channels();
         let of_film = if self.gains.is_some() { plane % channels } else { plane };
         let gain = self.gains.as_ref().map(|gains| gains[plane / channels]);
         let gain = match of_variance {
             true => {
-                self.variances(of_film, y, to);
+                self.variances(of_film, (left, y), to);
                 gain.map(|gain| gain * gain)
             }
             false => {
-                self.values(of_film, y, to);
+                self.values(of_film, (left, y), to);
                 gain
             }
         };
@@ -216,17 +230,34 @@ impl<'a> Developed<'a> {
         }
     }
 
+    /// The numbers of a row, plane by plane: values, or variances.
+    fn planes_of_row(&self, y: usize, of_variance: bool, to: &mut [&mut [f32]]) {
+        let width = self.film.width;
+        // A few pixels in all planes, and then the next: all of a pixel is in one place.
+        for left in (0..width).step_by(PIXELS) {
+            let span = left..width.min(left + PIXELS);
+            for (plane, to) in to.iter_mut().enumerate() {
+                self.plane_of_row(plane, (left, y), of_variance, &mut to[span.clone()]);
+            }
+        }
+    }
+
     /// All planes: of values, or of variances.
     fn planes(&self, of_variance: bool) -> Vec<Vec<f32>> {
         let Frame { width, height, .. } = self.frame();
-        let plane = |plane: usize| {
-            let mut numbers = vec![0.0; width * height];
-            for (y, row) in numbers.chunks_exact_mut(width).enumerate() {
-                self.plane_of_row(plane, y, of_variance, row);
+        let count = self.frame().planes();
+        let mut planes: Vec<Vec<f32>> = (0..count).map(|_| vec![0.0; width * height]).collect();
+        let mut rows: Vec<Vec<&mut [f32]>> =
+            (0..height).map(|_| Vec::with_capacity(count)).collect();
+        for plane in &mut planes {
+            for (row, numbers) in rows.iter_mut().zip(plane.chunks_exact_mut(width)) {
+                row.push(numbers);
             }
-            numbers
-        };
-        (0..self.frame().planes()).into_par_iter().map(plane).collect()
+        }
+        rows.par_iter_mut().enumerate().for_each(|(y, row)| {
+            self.planes_of_row(y, of_variance, row);
+        });
+        planes
     }
 }
 
@@ -248,10 +279,10 @@ impl Rows for Developed<'_> {
 
     fn row(&self, y: usize, numbers: &mut [f32]) {
         let frame = self.frame();
-        for (place, numbers) in numbers.chunks_exact_mut(frame.width).enumerate() {
-            let of_variance = place >= frame.planes();
-            self.plane_of_row(place % frame.planes(), y, of_variance, numbers);
-        }
+        let mut planes: Vec<&mut [f32]> = numbers.chunks_exact_mut(frame.width).collect();
+        let (values, variances) = planes.split_at_mut(frame.planes());
+        self.planes_of_row(y, false, values);
+        self.planes_of_row(y, true, variances);
     }
 
     fn whole(&self) -> Cow<'_, StokesImage> {
@@ -302,7 +333,7 @@ mod tests {
     /// Row by row, or as a whole.
     #[test]
     fn rows_are_those_of_the_planes() {
-        let (width, height) = (19, 21);
+        let (width, height) = (70, 21);
         for (variances, blocks) in
             [(Variances::None, 1), (Variances::Replicates, 3), (Variances::Blocks, 8)]
         {

@@ -14,7 +14,9 @@
 //! `handedness`, `wavelength_nm` (a float) and `order`, the order of the metadata.
 //! What is written is read back bit for bit.
 
+mod bits;
 mod blocks;
+mod deflate;
 mod header;
 
 use std::collections::HashMap;

@@ -90,22 +90,27 @@ fn check(what: String, needed: u64, remedy: &'static str) -> Result<(), MemoryEr
     }
 }
 
-/// Counts what every render needs: the sums of the film, two doubles each, and the image that
-/// is developed from them, with their variances. The tables of paths come on top; they are small.
+/// Counts what every render needs: the sums of the film, two doubles each, what variances need
+/// beside them, and the image that is kept for a signal while a wave takes long. An image is
+/// written from the film itself, a few rows at a time, when nothing is kept any more. The tables of
+/// paths come on top; they are small.
 fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
-    let bytes_of_value = match (options.has_variance(), options.replicates) {
-        (false, _) => 2 * 8 + 4,
+    const OF_SUM: u64 = 2 * 8;
+    const OF_IMAGE: u64 = 4;
+    let of_variance = match (options.has_variance(), options.replicates) {
+        (false, _) => 0,
         // Blocks are kept as they are, for whoever merges the parts.
         (true, blocks) if options.part.is_some_and(|part| part.number() > 1) => {
             let blocks = blocks.max(BLOCKS_MAX);
-            2 * 8 + 8 * u64::from(blocks.div_ceil(options.part.map_or(1, Part::of)))
+            8 * u64::from(blocks.div_ceil(options.part.map_or(1, Part::of)))
         }
-        (true, 2..) => 4 * 8 + 2 * 4,
-        // Two halves of the one replicate.
-        (true, _) => 4 * 8 + 4 * 4,
+        // Means and deviations.
+        (true, 2..) => 2 * 8,
+        // And two halves of the one replicate.
+        (true, _) => 2 * 8 + 2 * 4,
     };
     let values = (options.mode.components() * options.color.channels()) as u64;
-    u64::from(width) * u64::from(height) * values * bytes_of_value
+    u64::from(width) * u64::from(height) * values * (OF_SUM + of_variance + OF_IMAGE)
 }
 
 /// Counts the photons of an iteration, three for two light paths, which closed rooms hardly exceed:
@@ -132,13 +137,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_film_is_counted_with_its_image_and_its_variances() {
+    fn a_film_is_counted_with_its_variances_and_the_image_that_is_kept() {
         let options = Options::default();
         assert_eq!(bytes_of_film(&options, [100, 10]), 1000 * 12 * 20);
-        assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 40);
+        assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 36);
         assert_eq!(
             bytes_of_film(&Options { variance: true, ..options }, [100, 10]),
-            1000 * 12 * 48
+            1000 * 12 * 44
         );
         assert!(check_memory(&options, [1, 1]).is_ok());
     }
