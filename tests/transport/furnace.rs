@@ -43,7 +43,7 @@ fn check_in<const N: usize>(
 ) {
     let scene = scene::<N>(world, color, SIZE);
     // Light paths are spread over everything, seen or not.
-    let iterations = if integrator == Integrator::Light { 2 * iterations } else { iterations };
+    let iterations = if integrator == Integrator::Light { 8 * iterations } else { iterations };
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     for mode in [Mode::Scalar, Mode::Polarized] {
         let settings = settings(integrator, mode, color, iterations, path_length);
@@ -80,7 +80,7 @@ fn glowing_box(reflectance: f32) -> World {
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn closed_box_glows_as_the_series_says() {
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
-        check(&glowing_box(0.5), integrator, 256, 6, geometric_sum(0.5, 6));
+        check(&glowing_box(0.5), integrator, 64, 6, geometric_sum(0.5, 6));
     }
 }
 
@@ -91,7 +91,7 @@ fn closed_box_glows_as_the_series_says_at_every_length() {
     for length in 1..=4 {
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
             let truth = geometric_sum(0.9, length as i32);
-            check(&glowing_box(0.9), integrator, 256, length, truth);
+            check(&glowing_box(0.9), integrator, 64, length, truth);
         }
     }
 }
@@ -107,7 +107,7 @@ fn convex_glowing_ball_reflects_nothing() {
     document.orthographic(Vec3::new(0.0, 0.5, 3.0), Vec3::ZERO, 0.6);
     let world = document.load("glowing ball");
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
-        check(&world, integrator, 128, 5, 1.0);
+        check(&world, integrator, 32, 5, 1.0);
     }
 }
 
@@ -128,11 +128,11 @@ fn ball_glows_inside_as_the_series_says() {
     for length in [1, 2, 4] {
         let truth = geometric_sum(0.5, length as i32);
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Ppm] {
-            check(&world(eye), integrator, 256, length, truth);
+            check(&world(eye), integrator, 64, length, truth);
         }
     }
     for integrator in [Integrator::Path, Integrator::Bdpt] {
-        check(&world(Vec3::new(0.3, 0.1, 1.6)), integrator, 256, 4, 1.0);
+        check(&world(Vec3::new(0.3, 0.1, 1.6)), integrator, 64, 4, 1.0);
     }
 }
 
@@ -191,7 +191,7 @@ fn glass_is_invisible_in_a_furnace() {
     });
     for world in [ball, cube] {
         for integrator in [Integrator::Path, Integrator::Bdpt] {
-            check(&world, integrator, 256, 64, 1.0);
+            check(&world, integrator, 64, 64, 1.0);
         }
     }
 }
@@ -220,7 +220,7 @@ fn white_ball_is_invisible_in_a_furnace() {
         scene.sphere(Vec3::ZERO, 0.9, white);
     });
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
-        check(&world, integrator, 512, 4, 1.0);
+        check(&world, integrator, 128, 4, 1.0);
     }
 }
 

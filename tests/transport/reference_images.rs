@@ -235,7 +235,7 @@ fn bdpt_renders_cornell() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+#[ignore = "a minute; quickly it is compared with `path`, see `agreement`"]
 fn bdpt_renders_mirror() {
     check(&MIRROR, Integrator::Bdpt, 384, 4);
 }
@@ -272,7 +272,7 @@ fn path_renders_rayleigh() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+#[ignore = "a minute; quickly it is compared with `path`, see `agreement`"]
 fn bdpt_renders_tank() {
     check(&TANK, Integrator::Bdpt, 96, 8);
 }

@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use std::{fs, io};
 
-use xxhash_rust::xxh3::xxh3_128;
-
 use crate::image::read_bytes;
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
@@ -22,8 +20,8 @@ pub struct Files {
     read: Mutex<Vec<ReadFile>>,
 }
 
-/// A file that has been read, and what tells whether it still holds the same: the XXH3 of what was
-/// read of it.
+/// A file that has been read, and what tells whether it still holds the same: half the BLAKE3 of what
+/// was read of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadFile {
     /// Where it is.
@@ -45,7 +43,7 @@ impl Files {
 
     /// Notes what the scene itself holds.
     pub fn note_scene(&self, bytes: &[u8]) {
-        self.list()[0].checksum = xxh3_128(bytes);
+        self.list()[0].checksum = digest(bytes);
     }
 
     fn list(&self) -> MutexGuard<'_, Vec<ReadFile>> {
@@ -87,13 +85,19 @@ impl Files {
             return Err(refuse(problem, remedy));
         }
         let bytes = read_bytes(&path, limit).map_err(failed)?;
-        let file = ReadFile { path, checksum: xxh3_128(&bytes) };
+        let file = ReadFile { path, checksum: digest(&bytes) };
         let mut read = self.list();
         if !read.contains(&file) {
             read.push(file);
         }
         Ok(bytes)
     }
+}
+
+/// Half the BLAKE3 of some bytes.
+fn digest(bytes: &[u8]) -> u128 {
+    let whole = blake3::hash(bytes);
+    whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
 }
 
 fn is_absolute(name: &str) -> bool {

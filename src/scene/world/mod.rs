@@ -117,7 +117,7 @@ impl World {
         &self.files
     }
 
-    /// What tells whether the files still hold what was read of them: the XXH3 of each.
+    /// What tells whether the files still hold what was read of them: half the BLAKE3 of each.
     pub fn checksums(&self) -> &[u128] {
         &self.checksums
     }
