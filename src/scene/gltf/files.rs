@@ -20,8 +20,8 @@ pub struct Files {
     read: Mutex<Vec<ReadFile>>,
 }
 
-/// A file that has been read, and what tells whether it still holds the same: half the BLAKE3 of what
-/// was read of it.
+/// A file that has been read, and what tells whether it still holds the same: half the BLAKE3 of
+/// what was read of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadFile {
     /// Where it is.
