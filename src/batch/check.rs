@@ -272,14 +272,25 @@ fn check_others(
     wrong: &mut Wrong,
 ) {
     let own = reals.of(inputs.jobs);
-    for name in known::job_files(inputs.results) {
+    for (name, outputs) in known::job_files(inputs.results) {
         let path = file.folder.join(&name);
         // What is not there any more has been renamed, or given up.
         if !path.is_file() || reals.of(&path) == own {
             continue;
         }
-        // Of one that cannot be read no batch can be made either.
-        let Ok(other) = JobFile::read(&path) else { continue };
+        let Ok(other) = JobFile::read(&path) else {
+            // Somebody may be at work on it: what it has made is its own as long as it is there.
+            let rows = outputs.iter().filter_map(|it| taken.get(&reals.of(&file.folder.join(it))));
+            for (job, order) in rows.map(|row| &orders[*row]) {
+                let text = format!(
+                    "output {} was made for {name}, which cannot be read now: mend that, write into \
+                     another folder, or remove or rename {name} if it is not needed any more",
+                    order.output_name
+                );
+                wrong.alike(job, &name, &text);
+            }
+            continue;
+        };
         for theirs in &other.jobs {
             let output = file.folder.join(&theirs.output);
             let files = image::files_of(&output).unwrap_or_default();

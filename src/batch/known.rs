@@ -1,7 +1,7 @@
 //! What has been done of a batch: by whoever wrote `results.jsonl`, and by tasks, each of which
 //! writes a file of its own, so that machines need no locks among each other.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -138,15 +138,19 @@ fn files_of_tasks(results: &Path, is_it: impl Fn(&str) -> bool) -> io::Result<Ve
     Ok(files)
 }
 
-/// The file names of all job files that results, or tasks beside them, tell of.
-pub fn job_files(results: &Path) -> BTreeSet<String> {
+/// The file names of all job files that results, or tasks beside them, tell of, each with the outputs
+/// that it has made or tried to.
+pub fn job_files(results: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let of_tasks = files_of_tasks(results, |name| name.ends_with(".jsonl")).unwrap_or_default();
     let files = std::iter::once(results).chain(of_tasks.iter().map(PathBuf::as_path));
     let found = files.filter_map(|path| Results::look(path).ok()).flat_map(|it| it.records);
-    let names = found.map(|record| record.jobs).collect::<BTreeSet<_>>();
+    let mut outputs: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for record in found {
+        outputs.entry(record.jobs).or_default().insert(record.output);
+    }
     // Whatever somebody has written there leads nowhere else.
-    let is_name = |name: &String| Path::new(name).file_name() == Some(OsStr::new(name));
-    names.into_iter().filter(is_name).collect()
+    outputs.retain(|name, _| Path::new(name).file_name() == Some(OsStr::new(name)));
+    outputs
 }
 
 /// Removes the files of tasks, when all that they tell stands in the results, and their folder

@@ -69,6 +69,11 @@ fn two_job_files_do_not_make_two_images_of_one_output() {
         refused(&batch(&here, arguments), &words);
     }
     assert!(fs::read(here.join("out/1.7.exr")).unwrap() == image);
+    // Somebody may just be writing it.
+    write(&here, "jobs.toml", "[[[");
+    let words = "out/1.4.exr was made for jobs.toml, which cannot be read now: mend that";
+    refused(&batch(&here, &["copy.toml"]), &[words]);
+    assert!(fs::read(here.join("out/1.7.exr")).unwrap() == image);
     // One that does not ask for the output any more has nothing against it.
     write(&here, "jobs.toml", &SWEEP.replace("out/", "elsewhere/"));
     batch(&here, &["copy.toml"]).done();

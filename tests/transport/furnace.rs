@@ -6,7 +6,8 @@
 //!
 //! Means over the image must be within 5 standard errors of the truth (about 250 numbers that are
 //! not known exactly: by Student's t of 31 degrees of freedom, a change of all random numbers fails
-//! by chance in 1 of 200), and standard errors below 1e-3 of it, so that this is sharp.
+//! by chance in 1 of 200), and standard errors below 2e-3 of it (those of `path`
+//! and `bdpt` are mostly below 5e-4), so that this is sharp.
 
 use glam::Vec3;
 use serde_json::json;
@@ -22,7 +23,7 @@ use crate::support::statistics::{Estimate, estimate};
 const SIZE: [u32; 2] = [16, 16];
 const REPLICATES: u32 = 32;
 const STANDARD_ERRORS: f64 = 5.0;
-const ERROR_MAX: f64 = 1e-3;
+const ERROR_MAX: f64 = 2e-3;
 /// Rounding of `f32`, and where rays start so near to an edge of the cube that the offset from one
 /// face takes them through another (7e-6 of the light).
 const ROUNDING: f64 = 2e-5;
@@ -43,7 +44,7 @@ fn check_in<const N: usize>(
 ) {
     let scene = scene::<N>(world, color, SIZE);
     // Light paths are spread over everything, seen or not.
-    let iterations = if integrator == Integrator::Light { 8 * iterations } else { iterations };
+    let iterations = if integrator == Integrator::Light { 2 * iterations } else { iterations };
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     for mode in [Mode::Scalar, Mode::Polarized] {
         let settings = settings(integrator, mode, color, iterations, path_length);
@@ -220,7 +221,7 @@ fn white_ball_is_invisible_in_a_furnace() {
         scene.sphere(Vec3::ZERO, 0.9, white);
     });
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
-        check(&world, integrator, 128, 4, 1.0);
+        check(&world, integrator, 256, 4, 1.0);
     }
 }
 

@@ -285,7 +285,7 @@ fn bdpt_renders_rayleigh() {
 
 /// One path in thirty meets the cloud.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+#[ignore = "half a minute; quickly it is compared with `path`, see `agreement`"]
 fn light_renders_rayleigh() {
     check(&RAYLEIGH, Integrator::Light, 1024, 8);
 }
