@@ -283,8 +283,8 @@ fn check_others(
             let rows = outputs.iter().filter_map(|it| taken.get(&reals.of(&file.folder.join(it))));
             for (job, order) in rows.map(|row| &orders[*row]) {
                 let text = format!(
-                    "output {} was made for {name}, which cannot be read now: mend that, write into \
-                     another folder, or remove or rename {name} if it is not needed any more",
+                    "output {} was made for {name}, which cannot be read now: mend that, write \
+                     into another folder, or remove or rename {name} if it is not needed any more",
                     order.output_name
                 );
                 wrong.alike(job, &name, &text);

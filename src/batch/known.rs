@@ -138,8 +138,8 @@ fn files_of_tasks(results: &Path, is_it: impl Fn(&str) -> bool) -> io::Result<Ve
     Ok(files)
 }
 
-/// The file names of all job files that results, or tasks beside them, tell of, each with the outputs
-/// that it has made or tried to.
+/// The file names of all job files that results, or tasks beside them, tell of, each with the
+/// outputs that it has made or tried to.
 pub fn job_files(results: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let of_tasks = files_of_tasks(results, |name| name.ends_with(".jsonl")).unwrap_or_default();
     let files = std::iter::once(results).chain(of_tasks.iter().map(PathBuf::as_path));

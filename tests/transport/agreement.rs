@@ -1,15 +1,15 @@
 //! `path`, `light` and `bdpt` find the same light in different ways, so they must agree, in both
 //! modes, in every scene: shipped ones and those of `support::scenes`.
 //!
-//! Each render is repeated 32 times, or 16; means over cells of pixels and over the image are compared.
-//! `light` is compared where its connections to the sensor can reach. `path` is left out where
-//! specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
+//! Each render is repeated 32 times, or 16; means over cells of pixels and over the image are
+//! compared. `light` is compared where its connections to the sensor can reach. `path` is left out
+//! where specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
 //! there, and does not know it. So is `bdpt`, for such light that is seen by way of specular
-//! surfaces, and there `ppm` is not compared with it. The kernel of `ppm` is so small that its
-//! bias drowns in the noise; in the shipped scenes with media too few photons would meet it (the
-//! full-length reference images test those).
+//! surfaces, and there `ppm` is not compared with it. The kernel of `ppm` is so small that its bias
+//! drowns in the noise; in the shipped scenes with media too few photons would meet it (the full-
+//! length reference images test those).
 //!
-//! About 4,000 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
+//! About 3,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
 //! chance of 4e-8, so that noise fails the suite in 1 of 6,000 cases; seeds are fixed, so that
 //! each change of the random numbers is one such case. The root mean square over cells finds what
 //! is too faint for that.

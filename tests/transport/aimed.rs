@@ -323,8 +323,8 @@ fn the_suns_caustic_is_the_same_on_any_ground() {
     }
 }
 
-/// The same for a sky and a lamp far above, against paths from the sensor or light paths, each in one
-/// of the modes, which aim alike: 14 scores; one exceeds 4.5 with a chance of 1e-4.
+/// The same for a sky and a lamp far above, against paths from the sensor or light paths, each in
+/// one of the modes, which aim alike: 14 scores; one exceeds 4.5 with a chance of 1e-4.
 #[test]
 fn integrators_agree_on_large_grounds() {
     for (lamp, by, mode) in [

@@ -6,8 +6,8 @@
 //!
 //! Means over the image must be within 5 standard errors of the truth (about 250 numbers that are
 //! not known exactly: by Student's t of 31 degrees of freedom, a change of all random numbers fails
-//! by chance in 1 of 200), and standard errors below 2e-3 of it (those of `path`
-//! and `bdpt` are mostly below 5e-4), so that this is sharp.
+//! by chance in 1 of 200), and standard errors below 2e-3 of it (those of `path` and `bdpt` are
+//! mostly below 5e-4), so that this is sharp.
 
 use glam::Vec3;
 use serde_json::json;
