@@ -6,8 +6,8 @@
 //! where specular surfaces pass on the light of emitters that it meets seldom or never: it is blind
 //! there, and does not know it. So is `bdpt`, for such light that is seen by way of specular
 //! surfaces, and there `ppm` is not compared with it. The kernel of `ppm` is so small that its bias
-//! drowns in the noise; in the shipped scenes with media too few photons would meet it (the full-
-//! length reference images test those).
+//! drowns in the noise; in the shipped scenes with media too few photons would meet it (the
+//! full-length reference images test those).
 //!
 //! About 3,500 independent numbers are compared. A normal number exceeds the limit of 5.5 with a
 //! chance of 4e-8, so that noise fails the suite in 1 of 6,000 cases; seeds are fixed, so that
