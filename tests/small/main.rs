@@ -4,7 +4,7 @@
 mod bits;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
@@ -34,6 +34,12 @@ struct Outcome {
     channels: Vec<(String, Vec<f32>)>,
     /// Rays for closest hits, and for visibility.
     rays: [u64; 2],
+}
+
+/// Where the renders of this process keep tables of particles for each other.
+fn cache() -> PathBuf {
+    let name = format!("small-tables-{}", std::process::id());
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
 /// The scenes of a folder below `scenes`.
@@ -79,7 +85,7 @@ impl Job {
             .args(["--integrator", self.integrator, "--mode", self.mode, "--color", self.color])
             .args(["--threads", "1", "--stats", "json", "--quiet"])
             .args(options)
-            .env("SUNSTONE_CACHE", "off")
+            .env("SUNSTONE_CACHE", cache())
             .output()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -125,5 +131,6 @@ fn every_scene_shows_light_and_nothing_but_numbers() {
         fault_of(&job, &image, 16 * 12).map(|fault| format!("{job:?}: {fault}"))
     });
     let faults: Vec<String> = faults.collect();
+    fs::remove_dir_all(cache()).unwrap();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
