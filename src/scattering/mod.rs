@@ -3,8 +3,8 @@
 //!
 //! Before light goes through it, a scene is looked at: `patches` joins surfaces to bodies,
 //! `boundaries` finds what is on their sides, by the looks of `immersion`, and `nesting` which of
-//! them share a place; `look` and `shut_in` find what integrators will have to do with, and
-//! `targets` what light paths are aimed at.
+//! them share a place; `look` and `shut_in` find what integrators will have to do with (what
+//! `subject` says looks the same is looked at once), and `targets` what light paths are aimed at.
 //!
 //! Scalar values only decide where paths go; kernels are relative to them (`polarization`), so
 //! that scalar and polarized renders trace the same paths.

@@ -1,5 +1,6 @@
 //! `path`, `light` and `bdpt` find the same light in different ways, so they must agree, in both
-//! modes, in every scene: shipped ones and those of `support::scenes`.
+//! modes, in every scene: shipped ones and those of `support::scenes`, of which the quick tests
+//! leave every second one to polarized mode.
 //!
 //! Each render is repeated 32 times, or 16; means over cells of pixels and over the image are
 //! compared. `light` is compared where its connections to the sensor can reach. `path` is left out
@@ -156,8 +157,8 @@ fn compare(first: &Rendered, second: &Rendered) -> Found {
 }
 
 /// In both modes: one wavelength for intensities, three for Stokes vectors. The effort is how many
-/// images, of how many iterations each; where these are few, every second scene is left to the mode
-/// that has more to it.
+/// images, of how many iterations each; where these are few, every second scene is left to
+/// polarized mode.
 fn check(scenes: impl IntoIterator<Item = (String, World)>, effort: [u32; 2]) {
     let mut complaints = Vec::new();
     for ((name, world), index) in scenes.into_iter().zip(0..) {
