@@ -273,7 +273,7 @@ fn lamps() -> [Arc<Scene<1>>; 2] {
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn noise_falls_as_the_schedule_says() {
     let [floor, fog] = lamps();
-    let effort = Effort { seeds: 24, first: 8, doublings: 4 };
+    let effort = Effort { seeds: 24, first: 8, doublings: 3 };
     let curves = [
         measure("noise", &floor, noisy(0.5), None, effort),
         measure("noise in fog", &fog, noisy(0.8), None, effort),

@@ -246,10 +246,13 @@ fn priority_is_of_what_fills_bodies_too() {
 fn what_is_in_a_cavity_is_not_what_is_around_it() {
     let (glass, ice) = ((GLASS, 0.0), (2.0, 0.0));
     // Water that reaches into the wall, up to it, by less than rays see, and not so far.
-    for half in [0.85, 0.801, 0.800_002, 0.8] {
-        for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+    let orders = [[0, 1, 2], [2, 1, 0], [1, 2, 0]];
+    for (half, orders) in
+        [(0.85, &orders[..1]), (0.801, &orders[1..2]), (0.800_002, &orders), (0.8, &orders[2..])]
+    {
+        for order in orders {
             let drink = |bench: &mut Bench| {
-                for which in order {
+                for which in *order {
                     match which {
                         0 => bench.hollow_cube(0.8, 0),
                         1 => bench.cube(WATER, half, 0, true),
