@@ -259,7 +259,29 @@ fn check_outputs(
             wrong.of(job, &format!("output {}{text}", order.output_name));
         }
     }
+    check_folders(orders, &taken, wrong);
     taken
+}
+
+/// Checks that no output is to lie in what is the file of another.
+fn check_folders(orders: &[(&Job, Order)], taken: &HashMap<PathBuf, usize>, wrong: &mut Wrong) {
+    let within = |(path, row): (&PathBuf, &usize)| {
+        let file = path.ancestors().skip(1).find_map(|folder| taken.get(folder))?;
+        Some((*row, *file))
+    };
+    let mut found: Vec<(usize, usize)> = taken.iter().filter_map(within).collect();
+    found.sort_unstable();
+    for (row, file) in found {
+        let (job, order) = &orders[row];
+        let (other, image) = (orders[file].0, &orders[file].1.output_name);
+        let text = format!(
+            "output {} would be in a folder {image}, which is the image of job {} {}",
+            order.output_name,
+            other.index,
+            other.label()
+        );
+        wrong.of(job, &text);
+    }
 }
 
 /// Checks that no other job file that the results tell of asks for one of these outputs, unless

@@ -4,7 +4,7 @@
 //! reader (or a crash) never sees half a file, and a failure leaves the former file untouched.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
@@ -112,10 +112,18 @@ impl Drop for Staged {
     }
 }
 
-/// Follows a link, and refuses what is not a file, as renaming over a device would destroy it, and
-/// what may not be written, as renaming does not ask.
+/// Most bytes of a file's name, on all systems that are in use.
+const NAME_MAX: usize = 255;
+
+/// Follows a link, and refuses what is not a file, as renaming over a device would destroy it, what
+/// may not be written, as renaming does not ask, and names that no file can have.
 fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
     let not_a_file = |what| OutputError::NotAFile { path: path.to_owned(), what };
+    // Where the folder is not there yet, the system says nothing of the name.
+    if path.components().any(|part| part.as_os_str().len() > NAME_MAX) {
+        let error = io::Error::from(ErrorKind::InvalidFilename);
+        return Err(OutputError::write(path, error));
+    }
     if path.file_name().is_none() {
         return Err(not_a_file("a folder"));
     }
@@ -126,12 +134,18 @@ fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
             Err(OutputError::ReadOnly { path: path.to_owned() })
         }
         Ok(_) => fs::canonicalize(path).map_err(|error| OutputError::write(path, error)),
-        Err(_) => Ok(path.to_owned()),
+        Err(error) => match error.kind() {
+            // With a zero byte; with a file for a folder.
+            ErrorKind::InvalidInput | ErrorKind::InvalidFilename | ErrorKind::NotADirectory => {
+                Err(OutputError::write(path, error))
+            }
+            _ => Ok(path.to_owned()),
+        },
     }
 }
 
 /// Whether the system refuses to open a file for writing. Nothing is written.
 fn is_denied(path: &Path) -> bool {
     let opened = OpenOptions::new().append(true).open(path);
-    opened.is_err_and(|error| error.kind() == io::ErrorKind::PermissionDenied)
+    opened.is_err_and(|error| error.kind() == ErrorKind::PermissionDenied)
 }

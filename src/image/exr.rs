@@ -135,6 +135,12 @@ fn stokes_names(color: Color, components: usize) -> Vec<String> {
         .collect()
 }
 
+/// Whether a channel is of S1, S2 or S3, of whatever color.
+fn is_of_polarization(name: &str) -> bool {
+    let component = name.split('.').next();
+    component.is_some_and(|it| ["S1", "S2", "S3"].contains(&it))
+}
+
 fn variance_name(name: &str) -> String {
     format!("variance.{name}")
 }
@@ -210,6 +216,10 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
         .into_iter()
         .find(|(_, _, names)| names.iter().all(|name| by_name.contains_key(name)))
         .ok_or_else(|| unknown_channels(list))?;
+    // Others drop channels: what is left of a Stokes image is no image of intensity.
+    if components == 1 && by_name.keys().any(|name| is_of_polarization(name)) {
+        return Err(unknown_channels(list));
+    }
     let plane = |name: &String| plane_values(by_name.get(name).copied(), name, width * height);
     let planes = names.iter().map(plane).collect::<Result<Vec<_>, _>>()?;
     let variance_names: Vec<String> =

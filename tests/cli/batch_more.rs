@@ -261,6 +261,21 @@ camera = { a = 1 }
 }
 
 #[test]
+fn names_that_no_file_can_have_are_told_at_once() {
+    let long = "x".repeat(300);
+    for (name, [output, other], words) in [
+        ("long", [&*format!("new/{long}.exr"), "b.exr"], "invalid filename"),
+        ("zero", ["a\\u0000.exr", "b.exr"], "nul byte"),
+        ("within", ["s.exr", "s.exr/b.exr"], "would be in a folder s.exr, which is the image of"),
+    ] {
+        let job = |output: &str| format!("[[jobs]]\noutput = \"{output}\"\n");
+        let here = lab(name, &format!("{}{}", job(output), job(other)));
+        refused(&batch(&here, &["jobs.toml"]), &[words]);
+        refused(&batch(&here, &["jobs.toml", "--dry-run"]), &[words]);
+    }
+}
+
+#[test]
 fn jobs_say_otherwise_than_the_defaults() {
     let jobs = "color = \"mono\"\nwavelength = 633\n[[jobs]]\nname = \"a\"\noutput = \"{name}{n}\
                 {c}.exr\"\nsweep = [{ name = \"n\", key = \"iterations\", values = [1, 2] }, { \
