@@ -265,7 +265,7 @@ fn names_that_no_file_can_have_are_told_at_once() {
     let long = "x".repeat(300);
     for (name, [output, other], words) in [
         ("long", [&*format!("new/{long}.exr"), "b.exr"], "invalid filename"),
-        ("zero", ["a\\u0000.exr", "b.exr"], "nul byte"),
+        ("zero", ["a\\u0000.exr", "b.exr"], "NUL byte"),
         ("within", ["s.exr", "s.exr/b.exr"], "would be in a folder s.exr, which is the image of"),
     ] {
         let job = |output: &str| format!("[[jobs]]\noutput = \"{output}\"\n");
