@@ -2,9 +2,9 @@
 //! reaches the channels of the film.
 //!
 //! An iteration has one set, which all pixels and both sides share, so that photons can be merged
-//! and vertices connected. Its wavelengths are `P^-1((i + u) / N)`, where P is the cumulated density
-//! by which wavelengths are chosen ([`Density`]) and u moves on by the golden ratio from each
-//! iteration to the next, from a start that follows from the seed (Wilkie et al. 2014, "Hero
+//! and vertices connected. Its wavelengths are `P^-1((i + u) / N)`, where P is the cumulated
+//! density by which wavelengths are chosen ([`Density`]) and u moves on by the golden ratio from
+//! each iteration to the next, from a start that follows from the seed (Wilkie et al. 2014, "Hero
 //! wavelength spectral sampling", with one hero for all pixels). So the set is a function of the
 //! iteration's number, seed and replicate.
 

@@ -166,7 +166,7 @@ fn add_splats<const N: usize>(
             }
             Projection::Columns => false,
             Projection::Shares { taken, channels } => {
-                are_shares_added(taken, *channels, values, |plane, value| {
+                add_shares(taken, *channels, values, |plane, value| {
                     film.add_value(pixel as usize, plane, value);
                 })
             }
@@ -266,7 +266,7 @@ fn sum_shares<const N: usize>(
     let mut not_finite = 0;
     for (slot, values) in columns.chunks_exact(components).enumerate() {
         let first = slot % pixels * stride;
-        let is_added = are_shares_added(taken, channels, values, |plane, value| {
+        let is_added = add_shares(taken, channels, values, |plane, value| {
             sums.add(first + plane, &[value]);
         });
         not_finite += u64::from(!is_added);
@@ -275,9 +275,9 @@ fn sum_shares<const N: usize>(
 }
 
 /// Adds what channels take of the components of a Stokes vector, plane by plane, if all of these
-/// are finite.
+/// are finite, and says whether they are.
 #[inline(always)]
-fn are_shares_added<const N: usize>(
+fn add_shares<const N: usize>(
     taken: &[Taken<N>],
     channels: usize,
     values: &[[f32; N]],

@@ -120,13 +120,11 @@ impl<const N: usize> Scene<N> {
         let events = events(&media);
         media.push(Medium::clear());
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
-        let has_media = !optics.media.is_empty();
-        let immersion = Immersion::new(&shapes, &accelerator, has_media);
+        let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
         let media_of = |emitter: &Emitter| media_about(&immersion, emitter);
         let sensor = Sensor::new(&camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
-        let emitter_media: Vec<_> = optics.emitters.par_iter().map(media_of).collect();
-        let emitter_media: Arc<[_]> = emitter_media.into();
+        let emitter_media: Arc<[_]> = optics.emitters.par_iter().map(media_of).collect();
         let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media).map(Arc::new);
         let offset_of =
             |emitter: &Emitter| offset_distance(emitter::reach(&emitter.model, &shapes));

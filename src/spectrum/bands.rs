@@ -81,8 +81,8 @@ impl Bands {
         Ok(Self { list })
     }
 
-    /// `count` bands whose centers are evenly spaced from the first to the last, in nanometers, each
-    /// as wide as their distance.
+    /// `count` bands whose centers are evenly spaced from the first to the last, in nanometers,
+    /// each as wide as their distance.
     ///
     /// # Errors
     /// When that leaves a band without width, or what [`Bands::new`] refuses.

@@ -1,8 +1,9 @@
 //! Floor 1: what a column "per wavelength" stands for.
 //!
 //! The renderer is generic over the number of columns `N`; this floor says what they carry
-//! ([`Carried`]), what the channels of an image stand for ([`Color`]), and turns what the user writes
-//! (RGB triples, tabulated spectra, constants) into `[f32; N]`.
+//! ([`Carried`]), what the channels of an image stand for ([`Color`]) and take of light
+//! ([`Responses`]), and turns what the user writes (RGB triples, tabulated spectra, constants) into
+//! `[f32; N]`.
 
 mod bands;
 mod carried;

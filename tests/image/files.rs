@@ -2,10 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::image::{self, OutputError, atomic, exr, hdr, npy};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::{Band, Bands, Color};
 
 const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
 
@@ -329,6 +330,34 @@ fn an_exr_that_promises_too_much_is_refused() {
         bytes[corner + 4..corner + 8].copy_from_slice(&end.to_le_bytes());
         fs::write(&path, &bytes).unwrap();
         assert!(exr::read(&path).is_err());
+    }
+}
+
+/// Bands come back with their names and widths, and files of others with what can be told.
+#[test]
+fn bands_come_back() {
+    let folder = folder("bands");
+    let list = [("blue", 450.0, 20.0), ("a line", 589.3, 0.5), ("red edge", 700.1, 31.5)];
+    let band = |(name, center_nm, width_nm): (&str, f32, f32)| Band {
+        name: name.to_owned(),
+        center_nm,
+        width_nm,
+    };
+    let color = Color::Bands(Arc::new(Bands::new(list.map(band).to_vec()).unwrap()));
+    for (components, with_variance) in [(1, false), (4, true)] {
+        let mut image = sample(9, 5, color.clone(), components);
+        image.variance = with_variance.then(|| image.planes.clone());
+        let path = folder.join(format!("{components}.exr"));
+        image.save(&path).unwrap();
+        assert_eq!(StokesImage::load(&path).unwrap(), image);
+        let of_line = image.at_wavelength(589.2).unwrap();
+        assert_eq!(of_line.color, Color::Mono { wavelength_nm: 589.3 });
+        assert_eq!(of_line.plane(components - 1, 0), image.plane(components - 1, 1));
+        let error = image.at_wavelength(500.0).unwrap_err().to_string();
+        assert!(error.contains("3 bands") && error.contains("500 nm"), "{error}");
+        let error = image.save(&folder.join("x.hdr")).unwrap_err().to_string();
+        assert!(error.contains("write an .exr"), "{error}");
+        image.save(&folder.join("x.png")).unwrap();
     }
 }
 

@@ -370,7 +370,7 @@ mod tests {
     fn what_is_wrong_is_said_by_its_key() {
         for (options, words) in [
             (json!({}), "has no `scene`"),
-            (json!({"scene": "a", "sp": 3}), "sp: is not an option; options are alpha, camera"),
+            (json!({"scene": "a", "sp": 3}), "sp: is not an option; options are alpha, bands"),
             (json!({"scene": "a", "spp": -3}), "spp: invalid value '-3' for 'spp <N>'"),
             (json!({"scene": "a", "spp": 0}), "spp must be from 1 to"),
             (json!({"scene": "a", "spp": 4, "iterations": 4}), "cannot be used with"),

@@ -2,10 +2,10 @@
 //! for other wavelengths in every iteration reads them from here, linear between the nodes.
 //!
 //! Nodes are [`STEP_NM`] apart or less. What is read between them is off by the curvature of the
-//! phase matrix over the wavelength: for milk and other distributions of sizes by less than a
-//! thousandth of the coefficients and of the matrix at its greatest (`tests/spectral`); spheres of
-//! one size that are large against the wavelength have resonances that are narrower than a step,
-//! of which it sees the mean over one.
+//! phase matrix over the wavelength: of distributions of sizes about the wavelength, as of milk, by
+//! less than a thousandth of the coefficients, and two of M00 at any angle (tested below). Spheres
+//! of one size that are large against the wavelength have resonances narrower than a step, of
+//! which the nodes see what is there by chance.
 
 use std::collections::HashMap;
 
@@ -124,5 +124,64 @@ impl Grid {
         let place = ((nm - self.first_nm) / self.step_nm).clamp(0.0, (self.nodes.len() - 1) as f64);
         let low = (place as usize).min(self.nodes.len() - 2);
         (low, place - low as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polarization::particles::{Amount, Sizes};
+    use crate::scene::baked::PhaseTable;
+    use crate::scene::world::{Component, Spheres};
+    use crate::spectrum::Spectrum;
+
+    /// Drops whose indices change over the wavelength, as those of water do, or more.
+    fn drops() -> world::Phase {
+        let sizes = Sizes::log_normal(0.4, 0.15, Amount::Volume, None).unwrap();
+        let table = |values: [f32; 2]| Spectrum::table(&[400.0, 700.0], &values).unwrap();
+        let component = Component {
+            sizes,
+            eta: table([1.48, 1.45]),
+            k: table([1e-4, 1e-5]),
+            volume_fraction: 1e-3,
+        };
+        let (host_eta, host_k) = (table([1.34, 1.33]), 1e-8.into());
+        world::Phase::Spheres(Spheres { components: vec![component], host_eta, host_k })
+    }
+
+    /// Halfway between two nodes, where it is off by most.
+    #[test]
+    fn what_is_read_between_nodes_is_what_is_computed_there() {
+        let phase = drops();
+        let grid = Grid::new(&phase, [500.0, 520.0], "drops").unwrap().expect("particles");
+        assert_eq!((grid.nodes.len(), grid.step_nm), (5, 5.0));
+        for nm in [502.5, 517.5, 510.0] {
+            let carried = Carried::at([nm as f32]);
+            let read = grid.at(&carried);
+            let (suspension, host) = optics::suspension_at(&phase, nm, "drops").unwrap().unwrap();
+            let intervals = grid.nodes[0].matrix.len() - 1;
+            let found = kept::scattering(&suspension, intervals);
+            let off = |read: f32, exact: f64| (f64::from(read) / exact - 1.0).abs();
+            assert!(off(read.sigma_s[0], found.sigma_s) < 1e-3, "{nm}: sigma_s");
+            assert!(off(read.sigma_a[0], found.sigma_a + host) < 1e-3, "{nm}: sigma_a");
+            let Phase::Table(read) = read.phase else { panic!("no table") };
+            let exact: PhaseTable<1> = phase::table(&[optics::elements_of(&found.matrix)]);
+            let rows = read.m00.iter().zip(&exact.m00);
+            let worst = rows.map(|(a, b)| (a[0] / b[0] - 1.0).abs()).fold(0.0, f32::max);
+            assert!(worst < 2e-3, "{nm}: M00 is off by {worst} of itself");
+            let rows = read.elements.as_flattened().iter().zip(exact.elements.as_flattened());
+            let worst = rows.map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
+            assert!(worst < 1e-3, "{nm}: elements are off by {worst}");
+            assert!(nm != 510.0 || worst < 1e-6, "a node is off by {worst}");
+        }
+    }
+
+    #[test]
+    fn wavelengths_at_which_nothing_is_known_are_refused() {
+        let error = |ends| Grid::new(&drops(), ends, "drops").map(|_| ()).unwrap_err().to_string();
+        assert!(error([390.0, 500.0]).contains("400 to 700 nm"));
+        assert!(error([500.0, 701.0]).contains("400 to 700 nm"));
+        let none = Grid::new(&world::Phase::isotropic(), [1.0, 2.0], "air").unwrap();
+        assert!(none.is_none());
     }
 }
