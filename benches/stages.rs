@@ -10,7 +10,7 @@ use sunstone::internals::geometry::{
 };
 use sunstone::internals::scattering::{Scene, Side};
 use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 use sunstone::internals::transport::chunk::{ROWS, Sequence};
 use sunstone::internals::transport::stages::advance_paths::advance_paths;
 use sunstone::internals::transport::stages::collect_sensor::collect_sensor;
@@ -47,7 +47,7 @@ const CHUNK: Chunk = Chunk {
 fn cornell() -> Scene<N> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/reference/cornell.gltf");
     let world = load(&file).expect("a shipped scene");
-    Scene::new(bake(&world, Color::Rgb).expect("a shipped scene"), 64, 64)
+    Scene::new(bake(&world, &Carried::RGB).expect("a shipped scene"), 64, 64)
 }
 
 fn scatter<M: LightModel<N>>(

@@ -98,12 +98,12 @@ pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{
     Mode, Options, Part, PartError, Passes, Photons, PlacedWorld, Progress, RenderError, Renderer,
-    Resolved, Rule, Settings, SettingsError, Stop, merge,
+    Resolved, Rule, Settings, SettingsError, Spectral, Stop, merge,
 };
 pub use crate::scene::{
     Edit, EditedFile, Reading, SceneError, SceneFile, World, load, load_with, world,
 };
-pub use crate::spectrum::{Color, Spectrum};
+pub use crate::spectrum::{Band, Bands, Color, Spectrum};
 pub use crate::transport::Sampling;
 pub use {glam, hecs};
 

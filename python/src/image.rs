@@ -28,9 +28,16 @@ pub fn parts(py: Python<'_>, image: StokesImage) -> PyResult<Parts<'_>> {
         Some(planes) => Some(array(py, planes, image.shape())?),
         None => None,
     };
-    let wavelength_nm = match image.color {
+    let wavelength_nm = match &image.color {
         Color::Rgb => None,
-        Color::Mono { wavelength_nm } => Some(wavelength_nm),
+        Color::Mono { wavelength_nm } => Some(*wavelength_nm),
+        Color::Bands(bands) => {
+            return Err(ERROR.says(format!(
+                "the image has {bands}, and Image holds RGB or one wavelength: colour-science's \
+                 read_spectral_image_Fichet2021 reads them all, and `sunstone visualize \
+                 --wavelength` shows one"
+            )));
+        }
     };
     Ok((stokes, variance, wavelength_nm, image.metadata))
 }

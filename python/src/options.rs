@@ -34,6 +34,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         integrator,
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
         color: color(options)?,
+        spectral: None,
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,

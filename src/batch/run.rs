@@ -339,7 +339,7 @@ impl<'a> Work<'a> {
         world: &PlacedWorld,
         warnings: &mut Vec<String>,
     ) -> Developed<'static> {
-        let (settings, doubts) = (*renderer.settings(), doubts(&renderer, world));
+        let (settings, doubts) = (renderer.settings().clone(), doubts(&renderer, world));
         let mut image = renderer.finish_rows();
         if !settings.variance {
             image.drop_variance();

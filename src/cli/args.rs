@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
+use super::color::ColorArguments;
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
@@ -157,15 +158,6 @@ impl ValueEnum for SamplingName {
     }
 }
 
-/// Color modes by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ColorName {
-    /// Red, green and blue, linear, sRGB primaries
-    Rgb,
-    /// One wavelength; see --wavelength
-    Mono,
-}
-
 /// Formats of statistics and reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsFormat {
@@ -208,12 +200,9 @@ pub struct RenderArguments {
     /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = LIGHT)]
     pub mode: ModeName,
-    /// What the channels stand for
-    #[arg(long, value_enum, default_value = "rgb", help_heading = LIGHT)]
-    pub color: ColorName,
-    /// Wavelength of --color mono, in nanometers [default: 550]
-    #[arg(long, value_name = "NM", help_heading = LIGHT)]
-    pub wavelength: Option<f32>,
+    /// What light is made of.
+    #[command(flatten)]
+    pub color: ColorArguments,
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub max_path_length: Option<u32>,
@@ -433,7 +422,7 @@ pub struct ReportArguments {
 }
 
 const PHOTONS: &str = "Photons (ppm)";
-const LIGHT: &str = "Light transport";
+pub(super) const LIGHT: &str = "Light transport";
 const SAMPLES: &str = "Samples";
 const FILM: &str = "Film";
 const RUN: &str = "Run";
@@ -475,6 +464,9 @@ pub struct VisualizeArguments {
     /// Exposure of intensities in stops; of a mosaic 1 then fills the well
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
+    /// Of an image of bands the one that has this wavelength, in nanometers [default: their mean]
+    #[arg(long, value_name = "NM")]
+    pub wavelength: Option<f32>,
     /// Scales that end at full polarization; without it they end where the image's does, so that
     /// weak polarization shows (the legend says where)
     #[arg(long, visible_alias = "no-fit")]
@@ -551,6 +543,9 @@ pub struct ViewArguments {
     /// Leave out the standard errors of values, which are as large as these
     #[arg(long)]
     pub no_variance: bool,
+    /// Of images of bands those that have this wavelength, in nanometers
+    #[arg(long, value_name = "NM")]
+    pub wavelength: Option<f32>,
 }
 
 /// `compare` as typed.
@@ -560,6 +555,9 @@ pub struct CompareArguments {
     pub image: PathBuf,
     /// What it is compared with
     pub reference: PathBuf,
+    /// Of images of bands those that have this wavelength, in nanometers [default: all]
+    #[arg(long, value_name = "NM")]
+    pub wavelength: Option<f32>,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
-use crate::image::{OutputError, extension};
+use crate::image::{OutputError, StokesImage, extension};
 use crate::render::{PlacedWorld, describe_part, is_part};
 use crate::scene::{self, Reading, World};
 
@@ -19,7 +19,8 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
         std::iter::once(&arguments.image).chain(&arguments.other).map(|path| &**path).collect();
     require_html(&arguments.output)?;
     refuse_overwriting(&arguments.output, &paths)?;
-    let mut images = paths.iter().map(|path| image::load(path)).collect::<Result<Vec<_>, _>>()?;
+    let load = |path: &&Path| load_at(path, arguments.wavelength);
+    let mut images = paths.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     if arguments.no_variance {
         images.iter_mut().for_each(|image| image.variance = None);
     }
@@ -29,6 +30,15 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
     let bytes = pages::write(&named, &arguments.output)?;
     say(format_args!("{}: {:.1} MB", arguments.output.display(), bytes as f64 / 1e6));
     Ok(())
+}
+
+/// Reads an image, or that of its band which has a wavelength.
+pub(super) fn load_at(path: &Path, wavelength: Option<f32>) -> Result<StokesImage, OutputError> {
+    let image = image::load(path)?;
+    match wavelength {
+        Some(wavelength_nm) => image.at_wavelength(wavelength_nm),
+        None => Ok(image),
+    }
 }
 
 /// What the images are called on a page: their files' names, with the folders before if the names
@@ -49,8 +59,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         require_png(path)?;
         refuse_overwriting(path, &[&arguments.image, &arguments.reference])?;
     }
-    let image = image::load(&arguments.image)?;
-    let reference = image::load(&arguments.reference)?;
+    let image = load_at(&arguments.image, arguments.wavelength)?;
+    let reference = load_at(&arguments.reference, arguments.wavelength)?;
     let comparison = comparison::compare(&image, &reference)?;
     if arguments.json {
         print(json(&comparison)?)?;

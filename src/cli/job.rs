@@ -4,15 +4,13 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use crate::image::format::{Format, extension, extensions, named_by};
-use crate::render::settings::{
-    PATH_LENGTH_MAX, SAMPLES_MAX, WAVELENGTH_NM, check_color, check_photons,
-};
+use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
-use crate::spectrum::Color;
 
 use super::CliError;
-use super::args::{ColorName, PhotonArguments, RenderArguments};
+use super::args::{PhotonArguments, RenderArguments};
+use super::color::color;
 
 /// What the files of parts end with.
 pub(super) const PART: &str = "part";
@@ -38,10 +36,12 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
             arguments.output.display()
         )));
     }
+    let (color, spectral) = color(&arguments.color)?;
     let options = Options {
         integrator: arguments.integrator.0,
         mode: arguments.mode.0,
-        color: color(arguments.color, arguments.wavelength)?,
+        color,
+        spectral,
         width: arguments.width,
         height: arguments.height,
         samples,
@@ -108,21 +108,6 @@ pub(super) fn within<T: PartialOrd + From<u8> + Display>(
         return Ok(());
     }
     Err(CliError::Usage(format!("{name} must be from 1 to {most}, not {value}{advice}")))
-}
-
-/// What the channels stand for.
-pub(super) fn color(name: ColorName, wavelength: Option<f32>) -> Result<Color, CliError> {
-    match (name, wavelength) {
-        (ColorName::Rgb, None) => Ok(Color::Rgb),
-        (ColorName::Rgb, Some(_)) => Err(CliError::Usage(
-            "--wavelength goes with --color mono; RGB has three wavelengths of its own".into(),
-        )),
-        (ColorName::Mono, wavelength) => {
-            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
-            check_color(color)?;
-            Ok(color)
-        }
-    }
 }
 
 fn replicates(arguments: &RenderArguments, iterations: u32) -> Result<u32, CliError> {

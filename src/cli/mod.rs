@@ -4,6 +4,7 @@ mod args;
 pub mod batch;
 mod bench;
 mod checkpoint;
+mod color;
 mod files;
 mod images;
 mod interrupt;

@@ -172,7 +172,7 @@ fn finish(
     (world, threads): (&PlacedWorld, &Threads),
     (interrupted, seconds): (Option<Signal>, f64),
 ) -> Result<Developed<'static>, CliError> {
-    let settings = *renderer.settings();
+    let settings = renderer.settings().clone();
     let doubts = doubts(&renderer, world);
     let mut image = renderer.finish_rows();
     if !arguments.variance {

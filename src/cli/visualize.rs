@@ -6,12 +6,13 @@ use crate::image::analyzed::{self, ANALYZERS};
 use crate::image::format::{extensions, named_by};
 use crate::image::mosaic::{Electrons, Filters, PolarizationSensor};
 use crate::image::visualize::{Map, View, panels, visualize as draw};
-use crate::image::{self, StokesImage, extension, png};
+use crate::image::{StokesImage, extension, png};
 use crate::polarization::Analyzer;
 
 use super::CliError;
 use super::args::{ANALYZERS_MAP, MOSAIC, PANELS, SensorArguments, SensorName, VisualizeArguments};
 use super::files::{refuse_overwriting, require_png};
+use super::images::load_at;
 use super::job::option_of;
 
 /// What an image is shown as.
@@ -38,7 +39,7 @@ pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> 
     }
     // What is wrong with it is to be said whatever the image is.
     check(&sensor(arguments, Filters::Mono))?;
-    let image = image::load(image)?;
+    let image = load_at(image, arguments.wavelength)?;
     let picture = match shown {
         Shown::Map(map) => draw(&image, map, &view(arguments, &image))?,
         Shown::Panels => panels(&image, &view(arguments, &image))?,
@@ -48,7 +49,7 @@ pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> 
         }
         Shown::Analyzer(analyzer) => analyzed::picture(&image, analyzer, *exposure)?,
         Shown::Mosaic => {
-            let raw = sensor(arguments, Filters::of(image.color)).record(&image)?;
+            let raw = sensor(arguments, Filters::of(&image.color)).record(&image)?;
             return Ok(raw.save(output)?);
         }
     };

@@ -94,7 +94,7 @@ impl Film {
     /// A film that has nothing but some blocks of this one.
     fn of_blocks(&self, blocks: &[Block]) -> Self {
         let size = [self.width as u32, self.height as u32];
-        let mut film = Self::new(size, self.color, self.components, self.variances, false);
+        let mut film = Self::new(size, self.color.clone(), self.components, self.variances, false);
         blocks.iter().for_each(|block| film.take_block(&block.sums, block.iterations));
         film
     }
@@ -268,7 +268,8 @@ fn put(to: &mut [f32], indices: impl Iterator<Item = usize>, value_at: impl Fn(u
 
 impl Rows for Developed<'_> {
     fn frame(&self) -> Frame {
-        let Film { width, height, color, .. } = *self.film;
+        let &Film { width, height, ref color, .. } = &*self.film;
+        let color = color.clone();
         let components = self.gains.as_ref().map_or(self.film.components, Vec::len);
         Frame { width, height, color, components, has_variance: self.has_variance }
     }

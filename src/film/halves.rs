@@ -246,7 +246,7 @@ mod tests {
         let size = [TILE as u32; 2];
         let mono = Color::Mono { wavelength_nm: 550.0 };
         let of_film = |number: u32| {
-            let mut film = Film::new(size, mono, 1, Variances::Blocks, false);
+            let mut film = Film::new(size, mono.clone(), 1, Variances::Blocks, false);
             for block in 0..BLOCKS {
                 for pixel in 0..TILE * TILE {
                     film.add(pixel, &[value(number, pixel, block)]);

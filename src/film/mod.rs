@@ -110,6 +110,17 @@ impl Film {
         self.components * self.color.channels()
     }
 
+    /// Stokes components of a pixel.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// Adds to one value of a pixel.
+    #[inline(always)]
+    pub fn add_value(&mut self, pixel: usize, plane: usize, value: f32) {
+        self.sums.add(pixel * self.values_per_pixel() + plane, &[value]);
+    }
+
     /// Adds to the values of a pixel; the first are those of S0.
     #[inline(always)]
     pub fn add(&mut self, pixel: usize, values: &[f32]) {

@@ -46,7 +46,10 @@ pub fn behind(image: &StokesImage, analyzer: Analyzer) -> Result<StokesImage, Ou
         planes: state.into_iter().flat_map(component).collect(),
         variance: None,
         metadata,
-        ..*image
+        width: image.width,
+        height: image.height,
+        color: image.color.clone(),
+        components: image.components,
     })
 }
 

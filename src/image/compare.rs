@@ -162,6 +162,11 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
     if (first.width, first.height) != (second.width, second.height) {
         return Err(mismatch("their sizes differ"));
     }
+    if [first, second].iter().any(|image| matches!(image.color, Color::Bands(_)))
+        && first.color != second.color
+    {
+        return Err(mismatch("their channels are of other wavelengths"));
+    }
     let channels = first.color.channels().min(second.color.channels());
     for image in [first, second] {
         if image.color.channels() != channels && !is_grey(image) {
@@ -173,11 +178,12 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
 
 /// What an image is: its color and its size.
 pub fn in_words(image: &StokesImage) -> String {
-    let color = match image.color {
-        Color::Rgb => "an RGB",
-        Color::Mono { .. } => "a monochromatic",
+    let color = match &image.color {
+        Color::Rgb => "an RGB image".to_owned(),
+        Color::Mono { .. } => "a monochromatic image".to_owned(),
+        Color::Bands(bands) => format!("an image of {bands}"),
     };
-    format!("{color} image of {} x {} pixels", image.width, image.height)
+    format!("{color} of {} x {} pixels", image.width, image.height)
 }
 
 /// Whether all channels of an RGB image are the same, as when Mitsuba renders one wavelength.

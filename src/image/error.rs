@@ -89,6 +89,17 @@ pub enum OutputError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// A wavelength that is in none of the channels.
+    #[error(
+        "the image has {what}, and none of that has {wavelength_nm} nm; `inspect` lists the bands \
+         of an image"
+    )]
+    NoBand {
+        /// What the channels of the image stand for.
+        what: String,
+        /// What was asked for.
+        wavelength_nm: f32,
+    },
     /// A sensor that is none.
     #[error("there is no such sensor: {0}")]
     Sensor(Fault),
@@ -127,6 +138,7 @@ impl OutputError {
             | Self::Extension { .. }
             | Self::OneWay { .. }
             | Self::Image { .. }
+            | Self::NoBand { .. }
             | Self::Sensor(_)
             | Self::Mismatch { .. } => None,
         }

@@ -18,10 +18,12 @@ mod bits;
 mod blocks;
 mod deflate;
 mod header;
+mod spectral;
 
 use std::collections::HashMap;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
+use std::sync::Arc;
 
 use ::exr::image::read::read as read_with;
 use ::exr::meta::header::Header;
@@ -47,7 +49,7 @@ pub const HANDEDNESS: &str = "S3 > 0 is right circular: the field turns clockwis
 const FORMAT: &str = "EXR";
 const KEY_PREFIX: &str = "sunstone.";
 /// Keys that no metadata can have.
-const OWN_KEYS: [&str; 4] = ["frame", "handedness", "order", "wavelength_nm"];
+const OWN_KEYS: [&str; 5] = ["bands", "frame", "handedness", "order", "wavelength_nm"];
 /// The wavelength given to a monochromatic file that does not name its own.
 pub(super) const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
 /// No lossless EXR compression that is worth its name packs tighter than this; a header that
@@ -88,8 +90,9 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
     let mut channels: Vec<(String, usize)> = match frame.color {
         Color::Rgb => RGB_NAMES.map(str::to_owned).into_iter().zip(0..).collect(),
         Color::Mono { .. } => vec![("Y".to_owned(), 0)],
+        Color::Bands(_) => Vec::new(),
     };
-    let names = stokes_names(frame.color, frame.components);
+    let names = stokes_names(&frame.color, frame.components);
     if frame.color != Color::Rgb || frame.components == 4 {
         channels.extend(names.iter().cloned().zip(0..));
     }
@@ -126,11 +129,12 @@ pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
 const RGB_NAMES: [&str; 3] = ["R", "G", "B"];
 
 /// The channel names of all planes, in the order of [`StokesImage::planes`].
-fn stokes_names(color: Color, components: usize) -> Vec<String> {
+fn stokes_names(color: &Color, components: usize) -> Vec<String> {
     (0..components)
         .flat_map(|component| match color {
             Color::Rgb => RGB_NAMES.map(|name| format!("S{component}.{name}")).to_vec(),
             Color::Mono { .. } => vec![format!("S{component}")],
+            Color::Bands(bands) => spectral::names(component, bands),
         })
         .collect()
 }
@@ -169,8 +173,17 @@ fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputEr
     for (name, value) in [("order", order.as_str()), ("frame", FRAME), ("handedness", HANDEDNESS)] {
         other.insert(text(&format!("sunstone.{name}")), AttributeValue::Text(text(value)));
     }
-    if let Color::Mono { wavelength_nm } = image.frame().color {
-        other.insert(text("sunstone.wavelength_nm"), AttributeValue::F32(wavelength_nm));
+    let frame = image.frame();
+    match &frame.color {
+        Color::Rgb => {}
+        Color::Mono { wavelength_nm } => {
+            other.insert(text("sunstone.wavelength_nm"), AttributeValue::F32(*wavelength_nm));
+        }
+        Color::Bands(bands) => {
+            for (name, value) in spectral::attributes(frame.components, bands) {
+                other.insert(text(name), AttributeValue::Text(text(&value)));
+            }
+        }
     }
     Ok(attributes)
 }
@@ -199,23 +212,12 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
     let list = &layer.channel_data.list;
     let by_name: HashMap<String, &AnyChannel<FlatSamples>> =
         list.iter().map(|channel| (channel.name.to_string(), channel)).collect();
-    let wavelength_nm = match attributes.get("sunstone.wavelength_nm".as_bytes()) {
-        Some(AttributeValue::F32(wavelength_nm)) => *wavelength_nm,
-        _ => WAVELENGTH_UNSTATED_NM,
+    let spectral = spectral::layout(by_name.keys().map(String::as_str), attributes)?;
+    let (color, components, names) = match spectral {
+        Some((bands, components, names)) => (Color::Bands(Arc::new(bands)), components, names),
+        None => few_channels(attributes, |name| by_name.contains_key(name))
+            .ok_or_else(|| unknown_channels(list))?,
     };
-    let mono = Color::Mono { wavelength_nm };
-    let rgb: Vec<String> = RGB_NAMES.map(str::to_owned).to_vec();
-    let layouts = [
-        (Color::Rgb, 4, stokes_names(Color::Rgb, 4)),
-        (mono, 4, stokes_names(mono, 4)),
-        (Color::Rgb, 1, rgb),
-        (mono, 1, stokes_names(mono, 1)),
-        (mono, 1, vec!["Y".to_owned()]),
-    ];
-    let (color, components, names) = layouts
-        .into_iter()
-        .find(|(_, _, names)| names.iter().all(|name| by_name.contains_key(name)))
-        .ok_or_else(|| unknown_channels(list))?;
     // Others drop channels: what is left of a Stokes image is no image of intensity.
     if components == 1 && by_name.keys().any(|name| is_of_polarization(name)) {
         return Err(unknown_channels(list));
@@ -223,13 +225,35 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
     let plane = |name: &String| plane_values(by_name.get(name).copied(), name, width * height);
     let planes = names.iter().map(plane).collect::<Result<Vec<_>, _>>()?;
     let variance_names: Vec<String> =
-        stokes_names(color, components).iter().map(|name| variance_name(name)).collect();
+        stokes_names(&color, components).iter().map(|name| variance_name(name)).collect();
     let variance = match variance_names.iter().all(|name| by_name.contains_key(name)) {
         true => Some(variance_names.iter().map(plane).collect::<Result<Vec<_>, _>>()?),
         false => None,
     };
     let metadata = metadata(attributes);
     Ok(StokesImage { width, height, color, components, planes, variance, metadata })
+}
+
+/// What the channels of RGB images and those of one wavelength stand for, their components and
+/// names.
+fn few_channels(
+    attributes: &HashMap<Text, AttributeValue>,
+    is_there: impl Fn(&String) -> bool,
+) -> Option<(Color, usize, Vec<String>)> {
+    let wavelength_nm = match attributes.get("sunstone.wavelength_nm".as_bytes()) {
+        Some(AttributeValue::F32(wavelength_nm)) => *wavelength_nm,
+        _ => WAVELENGTH_UNSTATED_NM,
+    };
+    let mono = || Color::Mono { wavelength_nm };
+    let rgb: Vec<String> = RGB_NAMES.map(str::to_owned).to_vec();
+    let layouts = [
+        (Color::Rgb, 4, stokes_names(&Color::Rgb, 4)),
+        (mono(), 4, stokes_names(&mono(), 4)),
+        (Color::Rgb, 1, rgb),
+        (mono(), 1, stokes_names(&mono(), 1)),
+        (mono(), 1, vec!["Y".to_owned()]),
+    ];
+    layouts.into_iter().find(|(_, _, names)| names.iter().all(&is_there))
 }
 
 fn plane_values(
@@ -248,7 +272,8 @@ fn plane_values(
 fn unknown_channels(list: &[AnyChannel<FlatSamples>]) -> String {
     let found: Vec<String> = list.iter().map(|channel| channel.name.to_string()).collect();
     format!(
-        "its channels are {}; wanted are R G B, or S0.R S0.G S0.B ... S3.B, or S0 ... S3, or Y",
+        "its channels are {}; wanted are R G B, or S0.R S0.G S0.B ... S3.B, or S0 ... S3, or Y, or \
+         S0.550,000000nm and the like",
         found.join(" ")
     )
 }

@@ -41,6 +41,10 @@ pub fn component_path(path: &Path, component: usize) -> PathBuf {
 /// Writes the set of files that `path` names: all of them or none.
 pub fn write(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
     check_image(image, path)?;
+    if let Color::Bands(bands) = &image.color {
+        let reason = format!("Radiance pictures hold no {bands}; write an .exr file");
+        return Err(OutputError::unwritable(path, reason));
+    }
     if image.width.max(image.height) > usize::from(u16::MAX) {
         return Err(OutputError::unwritable(path, "Radiance pictures end at 65535 pixels a side"));
     }
@@ -73,9 +77,9 @@ pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
         let reason = format!("it has {components} components, not 1 or 4");
         return Err(OutputError::malformed(&first_path, FORMAT, reason));
     }
+    let channels = color.channels();
     let mut image = StokesImage::new(first.width, first.height, color, components);
     image.metadata = first.header.iter().filter_map(|line| metadata_pair(line)).collect();
-    let channels = color.channels();
     for (channel, plane) in image.planes.iter_mut().take(channels).enumerate() {
         *plane = first.pixels.iter().map(|pixel| pixel[channel]).collect();
     }

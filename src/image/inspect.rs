@@ -27,9 +27,10 @@ pub fn describe(image: &StokesImage) -> String {
     };
     line(
         "color",
-        match image.color {
+        match &image.color {
             Color::Rgb => "RGB, linear sRGB primaries".to_owned(),
             Color::Mono { wavelength_nm } => format!("one wavelength, {wavelength_nm} nm"),
+            Color::Bands(bands) => format!("{bands}, each averaged over its width"),
         },
     );
     line(
@@ -39,14 +40,11 @@ pub fn describe(image: &StokesImage) -> String {
             _ => "S0 S1 S2 S3 (x right, y up, light towards the sensor)".to_owned(),
         },
     );
-    let channels = image.color.channels();
-    for (channel, plane) in image.planes.iter().take(channels).enumerate() {
-        let name = if channels == 1 {
-            "S0".to_owned()
-        } else {
-            format!("S0.{}", ["R", "G", "B"][channel])
-        };
-        line(&name, range(plane));
+    for (channel, plane) in image.channel_names().iter().zip(&image.planes) {
+        match image.color {
+            Color::Mono { .. } => line("S0", range(plane)),
+            Color::Rgb | Color::Bands(_) => line(&format!("S0.{channel}"), range(plane)),
+        }
     }
     if image.components == 4 {
         polarization(image, &mut line);

@@ -46,7 +46,7 @@ const FULL_WELL: Range = Range::new("from 1 to 1e12", |x| (1.0..=1e12).contains(
 /// What lies before the pixels besides analyzers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filters {
-    /// Nothing; of an RGB image they see the luminance.
+    /// Nothing; of an RGB image they see the luminance, of bands their mean.
     Mono,
     /// Red, green and blue filters, which let the image's channels pass.
     Bayer,
@@ -54,10 +54,10 @@ pub enum Filters {
 
 impl Filters {
     /// Those that show an image of these channels whole.
-    pub fn of(color: Color) -> Self {
+    pub fn of(color: &Color) -> Self {
         match color {
             Color::Rgb => Self::Bayer,
-            Color::Mono { .. } => Self::Mono,
+            Color::Mono { .. } | Color::Bands(_) => Self::Mono,
         }
     }
 
@@ -188,17 +188,22 @@ impl PolarizationSensor {
     fn check_fit(&self, image: &StokesImage) -> Result<(), OutputError> {
         let period = self.filters.period();
         let fits = image.width.is_multiple_of(period) && image.height.is_multiple_of(period);
-        let reason = match (self.filters, image.color) {
+        let reason = match (self.filters, &image.color) {
             (Filters::Bayer, Color::Mono { .. }) => {
                 "it has one wavelength, and a color mosaic needs RGB; take a mono sensor"
+            }
+            (Filters::Bayer, Color::Bands(_)) => {
+                "it has bands, and a color mosaic needs RGB; take a mono sensor"
             }
             (Filters::Bayer, Color::Rgb) if !fits => {
                 "a color mosaic has sides that are multiples of 4 pixels; render it in such a size"
             }
-            (Filters::Mono, Color::Rgb | Color::Mono { .. }) if !fits => {
+            (Filters::Mono, Color::Rgb | Color::Mono { .. } | Color::Bands(_)) if !fits => {
                 "a mosaic has sides that are multiples of 2 pixels; render it in such a size"
             }
-            (Filters::Bayer | Filters::Mono, Color::Rgb | Color::Mono { .. }) => return Ok(()),
+            (Filters::Bayer | Filters::Mono, Color::Rgb | Color::Mono { .. } | Color::Bands(_)) => {
+                return Ok(());
+            }
         };
         Err(OutputError::Image { reason })
     }

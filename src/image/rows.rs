@@ -7,7 +7,7 @@ use super::StokesImage;
 use crate::spectrum::Color;
 
 /// What an image consists of.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Width in pixels.
     pub width: usize,

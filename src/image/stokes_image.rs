@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::spectrum::Color;
 
 use super::rows::{Frame, Rows};
+use super::visualize::luminance;
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
 
@@ -54,12 +55,66 @@ impl StokesImage {
         self.variance.as_ref().map(|planes| interleaved(planes, self.shape()))
     }
 
-    /// What the channels are called: `R`, `G` and `B`, or the wavelength.
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the bands.
     pub fn channel_names(&self) -> Vec<String> {
-        match self.color {
+        match &self.color {
             Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
             Color::Mono { .. } => vec![self.color.to_string()],
+            Color::Bands(bands) => bands.list().iter().map(|band| band.name.clone()).collect(),
         }
+    }
+
+    /// The image of the band that has a wavelength in nanometers, as of light of one wavelength:
+    /// that of its center. An image of one wavelength is its own, if it is that.
+    ///
+    /// # Errors
+    /// When no band has it.
+    pub fn at_wavelength(&self, wavelength_nm: f32) -> Result<Self, OutputError> {
+        let (channel, center_nm) = match &self.color {
+            Color::Mono { wavelength_nm: own } if *own == wavelength_nm => (0, *own),
+            Color::Bands(bands) => match bands.index_at(wavelength_nm) {
+                Some(index) => (index, bands.list()[index].center_nm),
+                None => return Err(self.lacks(wavelength_nm)),
+            },
+            Color::Rgb | Color::Mono { .. } => return Err(self.lacks(wavelength_nm)),
+        };
+        let channels = self.color.channels();
+        let of_channel = |planes: &Vec<Vec<f32>>| -> Vec<Vec<f32>> {
+            planes.iter().skip(channel).step_by(channels).cloned().collect()
+        };
+        Ok(Self {
+            width: self.width,
+            height: self.height,
+            color: Color::Mono { wavelength_nm: center_nm },
+            components: self.components,
+            planes: of_channel(&self.planes),
+            variance: self.variance.as_ref().map(of_channel),
+            metadata: self.metadata.clone(),
+        })
+    }
+
+    fn lacks(&self, wavelength_nm: f32) -> OutputError {
+        OutputError::NoBand { what: self.color.to_string(), wavelength_nm }
+    }
+
+    /// An image that can be shown in red, green and blue or in grey: of one of bands, their mean.
+    pub(crate) fn shown(&self) -> Cow<'_, Self> {
+        let Color::Bands(bands) = &self.color else { return Cow::Borrowed(self) };
+        let list = bands.list();
+        let middle = 0.5 * (list[0].center_nm + list[list.len() - 1].center_nm);
+        let mean = |planes: &[Vec<f32>]| -> Vec<f32> {
+            let pixel = |pixel: usize| luminance(&self.color, |channel| planes[channel][pixel]);
+            (0..self.width * self.height).map(pixel).collect()
+        };
+        Cow::Owned(Self {
+            width: self.width,
+            height: self.height,
+            color: Color::Mono { wavelength_nm: middle },
+            components: self.components,
+            planes: self.planes.chunks(list.len()).map(mean).collect(),
+            variance: None,
+            metadata: self.metadata.clone(),
+        })
     }
 
     /// What the Stokes components are called.
@@ -106,8 +161,9 @@ impl StokesImage {
 
 impl Rows for StokesImage {
     fn frame(&self) -> Frame {
-        let Self { width, height, color, components, .. } = *self;
-        Frame { width, height, color, components, has_variance: self.variance.is_some() }
+        let Self { width, height, components, .. } = *self;
+        let (color, has_variance) = (self.color.clone(), self.variance.is_some());
+        Frame { width, height, color, components, has_variance }
     }
 
     fn metadata(&self) -> &[(String, String)] {

@@ -29,7 +29,8 @@ pub struct Doubts {
 
 /// What a render of a world says of itself.
 pub fn doubts(renderer: &Renderer, world: &PlacedWorld) -> Doubts {
-    let (settings, profile, radii) = (*renderer.settings(), renderer.profile(), renderer.radii());
+    let (settings, profile, radii) =
+        (renderer.settings().clone(), renderer.profile(), renderer.radii());
     let iterations = renderer.samples() / settings.samples_per_iteration();
     let photons = profile.photons as f64 / f64::from(iterations.max(1));
     // Where no photons are merged, paths find what they would have.

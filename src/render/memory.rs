@@ -8,6 +8,7 @@ use crate::scene::World;
 use crate::scene::baked::Shapes;
 use crate::scene::world::Mesh;
 
+use super::spectral::{Columns, columns};
 use super::{Options, Part, system};
 
 /// Something that the memory does not hold.
@@ -119,7 +120,8 @@ fn bytes_of_film(options: &Options, [width, height]: [u32; 2]) -> u64 {
 fn bytes_of_photons(options: &Options, light_paths: u32) -> u64 {
     const BYTES_OF_COLUMN: u64 = 4;
     const BYTES_OF_ORDER: u64 = 24;
-    let bytes_of_photon = 16 + 4 * options.color.channels() as u64;
+    let columns = columns(options).map_or(0, Columns::count);
+    let bytes_of_photon = 16 + 4 * columns as u64;
     let bytes = bytes_of_photon + BYTES_OF_COLUMN + BYTES_OF_ORDER;
     u64::from(light_paths) * bytes * 3 / 2
 }
@@ -140,9 +142,12 @@ mod tests {
     fn a_film_is_counted_with_its_variances_and_the_image_that_is_kept() {
         let options = Options::default();
         assert_eq!(bytes_of_film(&options, [100, 10]), 1000 * 12 * 20);
-        assert_eq!(bytes_of_film(&Options { replicates: 2, ..options }, [100, 10]), 1000 * 12 * 36);
         assert_eq!(
-            bytes_of_film(&Options { variance: true, ..options }, [100, 10]),
+            bytes_of_film(&Options { replicates: 2, ..options.clone() }, [100, 10]),
+            1000 * 12 * 36
+        );
+        assert_eq!(
+            bytes_of_film(&Options { variance: true, ..options.clone() }, [100, 10]),
             1000 * 12 * 44
         );
         assert!(check_memory(&options, [1, 1]).is_ok());

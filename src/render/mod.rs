@@ -12,7 +12,9 @@ mod recorded;
 mod renderer;
 pub mod resolved;
 mod run;
+mod sets;
 pub mod settings;
+pub mod spectral;
 pub mod statistics;
 pub mod system;
 pub mod threads;
@@ -26,3 +28,4 @@ pub use recorded::{
 pub use renderer::{Progress, RenderError, Renderer, Stop};
 pub use resolved::{Passes, Resolved, Rule};
 pub use settings::{Mode, Options, Photons, Settings, SettingsError};
+pub use spectral::Spectral;

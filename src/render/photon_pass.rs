@@ -10,13 +10,14 @@ use crate::math::elementary::pow;
 use crate::math::hash::combine;
 use crate::math::lanes;
 use crate::scattering::Scene;
-use crate::transport::chunk::{ROWS, Sequence, tiles};
+use crate::transport::chunk::{ROWS, Sequence, TILE, tiles};
 use crate::transport::tables::nearest_photons::nearest_distances;
 use crate::transport::tables::photon_maps::{PhotonMap, PhotonMaps, map_of};
 use crate::transport::tables::photons::{PhotonClass, PhotonTable};
 use crate::transport::{Chunk, LightModel};
 
 use super::renderer::Limit;
+use super::sets::Sets;
 use super::tiles::Pool;
 use super::{Passes, Resolved};
 
@@ -129,13 +130,15 @@ impl<const N: usize> PhotonPass<N> {
     pub fn shoot<M: LightModel<N>>(
         &mut self,
         pool: &Pool<N, M>,
-        scene: &Scene<N>,
+        (scene, sets): (&Scene<N>, &Sets<N>),
         settings: &Resolved,
         (shot, limit, some_will_do): (Shot, &Limit, bool),
         profile: &mut Profile,
     ) -> bool {
         if self.first_radii.is_empty() && shot.earlier > 0 {
             let first = Shot { iteration: 0, seed: combine(settings.seed, 0), earlier: 0 };
+            let iterations = sets.iterations(first.iteration, 1, first.seed);
+            let scene = &iterations[0].scene;
             if !self.shoot_one(pool, scene, settings, (first, limit, false), profile) {
                 return false;
             }
@@ -266,7 +269,7 @@ impl<const N: usize> PhotonPass<N> {
         settings: &Resolved,
         shot: Shot,
     ) -> Vec<Vec<Probe>> {
-        let tiles = tiles(scene.sensor.width, scene.sensor.height);
+        let tiles = tiles([scene.sensor.width, scene.sensor.height], TILE);
         let step = tiles.len().div_ceil(PROBED_TILES);
         let mut probes: Vec<Vec<Probe>> = vec![Vec::new(); self.maps.0.len()];
         for &[x, y, width, height] in tiles.iter().step_by(step) {

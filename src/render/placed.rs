@@ -10,16 +10,18 @@ use crate::scattering::boundaries::{Doubt, settle};
 use crate::scattering::emitter::glimpse::pixels_seen;
 use crate::scattering::shut_in::Wanderer;
 use crate::scattering::{Looks, Scene};
-use crate::scene::baked::{Camera, Shapes};
+use crate::scene::baked::{Camera, Optics, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
-use crate::spectrum::Color;
+use crate::spectrum::{Carried, Color};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
 use super::memory::{check_tree, check_world};
 use super::resolved::{Resolved, Rule, blindness};
+use super::sets::{Sets, Spectra};
 use super::settings::{Options, Settings, SettingsError, check_film};
+use super::spectral::{Columns, Spectral};
 
 /// Film width where neither the scene nor the options name one, in pixels.
 const WIDTH: u32 = 512;
@@ -32,11 +34,13 @@ const WIDTH: u32 = 512;
 pub struct PlacedWorld(Arc<Placed>);
 
 struct Placed {
-    world: World,
+    world: Arc<World>,
     ground: Arc<Ground>,
     camera: Camera,
     rgb: Latest<3>,
     mono: Latest<1>,
+    four: Latest<4>,
+    eight: Latest<8>,
 }
 
 /// The shapes of a world in their tree, with what they were made of.
@@ -50,11 +54,20 @@ struct Ground {
 /// Scenes that are kept for every number of wavelengths.
 const KEPT_MAX: usize = 16;
 
-/// A scene of so many wavelengths, with its color and film.
-type Kept<const N: usize> = (Color, [u32; 2], Arc<Scene<N>>);
+/// A scene of so many columns, with what these are and with its film.
+type Kept<const N: usize> = ((Columns, Option<Color>), [u32; 2], Sets<N>);
 
 /// The latest of them.
 type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
+
+/// Something to be done with a scene, whatever the number of its columns.
+pub(super) trait WithScene {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn with<const N: usize>(self, sets: Sets<N>) -> Self::Output;
+}
 
 impl PlacedWorld {
     /// Places a world.
@@ -94,8 +107,15 @@ impl PlacedWorld {
 
     fn on(world: World, ground: Arc<Ground>) -> Result<Self, RenderError> {
         let camera = bake_camera(&world, &ground.shapes)?;
-        let (rgb, mono) = (Mutex::default(), Mutex::default());
-        Ok(Self(Arc::new(Placed { world, ground, camera, rgb, mono })))
+        Ok(Self(Arc::new(Placed {
+            world: Arc::new(world),
+            ground,
+            camera,
+            rgb: Mutex::default(),
+            mono: Mutex::default(),
+            four: Mutex::default(),
+            eight: Mutex::default(),
+        })))
     }
 
     /// What has been placed.
@@ -135,7 +155,7 @@ impl PlacedWorld {
         let warnings = ground.shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
         let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
         let film = self.film_size(&options).unwrap_or([1, 1]);
-        let scene = self.rgb(Color::Rgb, film)?;
+        let scene = self.fixed(&self.0.rgb, Columns::Rgb, &Carried::RGB, film)?.scene;
         let media = match world.media_names().is_empty() {
             true => String::new(),
             false => immersed(world, &scene),
@@ -158,11 +178,7 @@ impl PlacedWorld {
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        let (world, color) = (&self.0.world, settings.color);
-        Ok(match color {
-            Color::Rgb => notes(world, &*self.rgb(color, film)?, settings),
-            Color::Mono { .. } => notes(world, &*self.mono(color, film)?, settings),
-        })
+        self.with_scene(settings, film, Notes { world: &self.0.world, settings })
     }
 
     /// Of these, what the image lacks.
@@ -171,52 +187,92 @@ impl PlacedWorld {
     /// As [`PlacedWorld::notes`].
     pub fn lacks(&self, settings: &Resolved) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        let (world, color) = (&self.0.world, settings.color);
-        Ok(match color {
-            Color::Rgb => lacks(world, &*self.rgb(color, film)?, settings),
-            Color::Mono { .. } => lacks(world, &*self.mono(color, film)?, settings),
+        self.with_scene(settings, film, Lacks { world: &self.0.world, settings })
+    }
+
+    /// Does something with the scene for a film: here the number of columns is chosen.
+    pub(super) fn with_scene<W: WithScene>(
+        &self,
+        settings: &Settings,
+        film: [u32; 2],
+        work: W,
+    ) -> Result<W::Output, RenderError> {
+        let Placed { rgb, mono, four, eight, .. } = &*self.0;
+        let columns = settings.columns();
+        Ok(match columns {
+            Columns::Rgb => work.with(self.fixed(rgb, columns, &Carried::RGB, film)?),
+            Columns::Mono(nm) => work.with(self.fixed(mono, columns, &Carried::at([nm]), film)?),
+            Columns::Four(of) => work.with(self.spectral(four, (columns, of), settings, film)?),
+            Columns::Eight(of) => work.with(self.spectral(eight, (columns, of), settings, film)?),
         })
     }
 
-    pub(super) fn rgb(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {
-        self.latest(&self.0.rgb, color, film)
-    }
-
-    pub(super) fn mono(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<1>>, SceneError> {
-        self.latest(&self.0.mono, color, film)
-    }
-
-    fn latest<const N: usize>(
+    /// A scene whose columns are the channels of its film.
+    fn fixed<const N: usize>(
         &self,
         latest: &Latest<N>,
-        color: Color,
-        [width, height]: [u32; 2],
-    ) -> Result<Arc<Scene<N>>, SceneError> {
+        columns: Columns,
+        carried: &Carried<N>,
+        film: [u32; 2],
+    ) -> Result<Sets<N>, SceneError> {
+        self.latest(latest, (columns, None), film, || {
+            let Placed { world, ground, .. } = &*self.0;
+            let optics = bake_optics(world, &ground.shapes, carried)?;
+            Ok(Sets::fixed(Arc::new(self.scene(optics, film))))
+        })
+    }
+
+    /// A scene that has other wavelengths in every iteration.
+    fn spectral<const N: usize>(
+        &self,
+        latest: &Latest<N>,
+        (columns, spectral): (Columns, Spectral),
+        settings: &Settings,
+        film: [u32; 2],
+    ) -> Result<Sets<N>, RenderError> {
+        let color = &settings.color;
+        self.latest(latest, (columns, Some(color.clone())), film, || {
+            let Placed { world, ground, .. } = &*self.0;
+            let (spectra, emitters) = Spectra::new(world, &ground.shapes, (color, spectral))?;
+            let scene = spectra.base(emitters, |optics| self.scene(optics, film))?;
+            Ok(Sets { scene: Arc::new(scene), spectra: Some(Arc::new(spectra)) })
+        })
+    }
+
+    fn scene<const N: usize>(&self, optics: Optics<N>, film: [u32; 2]) -> Scene<N> {
+        let Placed { ground, camera, .. } = &*self.0;
+        let Ground { shapes, accelerator, looks, .. } = &**ground;
+        let tree = (Arc::clone(shapes), Arc::clone(accelerator));
+        Scene::with_tree(tree, *camera, optics, film).sharing(Arc::clone(looks))
+    }
+
+    fn latest<const N: usize, E>(
+        &self,
+        latest: &Latest<N>,
+        key: (Columns, Option<Color>),
+        film: [u32; 2],
+        make: impl FnOnce() -> Result<Sets<N>, E>,
+    ) -> Result<Sets<N>, E> {
         let find = |latest: &[Kept<N>]| {
-            let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (color, [width, height]));
-            kept.map(|(.., scene)| Arc::clone(scene))
+            let kept = latest.iter().find(|(of, on, _)| (of, *on) == (&key, film));
+            kept.map(|(.., sets)| sets.clone())
         };
         let lock = || latest.lock().expect("no thread panics while it holds the lock");
-        if let Some(scene) = find(&lock()) {
-            return Ok(scene);
+        if let Some(sets) = find(&lock()) {
+            return Ok(sets);
         }
         // Without the lock: a thread that waits for parts of this work may take up another render
         // of its pool meanwhile, which comes here, too.
-        let Placed { world, ground, camera, .. } = &*self.0;
-        let Ground { shapes, accelerator, looks, .. } = &**ground;
-        let optics = bake_optics(world, shapes, color)?;
-        let tree = (Arc::clone(shapes), Arc::clone(accelerator));
-        let scene = Scene::with_tree(tree, *camera, optics, [width, height]);
-        let scene = Arc::new(scene.sharing(Arc::clone(looks)));
+        let sets = make()?;
         let mut latest = lock();
-        if let Some(scene) = find(&latest) {
-            return Ok(scene);
+        if let Some(sets) = find(&latest) {
+            return Ok(sets);
         }
         if latest.len() == KEPT_MAX {
             latest.remove(0);
         }
-        latest.push((color, [width, height], Arc::clone(&scene)));
-        Ok(scene)
+        latest.push((key.clone(), film, sets.clone()));
+        Ok(sets)
     }
 }
 
@@ -231,6 +287,34 @@ impl Ground {
         shapes.warnings.extend(sentences(world, &doubts));
         let (shapes, accelerator) = (Arc::new(shapes), Arc::new(accelerator));
         Ok(Self { plan, shapes, accelerator, looks: Arc::default() })
+    }
+}
+
+/// What is to be known of a render before it begins.
+struct Notes<'a> {
+    world: &'a World,
+    settings: &'a Settings,
+}
+
+impl WithScene for Notes<'_> {
+    type Output = Vec<String>;
+
+    fn with<const N: usize>(self, sets: Sets<N>) -> Vec<String> {
+        notes(self.world, &sets.scene, self.settings)
+    }
+}
+
+/// Of that, what the image lacks.
+struct Lacks<'a> {
+    world: &'a World,
+    settings: &'a Resolved,
+}
+
+impl WithScene for Lacks<'_> {
+    type Output = Vec<String>;
+
+    fn with<const N: usize>(self, sets: Sets<N>) -> Vec<String> {
+        lacks(self.world, &sets.scene, self.settings)
     }
 }
 

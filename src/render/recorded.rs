@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
@@ -10,12 +10,12 @@ use crate::film::{Film, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
 use crate::polarization::Analyzer;
-use crate::spectrum::Color;
+use crate::spectrum::{Bands, Color};
 
 use super::renderer::metadata;
 use super::resolved::components;
 use super::run::Steps;
-use super::{Mode, PlacedWorld, Resolved};
+use super::{Mode, PlacedWorld, Resolved, spectral};
 
 /// The program that renders: its sources, their compiler and target.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("SUNSTONE_BUILD"));
@@ -147,10 +147,7 @@ impl Origin {
 
     /// What is the same in all parts of an image, and before and after a pause.
     fn facts(&self, settings: &Resolved) -> Vec<Fact> {
-        let wavelength = match settings.color {
-            Color::Rgb => "rgb".to_owned(),
-            Color::Mono { wavelength_nm } => wavelength_nm.to_string(),
-        };
+        let spectral = settings.spectral.map(|it| ("image: spectral", spectral::in_words(it)));
         let photons = settings.passes.map(|passes| {
             let radius = settings.photons.radius.map_or("found".to_owned(), |it| it.to_string());
             [
@@ -166,7 +163,7 @@ impl Origin {
             (HEIGHT, self.film[1].to_string()),
             (MODE, settings.mode.name().to_owned()),
             (ANALYZER, analyzer_text(settings.analyzer)),
-            (COLOR, wavelength),
+            (COLOR, color_text(&settings.color)),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),
@@ -181,7 +178,8 @@ impl Origin {
             ("image: scene (digest)", self.digest().to_owned()),
             ("image: build", BUILD.to_owned()),
         ];
-        let all = facts.into_iter().chain(photons.into_iter().flatten()).chain(last);
+        let all =
+            facts.into_iter().chain(spectral).chain(photons.into_iter().flatten()).chain(last);
         all.map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
@@ -403,13 +401,7 @@ fn film_of(part: &Record) -> Result<(Film, Option<Analyzer>, Mode), PartError> {
     let mode = known(MODE)?;
     let mode = Mode::ALL.into_iter().find(|it| it.name() == mode);
     let mode = mode.ok_or_else(|| part.lacks(MODE))?;
-    let color = match known(COLOR)? {
-        "rgb" => Color::Rgb,
-        number => match number.parse() {
-            Ok(wavelength_nm) => Color::Mono { wavelength_nm },
-            Err(_) => return Err(part.lacks(COLOR).into()),
-        },
-    };
+    let color = color_of(known(COLOR)?).ok_or_else(|| part.lacks(COLOR))?;
     let variances = match known(VARIANCE)? {
         "replicates" => Variances::Replicates,
         "blocks" => Variances::Blocks,
@@ -438,6 +430,26 @@ fn check_size(part: &Record, size: [u32; 2], values_per_pixel: usize) -> Result<
         "its head claims {width} x {height} pixels of {values_per_pixel} values, and its columns \
          hold {held} values: render it again"
     )))
+}
+
+/// A color as [`color_of`] reads it.
+fn color_text(color: &Color) -> String {
+    match color {
+        Color::Rgb => "rgb".to_owned(),
+        Color::Mono { wavelength_nm } => wavelength_nm.to_string(),
+        Color::Bands(bands) => bands.to_text(),
+    }
+}
+
+/// The color of a text; nothing for any other text.
+fn color_of(text: &str) -> Option<Color> {
+    if text == "rgb" {
+        return Some(Color::Rgb);
+    }
+    match text.parse() {
+        Ok(wavelength_nm) => Some(Color::Mono { wavelength_nm }),
+        Err(_) => Bands::from_text(text).map(|bands| Color::Bands(Arc::new(bands))),
+    }
 }
 
 /// An analyzer as [`analyzer_of`] reads it.

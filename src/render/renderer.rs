@@ -13,13 +13,15 @@ use crate::image::rows::Rows;
 use crate::integrators::profile::Profile;
 use crate::scattering::{Scene, Side};
 use crate::scene::SceneError;
-use crate::spectrum::Color;
 use crate::transport::{Polarized, Scalar};
 
 use super::memory::{MemoryError, check_memory};
+use super::placed::WithScene;
 use super::recorded::{self, Origin, PartError};
 use super::resolved::Resolved;
 use super::run::{Run, Steps};
+use super::sets::Sets;
+use super::spectral;
 use super::threads::Threads;
 use super::{Mode, Options, PlacedWorld, Settings, SettingsError};
 
@@ -157,23 +159,9 @@ impl Renderer {
     /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
         let film = world.film_size(settings)?;
-        let mut renderer = match settings.color {
-            Color::Rgb => Self::in_memory(world.rgb(settings.color, film)?, settings)?,
-            Color::Mono { .. } => Self::in_memory(world.mono(settings.color, film)?, settings)?,
-        };
+        let mut renderer = world.with_scene(settings, film, InMemory { settings })??;
         renderer.origin = Origin::of(world.clone(), film);
         Ok(renderer)
-    }
-
-    /// A render of a scene for which there is memory.
-    fn in_memory<const N: usize>(
-        scene: Arc<Scene<N>>,
-        settings: &Settings,
-    ) -> Result<Self, RenderError> {
-        let resolved = Resolved::new(settings, &scene).of_part()?;
-        let options = Options { integrator: Some(resolved.integrator), ..settings.options() };
-        check_memory(&options, [scene.sensor.width, scene.sensor.height])?;
-        Ok(Self::with(scene, resolved))
     }
 
     /// A render of a scene that has been baked, for tests that look into its tables; the film is
@@ -197,15 +185,15 @@ impl Renderer {
 
     fn whole<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
         let resolved = Resolved::new(settings, &scene);
-        Self::with(scene, resolved)
+        Self::with(Sets::fixed(scene), resolved)
     }
 
-    fn with<const N: usize>(scene: Arc<Scene<N>>, settings: Resolved) -> Self {
-        let film = [scene.sensor.width, scene.sensor.height];
+    fn with<const N: usize>(sets: Sets<N>, settings: Resolved) -> Self {
+        let film = [sets.scene.sensor.width, sets.scene.sensor.height];
         let steps: Box<dyn Steps> = match settings.mode {
-            Mode::Scalar => Box::new(Run::<N, Scalar>::new(scene, &settings)),
+            Mode::Scalar => Box::new(Run::<N, Scalar>::new(sets, &settings)),
             Mode::Intensity | Mode::Polarized => {
-                Box::new(Run::<N, Polarized>::new(scene, &settings))
+                Box::new(Run::<N, Polarized>::new(sets, &settings))
             }
         };
         let origin = Origin::unknown(film);
@@ -389,6 +377,22 @@ impl Renderer {
     }
 }
 
+/// Makes a render of a scene for which there is memory.
+struct InMemory<'a> {
+    settings: &'a Settings,
+}
+
+impl WithScene for InMemory<'_> {
+    type Output = Result<Renderer, RenderError>;
+
+    fn with<const N: usize>(self, sets: Sets<N>) -> Self::Output {
+        let resolved = Resolved::new(self.settings, &sets.scene).of_part()?;
+        let options = Options { integrator: Some(resolved.integrator), ..self.settings.options() };
+        check_memory(&options, [sets.scene.sensor.width, sets.scene.sensor.height])?;
+        Ok(Renderer::with(sets, resolved))
+    }
+}
+
 /// Does work on some threads, or on those of the caller.
 fn on<R: Send>(threads: Option<&Threads>, work: impl FnOnce() -> R + Send) -> R {
     match threads {
@@ -427,6 +431,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
     let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
+    let spectral = settings.spectral.map(|it| ("spectral", spectral::in_words(it)));
     let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
@@ -439,6 +444,6 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts = integrator.into_iter().flatten().chain(analyzer).chain(others);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -21,7 +21,7 @@ const DOUBTED: f64 = 0.25;
 
 /// Settings in which nothing is left open: by which integrator, of how many samples, with how many
 /// photons. All of it is a function of the options and the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
     settings: Settings,
     /// How light is found.
@@ -67,7 +67,7 @@ impl Resolved {
         let samples = settings.samples_by(integrator);
         let analyzer = scene.sensor.analyzer();
         let (first_sample, end_sample) = (0, samples);
-        let settings = *settings;
+        let settings = settings.clone();
         Self { settings, integrator, rule, samples, passes, first_sample, end_sample, analyzer }
     }
 

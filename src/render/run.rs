@@ -1,7 +1,5 @@
 //! A render in the making, for one number of wavelengths and one mode.
 
-use std::sync::Arc;
-
 use crate::film::record::{Column, Fact, Record};
 use crate::film::{Developed, Film, Variances};
 use crate::image::OutputError;
@@ -14,6 +12,7 @@ use super::Resolved;
 use super::photon_pass::{PhotonPass, Shot};
 use super::place::{Groups, Place};
 use super::renderer::Limit;
+use super::sets::{Iteration, Sets};
 use super::tiles::{Pool, wave};
 
 /// Samples per pixel between two looks at the clock.
@@ -49,7 +48,7 @@ pub type State<'a> = (Vec<Fact>, Vec<(String, Column<'a>)>);
 
 /// All that a render keeps from one wave to the next.
 pub struct Run<const N: usize, M: LightModel<N>> {
-    scene: Arc<Scene<N>>,
+    sets: Sets<N>,
     settings: Resolved,
     film: Film,
     pool: Pool<N, M>,
@@ -63,15 +62,16 @@ pub struct Run<const N: usize, M: LightModel<N>> {
 
 impl<const N: usize, M: LightModel<N>> Run<N, M> {
     /// Black film, no photons.
-    pub fn new(scene: Arc<Scene<N>>, settings: &Resolved) -> Self {
-        let photons = settings.passes.map(|passes| PhotonPass::new(&scene, passes, M::POLARIZED));
+    pub fn new(sets: Sets<N>, settings: &Resolved) -> Self {
+        let scene = &sets.scene;
+        let photons = settings.passes.map(|passes| PhotonPass::new(scene, passes, M::POLARIZED));
         let groups = settings.groups();
         let place = Place::after(&groups, settings.first_sample, settings.first_sample);
         Self {
-            film: black_film(&scene, settings),
+            film: black_film(scene, settings),
             pool: Pool::new(settings.components(), scene.has_media()),
-            scene,
-            settings: *settings,
+            sets,
+            settings: settings.clone(),
             photons,
             profile: Profile::default(),
             groups,
@@ -93,17 +93,30 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         }
     }
 
+    /// What the next samples are rendered with: iterations of so many samples each.
+    fn iterations(&self, count: u32) -> (Vec<Iteration<N>>, u32) {
+        let seed = combine(self.settings.seed, self.place.replicate);
+        let first = self.place.of_replicate;
+        match self.settings.passes {
+            // Photons and the samples that they are for have the same wavelengths.
+            Some(passes) => (self.sets.iterations(first / passes.samples, 1, seed), count),
+            None if self.sets.differ() => (self.sets.iterations(first, count, seed), 1),
+            None => (self.sets.iterations(first, 1, seed), count),
+        }
+    }
+
     /// Shoots the photons of the iteration at hand: false if they are not ready within the limit.
-    fn shoot(&mut self, limit: &Limit) -> bool {
+    fn shoot(&mut self, scene: &Scene<N>, limit: &Limit) -> bool {
         let (wave_of, place) = (self.wave_of(), self.place);
-        let Self { scene, settings, pool, photons, profile, .. } = self;
+        let Self { sets, settings, pool, photons, profile, .. } = self;
         let Some(photons) = photons else { return true };
         let seed = combine(settings.seed, place.replicate);
         let iteration = place.of_replicate / wave_of;
         let shot = Shot { iteration, seed, earlier: place.done / wave_of };
         // An image of some photons is better than none.
         let some_will_do = place.done == settings.first_sample;
-        let is_shot = photons.shoot(pool, scene, settings, (shot, limit, some_will_do), profile);
+        let scenes = (scene, &*sets);
+        let is_shot = photons.shoot(pool, scenes, settings, (shot, limit, some_will_do), profile);
         self.is_unfinished |= is_shot && !photons.is_complete();
         is_shot
     }
@@ -113,15 +126,20 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     fn step(&mut self, most: u32, limit: &Limit) {
         self.begin_block();
         let count = self.wave_of().min(most).min(self.place.left_of_block);
-        if count == 0 || !self.shoot(limit) {
+        if count == 0 {
             return;
         }
-        let Self { scene, settings, film, pool, photons, profile, place, .. } = self;
+        let (iterations, samples_of_each) = self.iterations(count);
+        if !self.shoot(&iterations[0].scene, limit) {
+            return;
+        }
+        let Self { settings, film, pool, photons, profile, place, .. } = self;
         let seed = combine(settings.seed, place.replicate);
         let maps = photons.as_ref().map(|photons| &photons.maps);
         let is_wanted = || !limit.is_given_up();
         let samples = (place.of_replicate, count, seed);
-        wave((film, profile), pool, (scene, settings), samples, maps, &is_wanted);
+        let lit = (&*iterations, samples_of_each);
+        wave((film, profile), pool, (lit, settings), samples, maps, &is_wanted);
         self.place.advance(count);
         self.is_unfinished |= limit.is_given_up();
     }
@@ -181,5 +199,5 @@ fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved) -> Film {
         (_, false) => Variances::None,
     };
     let begins_later = settings.first_sample > 0;
-    Film::new(size, settings.color, settings.components(), variances, begins_later)
+    Film::new(size, settings.color.clone(), settings.components(), variances, begins_later)
 }

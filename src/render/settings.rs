@@ -9,6 +9,7 @@ use crate::spectrum::Color;
 use crate::transport::Sampling;
 
 use super::place::Part;
+use super::spectral::{Columns, Spectral, columns};
 
 /// What asks for the integrator that suits the scene.
 pub const AUTO: &str = "auto";
@@ -117,14 +118,16 @@ impl Mode {
 /// assert!(error.to_string().starts_with("samples must be from 1 to"));
 /// # Ok::<(), sunstone::SettingsError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// How light is found; by default what suits the scene ([`crate::Resolved`]).
     pub integrator: Option<Integrator>,
     /// Intensity or Stokes vectors.
     pub mode: Mode,
-    /// What the channels stand for.
+    /// What the channels stand for. Bands go with [`Options::spectral`].
     pub color: Color,
+    /// Light at wavelengths of a whole range instead of those that channels stand for.
+    pub spectral: Option<Spectral>,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -172,6 +175,7 @@ impl Default for Options {
             integrator: None,
             mode: Mode::Polarized,
             color: Color::Rgb,
+            spectral: None,
             width: None,
             height: None,
             samples: 64,
@@ -191,7 +195,7 @@ impl Default for Options {
 
 /// [`Options`] that have been checked: none is out of its range, where it would render nothing.
 /// What an integrator cannot see in a world is another matter ([`crate::PlacedWorld::notes`]).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings(Options);
 
 impl Settings {
@@ -200,7 +204,7 @@ impl Settings {
     /// # Errors
     /// Names the first option that is out of its range, and the range.
     pub fn new(options: Options) -> Result<Self, SettingsError> {
-        let Options { color, width, height, samples, photons, .. } = options;
+        let Options { width, height, samples, photons, .. } = options;
         for (setting, edge) in [("width", width), ("height", height)] {
             edge.map_or(Ok(()), |edge| within(setting, edge, 1, EDGE_MAX))?;
         }
@@ -212,7 +216,8 @@ impl Settings {
             1
         };
         within("path_length_max", options.path_length_max, 1, PATH_LENGTH_MAX)?;
-        check_color(color)?;
+        check_color(&options.color)?;
+        columns(&options)?;
         if let Some(count) = options.iterations {
             within("iterations", count, 1, SAMPLES_MAX / of_iteration)?;
         } else if !samples.is_multiple_of(of_iteration) {
@@ -233,7 +238,12 @@ impl Settings {
 
     /// The options, to be changed and checked again.
     pub fn options(&self) -> Options {
-        self.0
+        self.0.clone()
+    }
+
+    /// What light is carried at.
+    pub(super) fn columns(&self) -> Columns {
+        columns(&self.0).expect("settings are checked")
     }
 }
 
@@ -317,14 +327,14 @@ pub fn within<T: PartialOrd + Display>(
 }
 
 /// Checks that there is light of a color.
-pub fn check_color(color: Color) -> Result<(), SettingsError> {
+pub fn check_color(color: &Color) -> Result<(), SettingsError> {
     match color {
-        Color::Mono { wavelength_nm } if !WAVELENGTHS_NM.contains(&wavelength_nm) => {
+        Color::Mono { wavelength_nm } if !WAVELENGTHS_NM.contains(wavelength_nm) => {
             let (least, most) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
             let rule = format!("must be from {least} to {most} nanometers, not {wavelength_nm}");
             Err(SettingsError { setting: "wavelength", rule })
         }
-        Color::Mono { .. } | Color::Rgb => Ok(()),
+        Color::Mono { .. } | Color::Rgb | Color::Bands(_) => Ok(()),
     }
 }
 

@@ -8,13 +8,14 @@ use crate::film::Film;
 use crate::integrators::profile::{Profile, Stage};
 use crate::integrators::workspace::Workspace;
 use crate::math::exact::ExactSums;
-use crate::scattering::Scene;
-use crate::transport::chunk::{ITERATIONS, Sequence, tiles};
+use crate::spectrum::Taken;
+use crate::transport::chunk::{ITERATIONS, Sequence, TILE, WIDE_TILE, tiles};
 use crate::transport::tables::measured::Splats;
 use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
 use super::Resolved;
+use super::sets::{Iteration, Projection};
 
 /// Workspaces at rest.
 pub struct Pool<const N: usize, M: LightModel<N>> {
@@ -48,21 +49,26 @@ impl<const N: usize, M: LightModel<N>> Pool<N, M> {
 
 /// What one tile adds to the film.
 struct TileResult<const N: usize> {
-    /// Values per pixel, summed over the iterations of the wave; none if none are measured.
+    /// Values per pixel, summed over the samples of the wave; none if none are measured.
     sums: ExactSums,
-    splats: Splats<N>,
+    /// For every iteration in turn, if there are any.
+    splats: Vec<Splats<N>>,
 }
 
-/// Renders `count` iterations from `first` on over all tiles and adds them to the film, tile by
-/// tile in a fixed order; no tile is begun when it is not wanted any more.
+/// What a wave renders: iterations, and how many samples each has.
+type Lit<'a, const N: usize> = (&'a [Iteration<N>], u32);
+
+/// Renders `count` samples from `first` on over all tiles and adds them to the film, tile by tile
+/// in a fixed order; no tile is begun when it is not wanted any more.
 pub fn wave<const N: usize, M: LightModel<N>>(
     (film, profile): (&mut Film, &mut Profile),
     pool: &Pool<N, M>,
-    (scene, settings): (&Scene<N>, &Resolved),
+    (lit, settings): (Lit<N>, &Resolved),
     (first, count, seed): (u32, u32, u32),
     maps: Option<&PhotonMaps<N>>,
     is_wanted: &(impl Fn() -> bool + Sync),
 ) {
+    let (iterations, samples_of_each) = lit;
     let render = |[x, y, width, height]: [u32; 4]| {
         let chunk = |first_iteration: u32, iterations: u32| Chunk {
             x,
@@ -77,11 +83,13 @@ pub fn wave<const N: usize, M: LightModel<N>>(
             sampling: settings.sampling,
             sequence: Sequence::PerPath,
         };
-        pool.with(|workspace| tile(workspace, scene, settings, (first, count), maps, chunk))
+        pool.with(|workspace| tile(workspace, lit, settings, (first, count), maps, chunk))
     };
-    let tiles = tiles(scene.sensor.width, scene.sensor.height);
+    let sensor = &iterations[0].scene.sensor;
+    let tiles = tiles_of([sensor.width, sensor.height], samples_of_each);
     let next = AtomicUsize::new(0);
-    let line = Mutex::new(Line { film, profile, added: 0, waiting: BTreeMap::new() });
+    let waiting = BTreeMap::new();
+    let line = Mutex::new(Line { film, profile, iterations, added: 0, waiting });
     // Every thread takes the next tile when it is done with one, so that none waits for others
     // before the end, and few results for those before them.
     let work = || {
@@ -96,6 +104,15 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     });
 }
 
+/// The tiles of a film: wide ones where a chunk has a single sample, unless these are so few that
+/// threads would wait for each other. No bit hangs on it.
+fn tiles_of(size: [u32; 2], samples_of_each: u32) -> Vec<[u32; 4]> {
+    const TILES_OF_THREAD: usize = 2;
+    let wide = tiles(size, WIDE_TILE);
+    let are_few = wide.len() < TILES_OF_THREAD * rayon::current_num_threads();
+    if samples_of_each > 1 || are_few { tiles(size, TILE) } else { wide }
+}
+
 /// The next tile and its place among all.
 fn take(next: &AtomicUsize, tiles: &[[u32; 4]]) -> Option<(usize, [u32; 4])> {
     let index = next.fetch_add(1, Ordering::Relaxed);
@@ -106,6 +123,7 @@ fn take(next: &AtomicUsize, tiles: &[[u32; 4]]) -> Option<(usize, [u32; 4])> {
 struct Line<'a, const N: usize> {
     film: &'a mut Film,
     profile: &'a mut Profile,
+    iterations: &'a [Iteration<N>],
     /// Tiles that are in the film.
     added: usize,
     /// Results of later tiles.
@@ -114,12 +132,15 @@ struct Line<'a, const N: usize> {
 
 impl<const N: usize> Line<'_, N> {
     fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[[u32; 4]]) {
-        let Self { film, profile, added, waiting } = self;
+        let Self { film, profile, iterations, added, waiting } = self;
         waiting.insert(index, result);
         let not_finite = profile.time(Stage::Film, || {
             let mut not_finite = 0;
             while let Some(result) = waiting.remove(added) {
-                not_finite += add_result(film, tiles[*added], &result);
+                add_sums(film, &result.sums, tiles[*added]);
+                for (iteration, splats) in iterations.iter().zip(&result.splats) {
+                    not_finite += add_splats(film, &iteration.film, splats);
+                }
                 *added += 1;
             }
             not_finite
@@ -128,23 +149,35 @@ impl<const N: usize> Line<'_, N> {
     }
 }
 
-/// Adds what a tile has brought; returns how many splats are left out as not finite.
-fn add_result<const N: usize>(film: &mut Film, tile: [u32; 4], result: &TileResult<N>) -> u64 {
-    add_sums(film, &result.sums, tile);
-    let values_per_pixel = film.values_per_pixel();
+/// Adds what light paths of one iteration have brought; returns how many splats are left out as
+/// not finite.
+fn add_splats<const N: usize>(
+    film: &mut Film,
+    projection: &Projection<N>,
+    splats: &Splats<N>,
+) -> u64 {
+    let components = film.components();
     let mut not_finite = 0;
-    let mut add = |pixel: u32, values: &[f32]| {
-        if are_finite(values) {
-            film.add(pixel as usize, values);
-        } else {
-            not_finite += 1;
-        }
+    let mut add = |pixel: u32, values: &[[f32; N]]| {
+        let is_added = match projection {
+            Projection::Columns if are_finite(values.as_flattened()) => {
+                film.add(pixel as usize, values.as_flattened());
+                true
+            }
+            Projection::Columns => false,
+            Projection::Shares { taken, channels } => {
+                add_shares(taken, *channels, values, |plane, value| {
+                    film.add_value(pixel as usize, plane, value);
+                })
+            }
+        };
+        not_finite += u64::from(!is_added);
     };
-    for splat in &result.splats.unpolarized {
-        add(splat.pixel, &splat.value);
+    for splat in &splats.unpolarized {
+        add(splat.pixel, &[splat.value]);
     }
-    for splat in &result.splats.polarized {
-        add(splat.pixel, &splat.stokes.as_flattened()[..values_per_pixel]);
+    for splat in &splats.polarized {
+        add(splat.pixel, &splat.stokes[..components]);
     }
     not_finite
 }
@@ -157,22 +190,30 @@ fn are_finite(values: &[f32]) -> bool {
 /// All chunks of one tile and wave.
 fn tile<const N: usize, M: LightModel<N>>(
     workspace: &mut Workspace<N, M>,
-    scene: &Scene<N>,
+    (iterations, samples_of_each): Lit<N>,
     settings: &Resolved,
     (first, count): (u32, u32),
     maps: Option<&PhotonMaps<N>>,
     chunk: impl Fn(u32, u32) -> Chunk,
 ) -> TileResult<N> {
-    let mut result = TileResult { sums: ExactSums::default(), splats: Splats::default() };
-    for start in (first..first + count).step_by(ITERATIONS as usize) {
-        let chunk = chunk(start, ITERATIONS.min(first + count - start));
-        let integrator = settings.integrator;
-        integrator.chunk(workspace, scene, &chunk, maps);
-        if integrator.measures() {
-            sum_measured(&mut result.sums, workspace, &chunk);
+    let mut result = TileResult { sums: ExactSums::default(), splats: Vec::new() };
+    let integrator = settings.integrator;
+    let starts = (first..first + count).step_by(samples_of_each as usize);
+    for (iteration, start) in iterations.iter().zip(starts) {
+        let end = (start + samples_of_each).min(first + count);
+        let mut splats = Splats::default();
+        for start in (start..end).step_by(ITERATIONS as usize) {
+            let chunk = chunk(start, ITERATIONS.min(end - start));
+            integrator.chunk(workspace, &iteration.scene, &chunk, maps);
+            if integrator.measures() {
+                sum_measured(&mut result.sums, workspace, (&chunk, &iteration.film));
+            }
+            if integrator.splats() {
+                splats.append(&mut workspace.splats);
+            }
         }
         if integrator.splats() {
-            result.splats.append(&mut workspace.splats);
+            result.splats.push(splats);
         }
     }
     result
@@ -183,10 +224,17 @@ fn tile<const N: usize, M: LightModel<N>>(
 fn sum_measured<const N: usize, M: LightModel<N>>(
     sums: &mut ExactSums,
     workspace: &mut Workspace<N, M>,
-    chunk: &Chunk,
+    (chunk, projection): (&Chunk, &Projection<N>),
 ) {
     let Workspace { measured, profile, .. } = workspace;
     let stride = measured.components() * N;
+    if let Projection::Shares { taken, channels } = projection {
+        profile.not_finite += profile.time(Stage::Film, || {
+            let values = measured.values_mut(chunk.slots());
+            sum_shares(sums, values, (taken, stride / N, *channels), chunk.pixels())
+        });
+        return;
+    }
     let not_finite = profile.time(Stage::Film, || {
         sums.resize(chunk.pixels() * stride);
         let mut not_finite = 0;
@@ -202,6 +250,49 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
         not_finite
     });
     profile.not_finite += not_finite;
+}
+
+/// Adds what channels take of slots to the pixels of these; returns how many slots are left out as
+/// not finite.
+fn sum_shares<const N: usize>(
+    sums: &mut ExactSums,
+    slots: &[f32],
+    (taken, components, channels): (&[Taken<N>], usize, usize),
+    pixels: usize,
+) -> u64 {
+    let stride = components * channels;
+    sums.resize(pixels * stride);
+    let (columns, _) = slots.as_chunks::<N>();
+    let mut not_finite = 0;
+    for (slot, values) in columns.chunks_exact(components).enumerate() {
+        let first = slot % pixels * stride;
+        let is_added = add_shares(taken, channels, values, |plane, value| {
+            sums.add(first + plane, &[value]);
+        });
+        not_finite += u64::from(!is_added);
+    }
+    not_finite
+}
+
+/// Adds what channels take of the components of a Stokes vector, plane by plane, if all of these
+/// are finite, and says whether they are.
+#[inline(always)]
+fn add_shares<const N: usize>(
+    taken: &[Taken<N>],
+    channels: usize,
+    values: &[[f32; N]],
+    mut add: impl FnMut(usize, f32),
+) -> bool {
+    if !are_finite(values.as_flattened()) {
+        return false;
+    }
+    for (component, values) in values.iter().enumerate() {
+        for Taken { channel, shares } in taken {
+            let products = shares.iter().zip(values).map(|(share, value)| share * value);
+            add(component * channels + channel, products.sum());
+        }
+    }
+    true
 }
 
 fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4]) {

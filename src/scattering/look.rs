@@ -315,7 +315,7 @@ impl Aim {
         (point, index): (Vec3, usize),
     ) -> Option<Self> {
         let emitter = &scene.optics.emitters[row];
-        let values = emitter.radiance.iter().map(|&value| f64::from(value));
+        let values = scene.optics.radiance_of(row).into_iter().map(f64::from);
         let radiance = values.sum::<f64>() / N as f64;
         let place = places.of(scene, row, index);
         let to_point = || {

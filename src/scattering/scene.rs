@@ -47,11 +47,11 @@ pub struct Scene<const N: usize> {
     /// The materials, and the tables of their models.
     pub surfaces: Surfaces<N>,
     /// For every triangle and sphere, its row in the materials.
-    material_of_primitive: Vec<u32>,
+    material_of_primitive: Arc<[u32]>,
     /// All kinds of events.
     pub events: Vec<Event>,
     /// Nothing, then for every triangle and sphere, its kind of event.
-    event_of_hit: Vec<u8>,
+    event_of_hit: Arc<[u8]>,
     /// The media, and behind them one that is clear.
     media: Vec<Medium<N>>,
     /// Whether there are surfaces that let light straight on.
@@ -65,27 +65,27 @@ pub struct Scene<const N: usize> {
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// How far off every emitter rays start and end.
-    emitter_offsets: Vec<f32>,
+    emitter_offsets: Arc<[f32]>,
     /// The emitters as connections see them.
-    pub direct: DirectTable<N>,
+    pub direct: Arc<DirectTable>,
     /// The medium around the sensor: a row of the media, or [`NONE`].
     pub sensor_medium: Around<u32>,
     /// The media before and behind every emitter.
-    emitter_media: Vec<Around<[u32; 2]>>,
+    emitter_media: Arc<[Around<[u32; 2]>]>,
     /// Which emitter is chosen how often.
-    pub choice: Choice,
+    pub choice: Arc<Choice>,
     /// What light paths are aimed at, if not all at the whole scene.
-    pub aim: Option<Aim>,
+    pub aim: Option<Arc<Aim>>,
     /// Emitters whose own images are small.
-    pub glimpses: Glimpses,
+    pub glimpses: Arc<Glimpses>,
     /// Lamps that light media straight on, if any do.
-    pub lamps: Option<Lamps>,
+    pub lamps: Option<Arc<Lamps>>,
     /// What is refracted where solids overlap or touch, if any do.
     pub interfaces: Option<Interfaces>,
     /// What looks at others of the same shapes have found.
     looks: Arc<Looks>,
     look: OnceLock<Look>,
-    rims: OnceLock<Rims>,
+    rims: Arc<OnceLock<Rims>>,
 }
 
 impl<const N: usize> Scene<N> {
@@ -106,7 +106,7 @@ impl<const N: usize> Scene<N> {
         [width, height]: [u32; 2],
     ) -> Self {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
-        let material_of_primitive: Vec<u32> =
+        let material_of_primitive: Arc<[u32]> =
             shapes.surface_of_primitive.iter().map(material_of).collect();
         let mut surfaces = Surfaces::new(&optics.materials);
         let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
@@ -120,31 +120,30 @@ impl<const N: usize> Scene<N> {
         let events = events(&media);
         media.push(Medium::clear());
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
-        let has_media = !optics.media.is_empty();
-        let immersion = Immersion::new(&shapes, &accelerator, has_media);
-        let media_of = |emitter: &Emitter<N>| media_about(&immersion, emitter);
+        let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
+        let media_of = |emitter: &Emitter| media_about(&immersion, emitter);
         let sensor = Sensor::new(&camera, width, height);
         let sensor_medium = immersion.about(sensor.places());
-        let emitter_media: Vec<_> = optics.emitters.par_iter().map(media_of).collect();
-        let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media);
+        let emitter_media: Arc<[_]> = optics.emitters.par_iter().map(media_of).collect();
+        let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media).map(Arc::new);
         let offset_of =
-            |emitter: &Emitter<N>| offset_distance(emitter::reach(&emitter.model, &shapes));
+            |emitter: &Emitter| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
         let has_straight_on = !straight_on_kinds.is_empty();
         let has_emitting_straight_on = has_straight_on
-            && material_of_primitive.iter().zip(&optics.emitter_of_primitive).any(
+            && material_of_primitive.iter().zip(&*optics.emitter_of_primitive).any(
                 |(&row, &emitter)| emitter != NONE && materials[row as usize].kind.is_straight_on(),
             );
         let mut scene = Self {
             sensor_medium,
             emitter_media,
             sensor,
-            direct: DirectTable::new(&shapes, &optics),
+            direct: Arc::new(DirectTable::new(&shapes, &optics.emitters)),
             emitter_offsets,
-            choice: Choice::new(&shapes, &optics.emitters),
+            choice: Arc::new(Choice::new(&shapes, &optics.emitters)),
             aim: None,
-            glimpses: Glimpses::default(),
+            glimpses: Arc::default(),
             lamps,
             interfaces,
             has_polarizing_vertices,
@@ -155,7 +154,7 @@ impl<const N: usize> Scene<N> {
             has_shading_normals: shapes.has_shading_normals(),
             looks: Arc::default(),
             look: OnceLock::new(),
-            rims: OnceLock::new(),
+            rims: Arc::default(),
             media,
             accelerator,
             shapes,
@@ -166,8 +165,48 @@ impl<const N: usize> Scene<N> {
             surfaces,
         };
         scene.aim_light_paths();
-        scene.glimpses = Glimpses::new(&scene.shapes, &scene.optics, &scene.sensor);
+        let emitters = &scene.optics.emitters;
+        scene.glimpses = Arc::new(Glimpses::new(&scene.shapes, emitters, &scene.sensor));
         scene
+    }
+
+    /// The same scene at other wavelengths: places, trees, choices and what has been learned are
+    /// shared. The optics have the emitters of this one, and materials and media of its kinds.
+    #[must_use]
+    pub fn with_optics(&self, optics: Optics<N>) -> Self {
+        let mut surfaces = Surfaces::new(&optics.materials);
+        let interfaces = Interfaces::new(&self.shapes, &optics, &mut surfaces);
+        let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
+        media.push(Medium::clear());
+        Self {
+            shapes: Arc::clone(&self.shapes),
+            camera: self.camera,
+            accelerator: Arc::clone(&self.accelerator),
+            optics,
+            sensor: self.sensor,
+            surfaces,
+            material_of_primitive: Arc::clone(&self.material_of_primitive),
+            events: self.events.clone(),
+            event_of_hit: Arc::clone(&self.event_of_hit),
+            media,
+            has_straight_on: self.has_straight_on,
+            straight_on_kinds: self.straight_on_kinds.clone(),
+            has_emitting_straight_on: self.has_emitting_straight_on,
+            has_polarizing_vertices: self.has_polarizing_vertices,
+            has_shading_normals: self.has_shading_normals,
+            emitter_offsets: Arc::clone(&self.emitter_offsets),
+            direct: Arc::clone(&self.direct),
+            sensor_medium: self.sensor_medium,
+            emitter_media: Arc::clone(&self.emitter_media),
+            choice: Arc::clone(&self.choice),
+            aim: self.aim.clone(),
+            glimpses: Arc::clone(&self.glimpses),
+            lamps: self.lamps.clone(),
+            interfaces,
+            looks: Arc::clone(&self.looks),
+            look: self.look.clone(),
+            rims: Arc::clone(&self.rims),
+        }
     }
 
     /// Shares what looks find with other scenes of the same shapes.
@@ -181,10 +220,12 @@ impl<const N: usize> Scene<N> {
             return;
         }
         let targets = targets(self);
-        self.aim = Aim::new(&targets, &self.shapes, &mut self.optics.emitters);
+        let emitters = Arc::make_mut(&mut self.optics.emitters);
+        self.aim = Aim::new(&targets, &self.shapes, emitters).map(Arc::new);
         if self.aim.is_some() {
-            self.direct = DirectTable::new(&self.shapes, &self.optics);
-            self.choice = Choice::new(&self.shapes, &self.optics.emitters);
+            let emitters = &self.optics.emitters;
+            self.direct = Arc::new(DirectTable::new(&self.shapes, emitters));
+            self.choice = Arc::new(Choice::new(&self.shapes, emitters));
         }
     }
 
@@ -456,10 +497,7 @@ fn present(events: &[Event], materials: &[Material]) -> impl Iterator<Item = Eve
 }
 
 /// The media before and behind an emitter.
-fn media_about<const N: usize>(
-    immersion: &Immersion,
-    Emitter { model, .. }: &Emitter<N>,
-) -> Around<[u32; 2]> {
+fn media_about(immersion: &Immersion, Emitter { model, .. }: &Emitter) -> Around<[u32; 2]> {
     immersion.about_emitter(
         |shapes| emitter::places(model, shapes),
         emitter::primitive(model),

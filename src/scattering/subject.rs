@@ -61,7 +61,7 @@ impl Subject {
             camera: scene.camera,
             kinds: materials.iter().map(|material| material.kind).collect(),
             emitters: emitters.iter().map(|emitter| emitter.model).collect(),
-            radiance: emitters.iter().flat_map(|emitter| emitter.radiance).collect(),
+            radiance: (0..emitters.len()).flat_map(|row| optics.radiance_of(row)).collect(),
             environment: optics.environment,
             scattering: optics.media.iter().map(|medium| medium.scatters()).collect(),
         })

@@ -3,6 +3,8 @@
 //!
 //! Lengths are in scene units (meters in glTF), angles in radians, radiometry per channel.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::emitter::Emitter;
@@ -93,11 +95,23 @@ pub struct Optics<const N: usize> {
     pub media: Vec<Medium<N>>,
     /// Everything that emits, the environment included; at least one row, none without power.
     /// Primitives come first, in their order, then punctual lights, then the environment.
-    pub emitters: Vec<Emitter<N>>,
+    pub emitters: Arc<Vec<Emitter>>,
+    /// What emitters emit, one row for all of one spectrum: radiance, radiant intensity or
+    /// irradiance, as their models have it; not negative, finite. By materials first, then by
+    /// punctual lights, then by environments.
+    pub lamps: Vec<[f32; N]>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
-    pub emitter_of_primitive: Vec<u32>,
+    pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The row of the constant environment in `emitters`, or [`NONE`].
     pub environment: u32,
+}
+
+impl<const N: usize> Optics<N> {
+    /// How much an emitter emits at every wavelength.
+    #[inline(always)]
+    pub fn radiance_of(&self, emitter: usize) -> [f32; N] {
+        self.lamps[self.emitters[emitter].lamp as usize]
+    }
 }
 
 impl Shapes {

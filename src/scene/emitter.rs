@@ -17,13 +17,16 @@ pub(crate) use for_all_emitters;
 
 /// Something that emits unpolarized light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emitter<const N: usize> {
+pub struct Emitter {
     /// Its model, with the parameters of that.
     pub model: EmitterModel,
-    /// Radiance, radiant intensity or irradiance, as the model has it; not negative, finite.
-    pub radiance: [f32; N],
+    /// Row in the lamps: how much it emits at every wavelength.
+    pub lamp: u32,
+    /// That, averaged over the columns of the render, or over its range of wavelengths; greater
+    /// than zero.
+    pub brightness: f32,
     /// Probability to be chosen as the start of a light path: proportional to emitted power
-    /// averaged over the channels. All rows together sum to one. What vertices connect to is chosen
+    /// averaged likewise. All rows together sum to one. What vertices connect to is chosen
     /// by what it brings to them (`scattering::emitter::choice`).
     pub probability: f32,
 }

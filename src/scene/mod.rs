@@ -14,7 +14,10 @@ pub mod instanced;
 pub mod warnings;
 pub mod world;
 
-pub use self::bake::{Plan, bake, bake_camera, bake_optics, bake_shapes, plan_shapes};
+pub use self::bake::{
+    Brightness, Common, Emitters, Lamp, Plan, Suspensions, bake, bake_camera, bake_emission,
+    bake_emitters, bake_optics, bake_optics_at, bake_shapes, lamps, plan_shapes,
+};
 pub use self::error::SceneError;
 pub use self::gltf::{
     Edit, Editable, EditedFile, Reading, SceneFile, extension_keys, keys_of_kind, load,

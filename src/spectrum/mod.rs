@@ -1,21 +1,32 @@
 //! Floor 1: what a column "per wavelength" stands for.
 //!
-//! The renderer is generic over the number of wavelengths `N`; this floor says which they are and
-//! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`.
+//! The renderer is generic over the number of columns `N`; this floor says what they carry
+//! ([`Carried`]), what the channels of an image stand for ([`Color`]) and take of light
+//! ([`Responses`]), and turns what the user writes (RGB triples, tabulated spectra, constants) into
+//! `[f32; N]`.
 
+mod bands;
+mod carried;
+pub mod density;
 mod metals;
+mod responses;
 mod spectra;
 
+pub use bands::{BANDS_MAX, Band, Bands};
+pub use carried::Carried;
 pub use metals::{metal, metal_names};
+pub use responses::{Response, Responses, Taken};
 pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
+
+use std::sync::Arc;
 
 /// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a
 /// spectral quantity (an index of refraction, say) is reduced to RGB, and for which the channels
 /// stand when an RGB triple is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
-/// Which wavelengths a render carries.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the channels of an image stand for.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Color {
     /// Three channels, red, green and blue, in linear sRGB primaries.
     Rgb,
@@ -24,24 +35,28 @@ pub enum Color {
         /// Vacuum wavelength in nanometers.
         wavelength_nm: f32,
     },
+    /// Bands of wavelengths, over each of which light is averaged: per nanometer.
+    Bands(Arc<Bands>),
 }
 
 impl std::fmt::Display for Color {
-    /// `RGB`, or the wavelength.
+    /// `RGB`, or the wavelength, or the bands in words.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self {
             Self::Rgb => write!(f, "RGB"),
             Self::Mono { wavelength_nm } => write!(f, "{wavelength_nm} nm"),
+            Self::Bands(bands) => write!(f, "{bands}"),
         }
     }
 }
 
 impl Color {
-    /// Number of channels, the `N` of the renderer's tables.
-    pub fn channels(self) -> usize {
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
         match self {
             Color::Rgb => 3,
             Color::Mono { .. } => 1,
+            Color::Bands(bands) => bands.list().len(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
-use super::{Color, RGB_WAVELENGTHS_NM};
+use super::{Carried, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
 /// A quantity that may depend on wavelength: a reflectance, an index of refraction, a radiance.
@@ -106,6 +106,14 @@ impl Spectrum {
         }
     }
 
+    /// The wavelengths in nanometers at which it bends, if it is a table.
+    pub fn knots_nm(&self) -> &[f32] {
+        match self {
+            Self::Constant(_) | Self::Rgb(_) => &[],
+            Self::Table(table) => &table.wavelengths_nm,
+        }
+    }
+
     /// Refuses a spectrum that has values outside of a range, or not finite. `field` is what errors
     /// call it.
     ///
@@ -126,23 +134,19 @@ impl Spectrum {
         self
     }
 
-    /// Its values in the channels of `color`.
+    /// Its values in the columns of a render.
     ///
     /// # Errors
     /// When a table does not cover a wavelength of the render.
-    ///
-    /// # Panics
-    /// When `N` is not `color.channels()`.
-    pub fn sample<const N: usize>(&self, color: Color) -> Result<[f32; N], OutsideTable> {
-        assert_eq!(N, color.channels(), "N is the number of channels of the color");
+    pub fn sample<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], OutsideTable> {
         let mut values = [0.0; N];
-        for (channel, value) in values.iter_mut().enumerate() {
-            *value = match (self, color) {
-                (Self::Constant(constant), _) => *constant,
-                (Self::Rgb(rgb), Color::Rgb) => rgb[channel],
-                (Self::Rgb(rgb), Color::Mono { wavelength_nm }) => rgb_at(rgb, wavelength_nm),
-                (Self::Table(table), Color::Rgb) => table.at(RGB_WAVELENGTHS_NM[channel])?,
-                (Self::Table(table), Color::Mono { wavelength_nm }) => table.at(wavelength_nm)?,
+        let columns = values.iter_mut().zip(carried.wavelengths_nm()).enumerate();
+        for (column, (value, &wavelength_nm)) in columns {
+            *value = match self {
+                Self::Constant(constant) => *constant,
+                Self::Rgb(rgb) if carried.is_rgb() => rgb[column % rgb.len()],
+                Self::Rgb(rgb) => rgb_at(rgb, wavelength_nm),
+                Self::Table(table) => table.at(wavelength_nm)?,
             };
         }
         Ok(values)
@@ -170,8 +174,8 @@ fn mix(from: f32, to: f32, share: f32) -> f32 {
 mod tests {
     use super::*;
 
-    fn mono(wavelength_nm: f32) -> Color {
-        Color::Mono { wavelength_nm }
+    fn mono(wavelength_nm: f32) -> Carried<1> {
+        Carried::at([wavelength_nm])
     }
 
     #[test]
@@ -180,21 +184,21 @@ mod tests {
         for (wavelength_nm, expected) in
             [(650.0, 0.1), (550.0, 0.4), (450.0, 0.8), (380.0, 0.8), (800.0, 0.1), (500.0, 0.6)]
         {
-            let [value] = spectrum.sample::<1>(mono(wavelength_nm)).unwrap();
+            let [value] = spectrum.sample(&mono(wavelength_nm)).unwrap();
             assert!((value - expected).abs() < 1e-6, "{wavelength_nm} nm: {value}");
         }
-        assert_eq!(spectrum.sample::<3>(Color::Rgb), Ok([0.1, 0.4, 0.8]));
+        assert_eq!(spectrum.sample(&Carried::RGB), Ok([0.1, 0.4, 0.8]));
     }
 
     #[test]
     fn tables_interpolate_inside_and_refuse_outside() {
         let spectrum = Spectrum::table(&[400.0, 500.0, 700.0], &[1.0, 2.0, 4.0]).unwrap();
-        assert_eq!(spectrum.sample::<1>(mono(400.0)), Ok([1.0]));
-        assert_eq!(spectrum.sample::<1>(mono(600.0)), Ok([3.0]));
-        assert_eq!(spectrum.sample::<1>(mono(700.0)), Ok([4.0]));
-        let outside = spectrum.sample::<1>(mono(701.0)).unwrap_err();
+        assert_eq!(spectrum.sample(&mono(400.0)), Ok([1.0]));
+        assert_eq!(spectrum.sample(&mono(600.0)), Ok([3.0]));
+        assert_eq!(spectrum.sample(&mono(700.0)), Ok([4.0]));
+        let outside = spectrum.sample(&mono(701.0)).unwrap_err();
         assert_eq!((outside.first_nm, outside.last_nm), (400.0, 700.0));
-        assert_eq!(spectrum.sample::<3>(Color::Rgb), Ok([3.5, 2.5, 1.5]));
+        assert_eq!(spectrum.sample(&Carried::RGB), Ok([3.5, 2.5, 1.5]));
     }
 
     #[test]

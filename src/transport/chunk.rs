@@ -9,6 +9,8 @@ use super::bounce::Sampling;
 pub const TILE: u32 = 16;
 /// Iterations that a chunk takes together.
 pub const ITERATIONS: u32 = 4;
+/// Edge of a tile in pixels where a chunk has one iteration alone.
+pub const WIDE_TILE: u32 = 2 * TILE;
 /// Most rows that a chunk starts with.
 pub const ROWS: usize = (TILE * TILE * ITERATIONS) as usize;
 
@@ -19,13 +21,13 @@ pub struct Chunk {
     pub x: u32,
     /// Top edge of the tile in pixels.
     pub y: u32,
-    /// Width of the tile, at most [`TILE`].
+    /// Width of the tile, at most [`TILE`], or [`WIDE_TILE`] with a single iteration.
     pub width: u32,
-    /// Height of the tile, at most [`TILE`].
+    /// Height of the tile, likewise.
     pub height: u32,
     /// Index of the first iteration in the random sequences.
     pub first_iteration: u32,
-    /// Number of iterations, at most [`ITERATIONS`].
+    /// Number of iterations, at most [`ITERATIONS`]; all have the same wavelengths.
     pub iterations: u32,
     /// Seed of all random sequences.
     pub seed: u32,
@@ -82,10 +84,11 @@ impl Chunk {
     }
 }
 
-/// The tiles of a film, row by row: left, top, width, height.
-pub fn tiles(width: u32, height: u32) -> Vec<[u32; 4]> {
-    let edges = |size: u32| (0..size).step_by(TILE as usize);
-    edges(height)
-        .flat_map(|y| edges(width).map(move |x| [x, y, TILE.min(width - x), TILE.min(height - y)]))
+/// The tiles of a film, row by row: left, top, width, height, of which the last two are `edge` at
+/// most.
+pub fn tiles([width, height]: [u32; 2], edge: u32) -> Vec<[u32; 4]> {
+    let starts = |size: u32| (0..size).step_by(edge as usize);
+    starts(height)
+        .flat_map(|y| starts(width).map(move |x| [x, y, edge.min(width - x), edge.min(height - y)]))
         .collect()
 }

@@ -286,7 +286,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 24] = [
+    let cases: [(&[&str], &str); 36] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),
@@ -311,6 +311,27 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--integrator", "photon"], "path, light, bdpt"),
         (&["--mode", "grey"], "scalar, intensity, polarized"),
         (&["--no-such-option"], "--no-such-option"),
+        (&["--bands", "400:700:31"], "--bands goes with --color spectral"),
+        (&["--color", "mono", "--range", "400:700"], "--range goes with --color spectral"),
+        (&["--color", "spectral"], "--color spectral has no film of RGB: say which bands"),
+        (&["--color", "spectral", "--wavelength", "5"], "--wavelength goes with --color mono"),
+        (&["--color", "spectral", "--bands", "400:700"], "as in 400:700:31"),
+        (&["--color", "spectral", "--bands", "700:400:3"], "turn them round"),
+        (&["--color", "spectral", "--bands", "500:500:3"], "no width"),
+        (&["--color", "spectral", "--bands", "NaN:500:3"], "--bands"),
+        (
+            &["--color", "spectral", "--bands", "400:700:31", "--wavelengths", "5"],
+            "--wavelengths must be 4 or 8, not 5",
+        ),
+        (
+            &["--color", "spectral", "--bands", "400:700:31", "--range", "400:700"],
+            "--bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
+        ),
+        (
+            &["--color", "spectral", "--bands", "400:700:31", "--range", "710:390"],
+            "--range must go from a shorter to a longer wavelength",
+        ),
+        (&["--color", "spectral", "--range", "blue"], "as in 380:780"),
     ];
     for (options, words) in cases {
         let arguments = [&["render", "good.gltf", "-o", "out.exr"][..], options].concat();

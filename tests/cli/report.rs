@@ -36,7 +36,7 @@ fn write(here: &Path, records: &[Value]) {
 
 /// An image whose S0 is `s0` and whose other components, if there are any, half of it.
 fn flat(color: Color, components: usize, s0: f32) -> StokesImage {
-    let mut image = StokesImage::new(6, 4, color, components);
+    let mut image = StokesImage::new(6, 4, color.clone(), components);
     for (at, plane) in image.planes.iter_mut().enumerate() {
         plane.fill(if at < color.channels() { s0 } else { 0.5 * s0 });
     }

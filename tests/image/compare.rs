@@ -30,7 +30,7 @@ impl Normal {
 /// A smooth truth with Gaussian noise of a known size that differs from pixel to pixel.
 fn noisy(width: usize, height: usize, color: Color, seed: u64) -> StokesImage {
     let mut random = Normal(seed);
-    let mut image = StokesImage::new(width, height, color, 4);
+    let mut image = StokesImage::new(width, height, color.clone(), 4);
     let mut variance = image.planes.clone();
     for (i, plane) in image.planes.iter_mut().enumerate() {
         for pixel in 0..width * height {

@@ -2,10 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::image::{self, OutputError, atomic, exr, hdr, npy};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::{Band, Bands, Color};
 
 const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
 
@@ -42,7 +43,7 @@ impl Random {
 /// Physical Stokes vectors over ten decades of intensity, a few of them black.
 fn sample(width: usize, height: usize, color: Color, components: usize) -> StokesImage {
     let mut random = Random(7);
-    let mut image = StokesImage::new(width, height, color, components);
+    let mut image = StokesImage::new(width, height, color.clone(), components);
     let channels = color.channels();
     for pixel in 0..width * height {
         for channel in 0..channels {
@@ -106,7 +107,7 @@ fn exr_round_trips_bit_for_bit() {
             assert_eq!(back.variance.as_deref().map(bits), image.variance.as_deref().map(bits));
             assert_eq!(back.metadata, image.metadata);
             assert_eq!((back.width, back.height), (image.width, image.height));
-            assert_eq!((back.color, back.components), (image.color, image.components));
+            assert_eq!((&back.color, back.components), (&image.color, image.components));
         }
     }
 }
@@ -203,7 +204,7 @@ fn hdr_round_trips_within_its_bounds() {
         image::save(&image, &path).unwrap();
         let back = image::load(&path).unwrap();
         assert_eq!(back.metadata, image.metadata);
-        assert_eq!((back.width, back.height, back.color), (19, 23, image.color));
+        assert_eq!((back.width, back.height, &back.color), (19, 23, &image.color));
         assert_eq!(back.components, image.components);
         for pixel in 0..image.width * image.height {
             let largest =
@@ -347,12 +348,40 @@ fn an_exr_that_promises_too_much_is_refused() {
     }
 }
 
+/// Bands come back with their names and widths, and files of others with what can be told.
+#[test]
+fn bands_come_back() {
+    let folder = folder("bands");
+    let list = [("blue", 450.0, 20.0), ("a line", 589.3, 0.5), ("red edge", 700.1, 31.5)];
+    let band = |(name, center_nm, width_nm): (&str, f32, f32)| Band {
+        name: name.to_owned(),
+        center_nm,
+        width_nm,
+    };
+    let color = Color::Bands(Arc::new(Bands::new(list.map(band).to_vec()).unwrap()));
+    for (components, with_variance) in [(1, false), (4, true)] {
+        let mut image = sample(9, 5, color.clone(), components);
+        image.variance = with_variance.then(|| image.planes.clone());
+        let path = folder.join(format!("{components}.exr"));
+        image.save(&path).unwrap();
+        assert_eq!(StokesImage::load(&path).unwrap(), image);
+        let of_line = image.at_wavelength(589.2).unwrap();
+        assert_eq!(of_line.color, Color::Mono { wavelength_nm: 589.3 });
+        assert_eq!(of_line.plane(components - 1, 0), image.plane(components - 1, 1));
+        let error = image.at_wavelength(500.0).unwrap_err().to_string();
+        assert!(error.contains("3 bands") && error.contains("500 nm"), "{error}");
+        let error = image.save(&folder.join("x.hdr")).unwrap_err().to_string();
+        assert!(error.contains("write an .exr"), "{error}");
+        image.save(&folder.join("x.png")).unwrap();
+    }
+}
+
 /// What `exr` itself would write, but for the level of its deflate: its own types, from scratch.
 fn write_by_library(image: &StokesImage, path: &Path) {
     use ::exr::prelude::*;
     let names: &[&str] = match image.color {
         Color::Rgb => &["R", "G", "B"],
-        Color::Mono { .. } => &[""],
+        Color::Mono { .. } | Color::Bands(_) => &[""],
     };
     let name_of = |plane: usize| {
         let (component, channel) = (plane / names.len(), names[plane % names.len()]);
@@ -399,7 +428,7 @@ fn exr_blocks_are_those_of_the_library() {
     let sizes = [(1, 1), (1, 16), (3, 17), (64, 64), (200, 33), (1500, 90), (5300, 3), (9000, 2)];
     for (index, (width, height)) in sizes.into_iter().enumerate() {
         for (color, components) in [(Color::Rgb, 4), (Color::Rgb, 1), (MONO, 4), (MONO, 1)] {
-            let mut image = sample(width, height, color, components);
+            let mut image = sample(width, height, color.clone(), components);
             let mut random = Random(index as u64);
             match index % 3 {
                 0 => image.planes.iter_mut().flatten().for_each(|value| *value = 0.0),

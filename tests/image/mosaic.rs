@@ -13,7 +13,7 @@ const BLACK: u32 = 1000;
 
 /// An image of the same light everywhere.
 fn even(width: usize, height: usize, color: Color, stokes: &[[f32; 4]]) -> StokesImage {
-    let mut image = StokesImage::new(width, height, color, 4);
+    let mut image = StokesImage::new(width, height, color.clone(), 4);
     let channels = color.channels();
     for (index, plane) in image.planes.iter_mut().enumerate() {
         plane.fill(stokes[index % channels][index / channels]);

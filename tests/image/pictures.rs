@@ -18,7 +18,7 @@ fn folder() -> PathBuf {
 }
 
 fn row(vectors: &[[f32; 4]], color: Color) -> StokesImage {
-    let mut image = StokesImage::new(vectors.len(), 1, color, 4);
+    let mut image = StokesImage::new(vectors.len(), 1, color.clone(), 4);
     let channels = color.channels();
     for (i, plane) in image.planes.iter_mut().enumerate() {
         *plane = vectors.iter().map(|stokes| stokes[i / channels]).collect();
@@ -32,7 +32,7 @@ fn colors(vectors: &[[f32; 4]], map: Map) -> Vec<[u8; 3]> {
 
 /// A sky: full intensity range over x, a turning and ellipticizing polarization over y.
 fn ramps(width: usize, height: usize, color: Color) -> StokesImage {
-    let mut image = StokesImage::new(width, height, color, 4);
+    let mut image = StokesImage::new(width, height, color.clone(), 4);
     let channels = color.channels();
     for pixel in 0..width * height {
         let (x, y) = (pixel % width, pixel / width);

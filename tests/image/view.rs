@@ -54,7 +54,7 @@ fn bits(page: &str, id: &str) -> Vec<u32> {
 fn pixels_are_the_images_bit_for_bit() {
     for (color, components) in [(Color::Rgb, 4), (Color::Rgb, 1), (MONO, 4), (MONO, 1)] {
         for (width, height) in [(1, 1), (17, 5), (300, 200)] {
-            let mut image = image(width, height, color, components);
+            let mut image = image(width, height, color.clone(), components);
             image.variance = Some(image.planes.iter().rev().cloned().collect());
             let page = page(&[("a.exr", &image), ("b.exr", &image)]);
             for index in 0..2 {

@@ -13,7 +13,7 @@ use sunstone::internals::scene::world::{
     Medium, Name, Order, Phase, Punctual, Sides, Skin, SurfaceModel, Transform,
 };
 use sunstone::internals::scene::{World, bake};
-use sunstone::internals::spectrum::{Color, Spectrum};
+use sunstone::internals::spectrum::{Carried, Spectrum};
 use sunstone::{Analyzer, Edit, PlacedWorld, SceneFile};
 
 /// The same room as a file.
@@ -32,9 +32,9 @@ fn room_file() -> Value {
 
 #[test]
 fn code_and_file_give_the_same_tables() {
-    let built = format!("{:?}", bake::<3>(&room(), Color::Rgb).unwrap());
+    let built = format!("{:?}", bake(&room(), &Carried::RGB).unwrap());
     let read = load_json(&room_file()).unwrap();
-    assert_eq!(built, format!("{:?}", bake::<3>(&read, Color::Rgb).unwrap()));
+    assert_eq!(built, format!("{:?}", bake(&read, &Carried::RGB).unwrap()));
     assert_eq!(read.warnings(), room().warnings());
     // The room has everything that the descriptions of worlds know.
     let lines = |world: &World| world.describe().lines().count();
@@ -75,7 +75,7 @@ fn cameras_have_analyzers() {
         (json!({"kind": "right_circular"}), Analyzer::RightCircular),
         (json!({"kind": "left_circular"}), Analyzer::LeftCircular),
     ];
-    let of = |world: &World| bake::<3>(world, Color::Rgb).unwrap().camera.analyzer;
+    let of = |world: &World| bake(world, &Carried::RGB).unwrap().camera.analyzer;
     for (body, analyzer) in cases {
         let mut document = room_file();
         document["cameras"][0]["extras"]["sunstone_film"]["analyzer"] = body;
@@ -105,25 +105,25 @@ fn what_is_set_replaces_what_was_there() {
     let mut world = room();
     world.set_camera("other", Lens::pinhole(1.0), DVec3::Z).unwrap();
     world.set_environment([0.0, 0.0, 1.0]).unwrap();
-    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let scene = bake(&world, &Carried::RGB).unwrap();
     assert_eq!(scene.camera.resolution, None, "it was the other camera's");
-    assert_eq!(scene.optics.emitters.last().unwrap().radiance, [0.0, 0.0, 1.0]);
+    assert_eq!(scene.optics.lamps.last().copied().unwrap(), [0.0, 0.0, 1.0]);
     assert!(world.find("eye").is_none());
 
     // What is refused leaves the world as it was.
     assert!(world.set_camera("bad", Lens::pinhole(0.0), DVec3::Z).is_err());
     assert!(world.set_environment(-1.0).is_err());
-    assert_eq!(format!("{:?}", bake::<3>(&world, Color::Rgb).unwrap()), format!("{scene:?}"));
+    assert_eq!(format!("{:?}", bake(&world, &Carried::RGB).unwrap()), format!("{scene:?}"));
 
     let fog = world.find("fog").unwrap();
     world.set_environment(0.0).unwrap();
     world.set_scene_medium(fog).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.scene_medium, 0);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.scene_medium, 0);
     let thin = world.add_medium("", Medium::new(0.0, 0.1, Phase::isotropic())).unwrap();
     world.set_scene_medium(thin).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.scene_medium, 1);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.scene_medium, 1);
     world.set_scene_medium(None).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.scene_medium, u32::MAX);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.scene_medium, u32::MAX);
     let error = world.set_scene_medium(world.find("glass").unwrap()).unwrap_err().to_string();
     has_all(&error, &["scene, medium", "not a medium"]);
 }
@@ -133,7 +133,7 @@ fn lights_can_be_put_out_and_geometry_shared() {
     let mut world = room();
     insert(&mut world, "glow", Emission { radiance: Spectrum::Constant(0.0) });
     insert(&mut world, "lamp", Punctual::point(0.0));
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().optics.emitters.len(), 1);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().optics.emitters.len(), 1);
 
     let grid = 200;
     let at = |index: u32| Vec3::new((index % grid) as f32, (index / grid) as f32, 0.0);
@@ -144,7 +144,7 @@ fn lights_can_be_put_out_and_geometry_shared() {
     for index in 0..4 {
         world.add_mesh("", Arc::clone(&mesh), glass, DVec3::Z * f64::from(index)).unwrap();
     }
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.instanced.instances().len(), 4);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.instanced.instances().len(), 4);
     let name = world.entities().iter().filter_map(|it| it.get::<&Name>().map(|it| it.0.clone()));
     assert_eq!(name.filter(|name| name.starts_with("mesh ")).count(), 5);
 }
@@ -293,10 +293,10 @@ fn edits_of_a_file_are_refused_in_its_words() {
     let text = refusal(&world);
     has_all(&text, &["scene.gltf: material 0 \"glow\", reflectance: 2.5 must be within [0, 1]"]);
     insert(&mut world, "glow", Bsdf::diffuse(0.25));
-    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let scene = bake(&world, &Carried::RGB).unwrap();
     assert_eq!(scene.optics.materials[0].model, SurfaceModel::Diffuse { reflectance: [0.25; 3] });
     // A file can be added to.
     let glow = world.find("glow").unwrap();
     world.add_sphere("moon", 0.1, glow, DVec3::X * 3.0).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.spheres.len(), 2);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.spheres.len(), 2);
 }

@@ -5,7 +5,7 @@ use std::fs;
 use crate::common::{data_uri, glb, good, load_bytes, load_json, scratch, square_bytes};
 use serde_json::{Value, json};
 use sunstone::internals::scene::{Reading, bake, load, load_with};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 /// What is done to the good document, and what the error must say.
 pub type Case = (fn(&mut Value), &'static [&'static str]);
@@ -51,7 +51,7 @@ fn the_good_document_is_good() {
     assert_eq!(world.warnings(), [] as [String; 0]);
     assert_eq!(world.name(), "good");
     let world = load_bytes("scene.glb", &glb(good(), &square_bytes())).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.triangles.len(), 2);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.triangles.len(), 2);
 }
 
 #[test]
@@ -476,7 +476,7 @@ fn deep_hierarchies_are_fine() {
     }
     nodes.push(json!({"mesh": 0, "translation": [0, 0, 1]}));
     let world = load_json(&document).unwrap();
-    assert_eq!(bake::<3>(&world, Color::Rgb).unwrap().shapes.triangles.len(), 4);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().shapes.triangles.len(), 4);
 }
 
 #[test]
@@ -526,7 +526,7 @@ fn grids(count: usize) -> Value {
 #[test]
 fn instances_are_kept_once_unless_they_emit_or_are_stretched() {
     let counts = |document: &Value| {
-        let scene = bake::<3>(&load_json(document).unwrap(), Color::Rgb).unwrap();
+        let scene = bake(&load_json(document).unwrap(), &Carried::RGB).unwrap();
         (scene.shapes.instanced.instances().len(), scene.shapes.triangles.len() >> 15)
     };
     // Node 1 shows the mesh too.
@@ -544,10 +544,10 @@ fn instances_are_kept_once_unless_they_emit_or_are_stretched() {
 fn copies_without_end_are_refused_and_instances_are_not() {
     let mut document = grids(2100);
     let world = load_json(&document).unwrap();
-    let error = bake::<3>(&world, Color::Rgb).unwrap_err().to_string();
+    let error = bake(&world, &Carried::RGB).unwrap_err().to_string();
     assert!(error.contains("triangles in copies"), "{error}");
     document["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
-    let scene = bake::<3>(&load_json(&document).unwrap(), Color::Rgb).unwrap();
+    let scene = bake(&load_json(&document).unwrap(), &Carried::RGB).unwrap();
     assert_eq!(scene.shapes.instanced.instances().len(), 2101);
     let last = scene.shapes.instanced.instances().last().unwrap();
     assert_eq!(scene.shapes.surface_of(last.first_primitive + 32_767), last.surface);
@@ -561,7 +561,7 @@ fn what_only_the_bake_can_see() {
     dark["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     dark["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(0);
     let world = load_json(&dark).unwrap();
-    let error = bake::<3>(&world, Color::Rgb).unwrap_err();
+    let error = bake(&world, &Carried::RGB).unwrap_err();
     assert!(error.to_string().contains("nothing in the scene emits"), "{error}");
     assert_eq!(error.place(), "lights");
     assert!(error.remedy().contains("add a light"));
@@ -569,16 +569,14 @@ fn what_only_the_bake_can_see() {
     let mut metal = good();
     material(&mut metal, json!({"bsdf": "conductor", "metal": "Au"}));
     let world = load_json(&metal).unwrap();
-    assert!(bake::<1>(&world, Color::Mono { wavelength_nm: 500.0 }).is_ok());
-    let error = bake::<1>(&world, Color::Mono { wavelength_nm: 700.0 }).unwrap_err().to_string();
+    assert!(bake(&world, &Carried::at([500.0])).is_ok());
+    let error = bake(&world, &Carried::at([700.0])).unwrap_err().to_string();
     assert!(error.contains("material 0 \"glow\"") && error.contains("450 to 650"), "{error}");
-    let error = bake::<1>(&world, Color::Rgb).unwrap_err().to_string();
-    assert!(error.contains("1 channels"), "{error}");
 
     let mut document = good();
     document["nodes"][1]["scale"] = json!([1e17, 1e17, 1e17]);
     let world = load_json(&document).unwrap();
-    let error = bake::<3>(&world, Color::Rgb).unwrap_err().to_string();
+    let error = bake(&world, &Carried::RGB).unwrap_err().to_string();
     assert!(error.contains("coordinates"), "{error}");
 }
 
@@ -590,7 +588,7 @@ fn triangles_that_vanish_in_their_place_are_dropped() {
     document["nodes"][3]["scale"] = json!([1.0, 1e-8, 1.0]);
     document["nodes"][3]["translation"] = json!([0.0, 3e7, 0.0]);
     let world = load_json(&document).unwrap();
-    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let scene = bake(&world, &Carried::RGB).unwrap();
     assert!(scene.shapes.triangles.is_empty());
     let [warning] = &scene.shapes.warnings[..] else { panic!("{:?}", scene.shapes.warnings) };
     assert!(warning.starts_with("node 1 \"panel\", mesh 0 \"square\""), "{warning}");

@@ -8,7 +8,7 @@ use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::world::{
     Bsdf, Geometry, Lens, Material, Punctual, Transform, World,
 };
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 use crate::common::{good, load_json};
 
@@ -24,7 +24,7 @@ fn moved(by: DVec3) -> BakedScene<3> {
 
 fn baked(document: &Value) -> BakedScene<3> {
     let world = load_json(document).unwrap_or_else(|error| panic!("{error}"));
-    bake::<3>(&world, Color::Rgb).unwrap_or_else(|error| panic!("{error}"))
+    bake(&world, &Carried::RGB).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// All positions in the tables, about the camera.
@@ -97,7 +97,7 @@ fn worlds_in_code_are_centered_too() {
         world.add_light("lamp", Punctual::point(1.0), at + DVec3::Y).unwrap();
         let place = Transform::looking(at + DVec3::new(0.5, 0.1, 0.0), at, DVec3::Y);
         world.set_camera("eye", Lens::pinhole(0.5), place).unwrap();
-        bake::<3>(&world, Color::Rgb).unwrap()
+        bake(&world, &Carried::RGB).unwrap()
     };
     let near = seen_at(DVec3::ZERO);
     let far = seen_at(DVec3::new(3e5, 2e3, -5e6 / 3.0));

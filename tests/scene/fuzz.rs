@@ -3,11 +3,11 @@
 use crate::common::{glb, good, load_bytes, square_bytes};
 use serde_json::json;
 use sunstone::internals::scene::bake;
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 /// Loads and, if that succeeds, bakes; whether the whole came out.
 fn survives(bytes: &[u8]) -> bool {
-    load_bytes("fuzz.glb", bytes).is_ok_and(|world| bake::<3>(&world, Color::Rgb).is_ok())
+    load_bytes("fuzz.glb", bytes).is_ok_and(|world| bake(&world, &Carried::RGB).is_ok())
 }
 
 /// A small generator of random numbers (splitmix64).

@@ -12,12 +12,12 @@ use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, extension_keys, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 #[track_caller]
 pub fn baked(document: &Value) -> BakedScene<3> {
     let world = load_json(document).unwrap_or_else(|error| panic!("{error}"));
-    bake::<3>(&world, Color::Rgb).unwrap_or_else(|error| panic!("{error}"))
+    bake(&world, &Carried::RGB).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[track_caller]
@@ -152,7 +152,7 @@ fn interleaved_vertices_and_external_buffers() {
     document["accessors"][1]["byteOffset"] = json!(12);
     document["buffers"][0]["uri"] = buffer.replace(' ', "%20").into();
     fs::write(&path, document.to_string()).unwrap();
-    let scene = bake::<3>(&load(&path).unwrap(), Color::Rgb).unwrap();
+    let scene = bake(&load(&path).unwrap(), &Carried::RGB).unwrap();
     let reference = baked(&good());
     assert_eq!(scene.shapes.triangles, reference.shapes.triangles);
     assert_eq!(scene.shapes.shading_normals, reference.shapes.shading_normals);
@@ -236,10 +236,10 @@ fn emitters_and_their_probabilities() {
         matches!(models[..], [Triangle(_), Triangle(_), Sphere(_), Point(_), Environment(_)]),
         "{models:?}"
     );
-    assert_eq!(scene.optics.emitter_of_primitive, [0, 1, 2]);
+    assert_eq!(*scene.optics.emitter_of_primitive, [0, 1, 2]);
     assert_eq!(scene.optics.environment, 4);
-    assert_eq!(scene.optics.emitters[2].radiance, [3.0; 3]);
-    assert_eq!(scene.optics.emitters[3].radiance, [1.0; 3], "683 candela are 1 W/sr");
+    assert_eq!(scene.optics.radiance_of(2), [3.0; 3]);
+    assert_eq!(scene.optics.radiance_of(3), [1.0; 3], "683 candela are 1 W/sr");
     let r2 = scene.shapes.bounds.radius.powi(2);
     let powers = [
         PI * 2.0 * 2.0 * (1.75 / 3.0),
@@ -263,8 +263,9 @@ fn spots_directional_lights_and_units() {
         "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.3},
         "extensions": {"SUNSTONE_polarization": {"units": "radiometric"}}});
     assert!(warnings(&document).contains("range is ignored"));
-    let row = *baked(&document).optics.emitters.last().unwrap();
-    assert_eq!(row.radiance, [2.0, 1.0, 0.5]);
+    let scene = baked(&document);
+    let row = *scene.optics.emitters.last().unwrap();
+    assert_eq!(scene.optics.lamps.last(), Some(&[2.0, 1.0, 0.5]));
     let EmitterModel::Spot(spot) = row.model else { panic!("{row:?}") };
     assert!((spot.direction - Vec3::NEG_Y).length() < 1e-6);
     assert!(spot.cos_outer < spot.cos_inner && spot.cos_inner == 0.3f32.cos());
@@ -274,7 +275,7 @@ fn spots_directional_lights_and_units() {
         json!({"type": "directional", "intensity": 683.0});
     let scene = baked(&document);
     let row = *scene.optics.emitters.last().unwrap();
-    assert_eq!(row.radiance, [1.0; 3]);
+    assert_eq!(scene.optics.lamps.last(), Some(&[1.0; 3]));
     let EmitterModel::Directional(sun) = row.model else { panic!("{row:?}") };
     assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6);
     assert!(scene.shapes.bounds.center.y.abs() < 1e-6, "a sun is nowhere");
@@ -288,7 +289,7 @@ fn an_environment_alone_is_a_scene() {
         "extras": {"sunstone_environment": {"radiance": [1, 2, 3]}}});
     let scene = baked(&document);
     assert_eq!((scene.optics.environment, scene.optics.emitters[0].probability), (0, 1.0));
-    assert_eq!(scene.optics.emitters[0].radiance, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.optics.radiance_of(0), [1.0, 2.0, 3.0]);
     assert_eq!((scene.optics.materials.len(), scene.camera.resolution), (1, None));
     assert!(scene.shapes.bounds.radius > 0.0);
     assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Environment(_)));

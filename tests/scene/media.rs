@@ -10,7 +10,7 @@ use sunstone::internals::polarization::mie::MieSphere;
 use sunstone::internals::scene::bake;
 use sunstone::internals::scene::baked::{BakedScene, KEEP, NONE, Phase, PhaseTable};
 use sunstone::internals::scene::world::SurfaceModel;
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 /// The good document with two media; the sphere of glass is number 2 of its nodes.
 fn with_media() -> Value {
@@ -39,7 +39,7 @@ fn medium(document: &mut Value, index: usize) -> &mut Value {
 #[track_caller]
 fn baked(document: &Value) -> BakedScene<3> {
     let world = load_json(document).unwrap_or_else(|error| panic!("{error}"));
-    bake::<3>(&world, Color::Rgb).unwrap_or_else(|error| panic!("{error}"))
+    bake(&world, &Carried::RGB).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Media behind and before the sphere, whose surface is the last.
@@ -153,7 +153,7 @@ pub fn refused(cases: &[Case]) {
         let mut document = with_media();
         spoil(&mut document);
         let error = match load_json(&document) {
-            Ok(world) => bake::<3>(&world, Color::Rgb).map(|_| ()).map_err(|e| e.to_string()),
+            Ok(world) => bake(&world, &Carried::RGB).map(|_| ()).map_err(|e| e.to_string()),
             Err(error) => Err(error),
         };
         let Err(error) = error else { panic!("case {number} ({expected:?}) was accepted") };
@@ -225,8 +225,8 @@ fn milk_is_a_recipe() {
     assert!(phase.spheres && !phase.achromatic);
     assert!(phase.m00.iter().flatten().all(|m00| *m00 > 0.0));
     let world = load_json(&document).unwrap();
-    assert!(bake::<1>(&world, Color::Mono { wavelength_nm: 780.0 }).is_err());
-    assert!(bake::<1>(&world, Color::Mono { wavelength_nm: 380.0 }).is_ok());
+    assert!(bake(&world, &Carried::at([780.0])).is_err());
+    assert!(bake(&world, &Carried::at([380.0])).is_ok());
 }
 
 /// A CSV of Rayleigh's matrix at some angles, as a data URI.
@@ -301,7 +301,7 @@ fn tables_of_several_wavelengths() {
     for (value, expected) in found.elements[100][0].into_iter().zip([0.5, 0.25, 0.0]) {
         assert!((value - expected).abs() < 1e-6);
     }
-    let error = bake::<1>(&world, Color::Mono { wavelength_nm: 700.0 }).unwrap_err().to_string();
+    let error = bake(&world, &Carried::at([700.0])).unwrap_err().to_string();
     assert!(error.contains("media[1]") && error.contains("450 to 650"), "{error}");
 }
 

@@ -8,9 +8,9 @@ use sunstone::internals::scene::baked::{BakedScene, KEEP, NONE, Phase, Projectio
 use sunstone::internals::scene::emitter::{self, Emitter, EmitterModel};
 use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
-const GREEN: Color = Color::Mono { wavelength_nm: 550.0 };
+const GREEN: Carried<1> = Carried::at([550.0]);
 
 fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
@@ -19,7 +19,7 @@ fn scene(name: &str) -> PathBuf {
 fn baked(name: &str) -> BakedScene<1> {
     let world = load(&scene(name)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(world.warnings(), [] as [String; 0], "{name}");
-    bake::<1>(&world, GREEN).unwrap_or_else(|error| panic!("{error}"))
+    bake(&world, &GREEN).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn near(a: Vec3, b: Vec3) -> bool {
@@ -31,7 +31,7 @@ fn assert_near(a: Vec3, b: Vec3) {
     assert!(near(a, b), "{a} is not {b}");
 }
 
-fn emitting_triangle<const N: usize>(emitter: &Emitter<N>) -> Option<emitter::Triangle> {
+fn emitting_triangle(emitter: &Emitter) -> Option<emitter::Triangle> {
     let EmitterModel::Triangle(triangle) = emitter.model else { return None };
     Some(triangle)
 }
@@ -69,9 +69,9 @@ fn cornell() {
     assert_eq!(scene.optics.emitters.len(), 2);
     let total: f32 = scene.optics.emitters.iter().map(|row| row.probability).sum();
     assert!((total - 1.0).abs() < 1e-6);
-    for row in &scene.optics.emitters {
+    for (index, row) in scene.optics.emitters.iter().enumerate() {
         let triangle = emitting_triangle(row).unwrap();
-        assert_eq!((row.radiance, triangle.two_sided), ([6.0], false));
+        assert_eq!((scene.optics.radiance_of(index), triangle.two_sided), ([6.0], false));
         assert!((triangle.area - 0.5).abs() < 1e-6);
         assert_near(normal(&scene, triangle.primitive as usize), Vec3::NEG_Y);
     }
@@ -198,7 +198,7 @@ fn rayleigh() {
     assert!(matches!(&medium.phase, Phase::Table(table) if table.spheres && table.achromatic));
     assert_near(normal(&scene, 12), Vec3::X);
     assert!(emitting_corners(&scene).iter().all(|corner| (corner.x + 3.0).abs() < 1e-6));
-    assert_eq!(scene.optics.emitters[0].radiance, [10.0]);
+    assert_eq!(scene.optics.radiance_of(0), [10.0]);
     let eye = Vec3::new(0.8, 0.9, 4.0);
     assert_near(scene.camera.position, eye);
     assert_near(scene.camera.forward, -eye.normalize());
@@ -249,10 +249,10 @@ fn volume(scene: &BakedScene<3>, wanted: impl Fn(&Surface) -> bool) -> f64 {
 #[test]
 fn mirror_to_look_at() {
     let world = load(&scene("mirror.gltf")).unwrap_or_else(|error| panic!("{error}"));
-    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let scene = bake(&world, &Carried::RGB).unwrap();
     assert_eq!((scene.shapes.spheres.len(), scene.optics.emitters.len()), (3, 1));
     assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Point(_)));
-    assert_eq!(scene.optics.emitters[0].radiance, [46.0, 43.0, 37.0]);
+    assert_eq!(scene.optics.radiance_of(0), [46.0, 43.0, 37.0]);
     assert_eq!((world.warnings(), scene.camera.resolution), (&[][..], Some([512, 512])));
 }
 
@@ -260,7 +260,7 @@ fn mirror_to_look_at() {
 fn tank_to_look_at() {
     let world = load(&scene("tank.gltf")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(world.warnings(), [] as [String; 0]);
-    let scene = bake::<3>(&world, Color::Rgb).unwrap();
+    let scene = bake(&world, &Carried::RGB).unwrap();
     let model = |surface: &Surface| scene.optics.materials[surface.material as usize].model;
     // 1 where it is no dielectric.
     let ior = |surface: &Surface| match model(surface) {
@@ -297,13 +297,13 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
     for name in ["cornell.gltf", "caustic_glass.gltf"] {
         let world = load(&scene(name)).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(world.warnings(), [] as [String; 0]);
-        let rgb = bake::<3>(&world, Color::Rgb).unwrap();
+        let rgb = bake(&world, &Carried::RGB).unwrap();
         assert!(rgb.shapes.shading_normals.is_empty());
         assert_eq!(rgb.camera.resolution, Some([512, 512]));
-        let radiance = rgb.optics.emitters[0].radiance;
+        let radiance = rgb.optics.radiance_of(0);
         assert!(radiance[0] > radiance[1] && radiance[1] > radiance[2]);
-        let mono = bake::<1>(&world, GREEN).unwrap();
-        assert_eq!(mono.optics.emitters[0].radiance, [radiance[1]]);
+        let mono = bake(&world, &GREEN).unwrap();
+        assert_eq!(mono.optics.radiance_of(0), [radiance[1]]);
         assert!(world.describe().contains("smooth dielectric"));
     }
 }

@@ -5,7 +5,7 @@ use sunstone::internals::scene::world::{
     Bsdf, Geometry, Lens, Material, Medium, Phase, Punctual, Skin, Transform,
 };
 use sunstone::internals::scene::{SceneError, World, bake};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 /// A panel that shines, a ball of glass that holds fog, a lamp and a camera, in a clear sky.
 pub fn room() -> World {
@@ -36,7 +36,7 @@ pub fn room() -> World {
 
 #[track_caller]
 pub fn refusal(world: &World) -> String {
-    bake::<3>(world, Color::Rgb).map(|_| ()).expect_err("the edit was accepted").to_string()
+    bake(world, &Carried::RGB).map(|_| ()).expect_err("the edit was accepted").to_string()
 }
 
 #[track_caller]

@@ -16,7 +16,7 @@ use sunstone::internals::scattering::immersion::Around;
 use sunstone::internals::scene::baked::{NONE, Surface};
 use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::{Carried, Color};
 
 use glam::Vec3;
 
@@ -42,7 +42,8 @@ pub fn scene<const N: usize>(
     color: Color,
     [width, height]: [u32; 2],
 ) -> Arc<Scene<N>> {
-    let tables = bake::<N>(world, color).unwrap_or_else(|error| panic!("{error}"));
+    let carried = Carried::<N>::of(&color).expect("as many wavelengths as channels");
+    let tables = bake(world, &carried).unwrap_or_else(|error| panic!("{error}"));
     Arc::new(Scene::new(tables, width, height))
 }
 
@@ -82,7 +83,7 @@ pub fn image<const N: usize>(scene: &Arc<Scene<N>>, options: &Options) -> Stokes
 
 /// A render that is done.
 pub fn rendered<const N: usize>(scene: &Arc<Scene<N>>, options: &Options) -> Renderer {
-    let settings = Settings::new(*options).unwrap_or_else(|error| panic!("{error}"));
+    let settings = Settings::new(options.clone()).unwrap_or_else(|error| panic!("{error}"));
     let mut renderer = Renderer::of(Arc::clone(scene), &settings);
     renderer.run(|_| ControlFlow::Continue(()));
     renderer
@@ -96,7 +97,7 @@ pub fn replicates<const N: usize>(
     count: u32,
 ) -> Vec<StokesImage> {
     let seeds = (0..count).into_par_iter().map(|replicate| settings.seed + replicate);
-    seeds.map(|seed| image(scene, &Options { seed, ..*settings })).collect()
+    seeds.map(|seed| image(scene, &Options { seed, ..settings.clone() })).collect()
 }
 
 /// Share of all directions that an emitter must take up, as seen from the edge of the scene, for
@@ -112,9 +113,8 @@ const CHANCE_MIN: f32 = 1e-3;
 pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     let is_point = |model: &EmitterModel| is_delta(model) && model.is_finite();
     let mut emitters = scene.optics.emitters.iter().enumerate();
-    let immersed = |(index, emitter): (usize, &Emitter<N>)| {
-        is_point(&emitter.model) && scene.is_immersed(index)
-    };
+    let immersed =
+        |(index, emitter): (usize, &Emitter)| is_point(&emitter.model) && scene.is_immersed(index);
     if emitters.any(immersed) {
         return false;
     }
@@ -123,7 +123,7 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     }
     let (shapes, optics) = (&scene.shapes, &scene.optics);
     let mut areas = vec![0.0; shapes.surfaces.len()];
-    for emitter in &optics.emitters {
+    for emitter in &*optics.emitters {
         let (primitive, area) = match emitter.model {
             EmitterModel::Triangle(triangle) => (triangle.primitive, triangle.area),
             EmitterModel::Sphere(sphere) => (sphere.primitive, sphere.area),

@@ -58,7 +58,7 @@ fn blocks(name: &str, bsdf: &str, fillings: &[&Filling]) -> World {
 
 /// Images of the light that comes through within so many segments.
 fn images<const N: usize>(world: &World, color: Color, segments: u32) -> Vec<StokesImage> {
-    let scene = scene::<N>(world, color, [EDGE; 2]);
+    let scene = scene::<N>(world, color.clone(), [EDGE; 2]);
     let options = settings(Integrator::Path, Mode::Scalar, color, SAMPLES, segments);
     replicates(&scene, &options, REPLICATES)
 }

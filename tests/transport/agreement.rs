@@ -71,7 +71,7 @@ fn render_all<const N: usize>(
         all.push((Integrator::Light, mask));
     }
     let render = |(integrator, mask)| {
-        let settings = settings(integrator, mode, color, iterations, PATH_LENGTH_MAX);
+        let settings = settings(integrator, mode, color.clone(), iterations, PATH_LENGTH_MAX);
         // Roulette must not change any mean, so one side plays it.
         let roulette_after = if integrator == Integrator::Path { 3 } else { u32::MAX };
         // With other seeds than in scalar mode, where the same paths would prove nothing new.
@@ -80,7 +80,8 @@ fn render_all<const N: usize>(
         let share = if scene.has_media() { 0.011 } else { 0.006 };
         let radius = Some(share * scene.shapes.bounds.radius);
         let photons = Photons { per_iteration: Some(10_000), samples: Some(4), alpha: 1.0, radius };
-        let settings = Options { roulette_after: Some(roulette_after), seed, photons, ..settings };
+        let settings =
+            Options { roulette_after: Some(roulette_after), seed, photons, ..settings.clone() };
         Rendered { integrator, images: replicates(scene, &settings, replicates_of_each), mask }
     };
     all.into_iter().map(render).collect()
@@ -93,7 +94,7 @@ fn disagreements<const N: usize>(
     (mode, color): (Mode, Color),
     effort: [u32; 2],
 ) -> Vec<String> {
-    let scene = scene::<N>(world, color, SIZE);
+    let scene = scene::<N>(world, color.clone(), SIZE);
     let is_small = !name.contains(".gltf");
     let all = render_all(&scene, (mode, color), effort, is_small);
     let bdpt_finds_everything = path_finds_everything(&scene);

@@ -159,7 +159,8 @@ fn a_line_has_one_density_whoever_asks() {
             let reference = Vector::splat(vertex.to_array());
             let own = [start.emitter; LANES];
             let half = [F32s::splat(0.5); 2];
-            let mut chosen = scene.direct.sample(own, F32s::splat(1.0), reference, half);
+            let mut chosen =
+                scene.direct.sample(&scene.optics.lamps, (own, F32s::splat(1.0)), reference, half);
             // An area's own choice of a point is another one, with another cosine.
             if start.normal != Vec3::ZERO {
                 let cosine = chosen.cos_at_light;
@@ -292,7 +293,7 @@ fn options(integrator: Integrator, mode: Mode) -> Options {
     // To the floor, through the ball, to the lamp, and once more to the floor.
     let options = settings(integrator, mode, MONO, 32, 5);
     // The window is many times as large.
-    Options { photons: Photons { radius: Some(0.01), ..photons }, ..options }
+    Options { photons: Photons { radius: Some(0.01), ..photons }, ..options.clone() }
 }
 
 /// Around the caustic, where the camera sees the floor straight.

@@ -64,9 +64,9 @@ fn a_film_behind_an_analyzer_is_the_stokes_film_behind_it() {
             }
             polarized += u32::from(whole.planes[3..].iter().flatten().any(|it| *it != 0.0));
             renders += 1;
-            let intensity = image(&behind, &Options { mode: Mode::Intensity, ..options });
+            let intensity = image(&behind, &Options { mode: Mode::Intensity, ..options.clone() });
             assert_eq!(intensity.planes, film.planes[..3], "{what}");
-            let options = Options { mode: Mode::Scalar, ..options };
+            let options = Options { mode: Mode::Scalar, ..options.clone() };
             let [half, scalar] = [&behind, &bare].map(|scene| image(scene, &options));
             let halved = |plane: &Vec<f32>| plane.iter().map(|it| 0.5 * it).collect();
             let expected: Vec<Vec<f32>> = scalar.planes.iter().map(halved).collect();
@@ -222,7 +222,7 @@ fn sheets_before_the_lens_pass_the_same() {
             for &integrator in integrators {
                 let options = settings(integrator, Mode::Polarized, MONO, 16, 6);
                 let found = replicates(&film, &options, COUNT);
-                let other = Options { seed: options.seed + 0x00ff_0000, ..options };
+                let other = Options { seed: options.seed + 0x00ff_0000, ..options.clone() };
                 let expected = replicates(&sheets, &other, COUNT);
                 let s0 = mean_s0(&expected[0]);
                 assert!(s0 > 0.0);
@@ -251,7 +251,7 @@ fn variances_are_those_behind_the_analyzer() {
         let film = scene::<1>(&analyzed(bench(true, &[]), analyzer), MONO, [6, 6]);
         let of = |scene: &Arc<Scene<1>>| {
             let options = settings(Integrator::Bdpt, Mode::Polarized, MONO, 64, 6);
-            let options = Options { replicates: 8, variance: true, sampling, ..options };
+            let options = Options { replicates: 8, variance: true, sampling, ..options.clone() };
             replicates(scene, &options, COUNT)
         };
         let images = of(&film);

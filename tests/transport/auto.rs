@@ -173,7 +173,7 @@ fn nothing_but_the_scene_decides() {
             Options { color: mono, path_length_max: 2, ..Options::default() },
         ];
         for options in others {
-            assert_eq!(rule(&world, options).0, expected, "{name}, {options:?}");
+            assert_eq!(rule(&world, options.clone()).0, expected, "{name}, {options:?}");
         }
     }
 }
@@ -265,7 +265,7 @@ fn photons_and_samples_are_balanced_where_nobody_says_how_many() {
         (4, 1, true, 2),
         (2, 1, true, 1),
     ] {
-        let options = Options { samples, replicates, variance, ..ppm };
+        let options = Options { samples, replicates, variance, ..ppm.clone() };
         assert_eq!(options.samples_of_photons(), expected, "{options:?}");
         Settings::new(options).expect("they fit");
     }
@@ -280,9 +280,9 @@ fn photons_and_samples_are_balanced_where_nobody_says_how_many() {
     }
     let given = Photons { per_iteration: Some(77), samples: Some(5), ..photons };
     assert_eq!(given.light_paths([512, 512]), 77);
-    assert_eq!(Options { photons: given, samples: 10, ..ppm }.samples_of_photons(), 5);
+    assert_eq!(Options { photons: given, samples: 10, ..ppm.clone() }.samples_of_photons(), 5);
     // Whatever would be chosen.
-    let auto = Options { integrator: None, photons: given, samples: 11, ..ppm };
+    let auto = Options { integrator: None, photons: given, samples: 11, ..ppm.clone() };
     let error = Settings::new(auto).expect_err("11 is no multiple of 5").to_string();
     assert!(error.contains("multiple of the 5 samples"), "{error}");
 }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::Mode;
 use sunstone::internals::scene::bake;
+use sunstone::internals::spectrum::Carried;
 
 use crate::support::gltf::Document;
 use crate::support::rendering::{MONO, image, scene, settings};
@@ -282,7 +283,7 @@ fn what_lies_on_nothing_is_not_moved() {
     }
     scene.environment(1.0);
     scene.perspective(Vec3::Z * 3.0, Vec3::ZERO, 0.05, None);
-    let shapes = bake::<1>(&scene.load("apart"), MONO).expect("a scene").shapes;
+    let shapes = bake(&scene.load("apart"), &Carried::at([550.0])).expect("a scene").shapes;
     for ((center, u, v), triangle) in places.iter().zip(shapes.triangles[2..].chunks(2)) {
         let corners = [*center - *u - *v, *center + *u + *v];
         for corner in corners {

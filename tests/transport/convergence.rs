@@ -76,7 +76,8 @@ fn render(scene: &Arc<Scene<1>>, photons: Photons, seed: u32, iterations: &[u32]
     // Four segments: the light leaves the ball at once, or on the other side after a reflection.
     let settings = settings(Integrator::Ppm, Mode::Polarized, MONO, last, 4);
     let seed = settings.seed + 7919 * seed;
-    let settings = Settings::new(Options { photons, seed, ..settings }).expect("sound options");
+    let settings =
+        Settings::new(Options { photons, seed, ..settings.clone() }).expect("sound options");
     let mut images = Vec::new();
     Renderer::of(Arc::clone(scene), &settings).run(|so_far| {
         if iterations.contains(&so_far.samples) {

@@ -145,7 +145,7 @@ fn neither_steps_nor_threads_change_a_bit() {
     let threads = Arc::new(Threads::start(Some(3)).expect("threads start"));
     for &integrator in Integrator::ALL {
         let options = Options { integrator: Some(integrator), ..options() };
-        let whole = done(&world, options);
+        let whole = done(&world, options.clone());
         let settings = Settings::new(options).expect("sound options");
         let mut stepped = Renderer::new(&world, &settings).expect("sound").on(&threads);
         while !stepped.is_done() {
@@ -169,7 +169,7 @@ fn renders_of_one_pool_share_a_world() -> Result<(), Error> {
     world.add_medium("milk", Phase::Milk(milk))?;
     let world = PlacedWorld::new(world)?;
     let options = Options { samples: 1, ..options() };
-    let render = |_| done(&world, options).to_array();
+    let render = |_| done(&world, options.clone()).to_array();
     let images: Vec<Vec<f32>> =
         Threads::start(Some(2))?.run(|| (0..8).into_par_iter().map(render).collect());
     assert!(images.iter().all(|image| *image == images[0]));
@@ -179,7 +179,7 @@ fn renders_of_one_pool_share_a_world() -> Result<(), Error> {
 #[test]
 fn settings_that_would_be_black_are_refused() {
     let ppm = Options { integrator: Some(Integrator::Ppm), ..options() };
-    let with = |photons| Options { photons, ..ppm };
+    let with = |photons| Options { photons, ..ppm.clone() };
     let photons = ppm.photons;
     let cases = [
         (Options { samples: 0, ..options() }, "samples must be from 1"),
@@ -189,8 +189,8 @@ fn settings_that_would_be_black_are_refused() {
         (Options { width: Some(0), ..options() }, "width must be from 1"),
         (Options { height: Some(70_000), ..options() }, "height must be from 1"),
         (Options { color: Color::Mono { wavelength_nm: 0.0 }, ..options() }, "wavelength must"),
-        (Options { samples: 46, ..ppm }, "samples must be a multiple of the 4"),
-        (Options { replicates: 13, ..ppm }, "replicates must be from 1 to 12"),
+        (Options { samples: 46, ..ppm.clone() }, "samples must be a multiple of the 4"),
+        (Options { replicates: 13, ..ppm.clone() }, "replicates must be from 1 to 12"),
         (with(Photons { per_iteration: Some(0), ..photons }), "photons must be from 1"),
         (with(Photons { samples: Some(0), ..photons }), "samples_per_iteration must be from 1"),
         (with(Photons { alpha: 0.0, ..photons }), "alpha must be greater than 0"),

@@ -148,8 +148,8 @@ fn points_of_spheres_are_chosen_by_solid_angle() {
             for _ in 0..20 {
                 let u = [0; 2].map(|_| F32s::from([0; LANES].map(|_| random.next())));
                 let lanes = scene.direct.sample(
-                    [0; LANES],
-                    F32s::splat(1.0),
+                    &scene.optics.lamps,
+                    ([0; LANES], F32s::splat(1.0)),
                     Vector::splat(reference.to_array()),
                     u,
                 );
@@ -192,7 +192,7 @@ fn error(world: &World, integrator: Integrator, samples: u32) -> (f64, f64) {
     const COUNT: u32 = 16;
     let scene = scene::<1>(world, MONO, [16, 16]);
     let options = settings(integrator, Mode::Scalar, MONO, samples, 3);
-    let images = replicates(&scene, &Options { ..options }, COUNT);
+    let images = replicates(&scene, &Options { ..options.clone() }, COUNT);
     let pixels = images[0].planes[0].len();
     let value = |image: &StokesImage, pixel: usize| f64::from(image.planes[0][pixel]);
     let (mut squares, mut sum) = (0.0, 0.0);

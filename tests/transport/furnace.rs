@@ -42,12 +42,12 @@ fn check_in<const N: usize>(
     path_length: u32,
     truth: f64,
 ) {
-    let scene = scene::<N>(world, color, SIZE);
+    let scene = scene::<N>(world, color.clone(), SIZE);
     // Light paths are spread over everything, seen or not.
     let iterations = if integrator == Integrator::Light { 2 * iterations } else { iterations };
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     for mode in [Mode::Scalar, Mode::Polarized] {
-        let settings = settings(integrator, mode, color, iterations, path_length);
+        let settings = settings(integrator, mode, color.clone(), iterations, path_length);
         let images = replicates(&scene, &settings, REPLICATES);
         let what = format!("{integrator:?}, {mode:?}");
         let expect = |plane: usize, truth: f64| {

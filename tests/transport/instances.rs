@@ -61,10 +61,11 @@ fn instances_render_as_copies_do() {
     for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
         let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 6);
         let photons = Photons { per_iteration: Some(10_000), samples: Some(4), ..settings.photons };
-        let settings = Options { photons, ..settings };
+        let settings = Options { photons, ..settings.clone() };
         let ours = replicates(&shared, &settings, REPLICATES);
         let theirs = replicates(&copied, &settings, REPLICATES);
-        let others = replicates(&copied, &Options { seed: 1 << 20, ..settings }, REPLICATES);
+        let others =
+            replicates(&copied, &Options { seed: 1 << 20, ..settings.clone() }, REPLICATES);
         let [same, other] = [&theirs, &others].map(|reference| differences(&ours, reference));
         let scores: Vec<f64> = same.iter().filter_map(score).collect();
         let [low, high] = rms_limits(scores.len() / 3);

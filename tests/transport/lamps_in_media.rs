@@ -152,7 +152,7 @@ impl Lamp {
     ) -> Vec<StokesImage> {
         // A file for each, as tests run side by side.
         let world = self.world(&format!("{integrator:?} {path_length_max}"));
-        let scene = scene::<N>(&world, color, [EDGE; 2]);
+        let scene = scene::<N>(&world, color.clone(), [EDGE; 2]);
         let options = settings(integrator, Mode::Scalar, color, SAMPLES, path_length_max);
         replicates(&scene, &options, REPLICATES)
     }
@@ -180,7 +180,7 @@ fn compare<const N: usize>(lamp: Lamp, color: Color) {
         })
         .collect();
     for integrator in [Integrator::Path, Integrator::Ppm] {
-        let images = lamp.images::<N>(integrator, color, 2);
+        let images = lamp.images::<N>(integrator, color.clone(), 2);
         let mut scores = Vec::new();
         for (cell, exact) in &parts {
             for (channel, &exact) in exact.iter().enumerate() {

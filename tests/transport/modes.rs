@@ -31,20 +31,20 @@ fn assert_same_bits(first: &[f32], second: &[f32], what: &str) {
 
 /// One image in each mode from the same random numbers, and of the same paths.
 fn both_modes<const N: usize>(scene: &Arc<Scene<N>>, settings: &Options) -> [StokesImage; 2] {
-    let settings = Options { sampling: Sampling::Intensity, ..*settings };
-    [Mode::Scalar, Mode::Polarized].map(|mode| image(scene, &Options { mode, ..settings }))
+    let settings = Options { sampling: Sampling::Intensity, ..settings.clone() };
+    [Mode::Scalar, Mode::Polarized].map(|mode| image(scene, &Options { mode, ..settings.clone() }))
 }
 
 /// Without a polarizing event there is no carrier, and intensities are the same operations.
 #[test]
 fn depolarizers_give_the_same_bits_in_both_modes() {
     fn check<const N: usize>(color: Color) {
-        let scene = scene::<N>(&depolarizers(), color, [40, 24]);
+        let scene = scene::<N>(&depolarizers(), color.clone(), [40, 24]);
         for integrator in INTEGRATORS {
-            let settings = settings(integrator, Mode::Scalar, color, 24, 6);
+            let settings = settings(integrator, Mode::Scalar, color.clone(), 24, 6);
             // Roulette, too, must play alike.
             let [scalar, polarized] =
-                both_modes(&scene, &Options { roulette_after: Some(3), ..settings });
+                both_modes(&scene, &Options { roulette_after: Some(3), ..settings.clone() });
             assert!(scalar.planes[0].iter().any(|&value| value > 0.0));
             for plane in 0..N {
                 let what = format!("{integrator:?}, {N} wavelengths");
@@ -96,7 +96,7 @@ fn modes_share_their_noise() {
         let pairs: Vec<[StokesImage; 2]> = (0..PAIRS)
             .map(|pair| {
                 let settings = settings(integrator, Mode::Scalar, MONO, 32, 8);
-                both_modes(&scene, &Options { seed: settings.seed + pair, ..settings })
+                both_modes(&scene, &Options { seed: settings.seed + pair, ..settings.clone() })
             })
             .collect();
         let (mut same, mut other) = (0.0, 0.0);
@@ -126,11 +126,11 @@ fn intensity_is_the_first_stokes_component() {
         for integrator in INTEGRATORS {
             let settings = settings(integrator, Mode::Polarized, Color::Rgb, 16, 8);
             // Where rounding cannot choose another path.
-            let settings = Options { sampling: Sampling::Intensity, ..settings };
+            let settings = Options { sampling: Sampling::Intensity, ..settings.clone() };
             let polarized = image(&scene, &settings);
-            let intensity = image(&scene, &Options { mode: Mode::Intensity, ..settings });
+            let intensity = image(&scene, &Options { mode: Mode::Intensity, ..settings.clone() });
             assert_eq!((intensity.components, intensity.planes.len()), (1, 3));
-            let scalar = image(&scene, &Options { mode: Mode::Scalar, ..settings });
+            let scalar = image(&scene, &Options { mode: Mode::Scalar, ..settings.clone() });
             let brightest = polarized.planes[..3].iter().flatten().fold(0.0, |a: f32, b| a.max(*b));
             let mut effect = 0.0_f32;
             for plane in 0..3 {
@@ -171,7 +171,7 @@ fn threads_change_no_bit() {
                     ..Photons::default()
                 };
                 let settings =
-                    Options { replicates: 3, roulette_after: Some(4), photons, ..settings };
+                    Options { replicates: 3, roulette_after: Some(4), photons, ..settings.clone() };
                 let with_threads = |threads: usize| {
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     pool.expect("threads start").install(|| image(&scene, &settings))
@@ -208,7 +208,7 @@ fn stepping_changes_no_bit() {
             ..settings(integrator, mode, Color::Rgb, iterations, 8)
         };
         let both = [of(Mode::Scalar), of(Mode::Polarized)];
-        let mut renderers = both.map(|options| {
+        let mut renderers = both.clone().map(|options| {
             let settings = Settings::new(options).expect("fit to each other");
             Renderer::of(Arc::clone(&scene), &settings)
         });

@@ -47,7 +47,11 @@ fn options(integrator: Integrator) -> Options {
 /// Without variances, from blocks of one sequence, and from replicates.
 fn variants(integrator: Integrator) -> [Options; 3] {
     let plain = options(integrator);
-    [plain, Options { variance: true, ..plain }, Options { replicates: 5, ..plain }]
+    [
+        plain.clone(),
+        Options { variance: true, ..plain.clone() },
+        Options { replicates: 5, ..plain.clone() },
+    ]
 }
 
 fn renderer(world: &PlacedWorld, options: Options) -> Renderer {
@@ -71,7 +75,7 @@ fn file(name: &str) -> PathBuf {
 fn parts_of(world: &PlacedWorld, options: Options, of: u32, name: &str) -> Vec<PathBuf> {
     let part = |number| {
         let part = Some(Part::new(number, of).expect("there is such a part"));
-        let mut renderer = renderer(world, Options { part, ..options });
+        let mut renderer = renderer(world, Options { part, ..options.clone() });
         renderer.run(|_| ControlFlow::Continue(()));
         let path = file(&format!("{name}-{number}.part"));
         renderer.save(&path).expect("a file");
@@ -97,11 +101,11 @@ fn merged_parts_have_the_bits_of_one_render() {
     let world = room(0.7);
     for &integrator in Integrator::ALL {
         for (variant, options) in variants(integrator).into_iter().enumerate() {
-            let whole = done(&world, options);
+            let whole = done(&world, options.clone());
             assert_eq!(whole.variance.is_some(), variant > 0);
             for of in [1, 2, 5] {
                 let name = format!("{}-{variant}-{of}", integrator.name());
-                let mut parts = parts_of(&world, options, of, &name);
+                let mut parts = parts_of(&world, options.clone(), of, &name);
                 // Their order is of no account.
                 parts.reverse();
                 assert_same_bits(&merge(&parts).expect("all parts"), &whole, &name);
@@ -118,7 +122,7 @@ fn parts_behind_analyzers_merge() {
         world.set_analyzer(Some(analyzer)).expect("a camera");
         let world = PlacedWorld::new(world).expect("a sound world");
         let options = Options { variance: true, ..options(Integrator::Path) };
-        let parts = parts_of(&world, options, 3, "analyzed");
+        let parts = parts_of(&world, options.clone(), 3, "analyzed");
         let whole = done(&world, options);
         assert_same_bits(&merge(&parts).expect("all parts"), &whole, &analyzer.to_string());
     }
@@ -130,14 +134,14 @@ fn renders_go_on_from_files() {
     let world = room(0.7);
     for &integrator in Integrator::ALL {
         for (variant, options) in variants(integrator).into_iter().enumerate() {
-            let whole = done(&world, options);
+            let whole = done(&world, options.clone());
             let path = file(&format!("{}-{variant}.checkpoint", integrator.name()));
-            let mut halves = vec![renderer(&world, options)];
+            let mut halves = vec![renderer(&world, options.clone())];
             for advance in [1, 5, 7] {
                 let mut at_hand = halves.pop().expect("one is at hand");
                 at_hand.advance(advance);
                 at_hand.save(&path).expect("a file");
-                let mut next = renderer(&world, options);
+                let mut next = renderer(&world, options.clone());
                 next.resume(&path).expect("what was saved");
                 assert_eq!(next.samples(), at_hand.samples());
                 halves.push(next);
@@ -155,16 +159,16 @@ fn renders_go_on_from_files() {
 fn a_part_goes_on_from_a_file() {
     let world = room(0.7);
     for (variant, options) in variants(Integrator::Ppm).into_iter().enumerate() {
-        let whole = done(&world, options);
-        let mut parts = parts_of(&world, options, 2, &format!("stopped-{variant}"));
+        let whole = done(&world, options.clone());
+        let mut parts = parts_of(&world, options.clone(), 2, &format!("stopped-{variant}"));
         let part = Some(Part::new(2, 2).expect("there is such a part"));
-        let mut first = renderer(&world, Options { part, ..options });
+        let mut first = renderer(&world, Options { part, ..options.clone() });
         first.advance(4);
         let path = file(&format!("stopped-{variant}.checkpoint"));
         first.save(&path).expect("a file");
         let error = merge(&[parts[0].clone(), path.clone()]).expect_err("it is not done");
         assert!(error.to_string().contains("has 4 of the 1"), "{error}");
-        let mut second = renderer(&world, Options { part, ..options });
+        let mut second = renderer(&world, Options { part, ..options.clone() });
         second.resume(&path).expect("what was saved");
         second.run(|_| ControlFlow::Continue(()));
         parts[1] = file(&format!("stopped-{variant}.part"));
@@ -192,7 +196,7 @@ fn waves_change_no_bit() {
 fn what_does_not_go_together_is_refused_by_name() {
     let (world, other) = (room(0.7), room(0.6));
     let options = options(Integrator::Path);
-    let parts = parts_of(&world, options, 3, "refused");
+    let parts = parts_of(&world, options.clone(), 3, "refused");
     let refusal = |parts: &[&PathBuf]| {
         let parts: Vec<PathBuf> = parts.iter().map(|&part| part.clone()).collect();
         merge(&parts).expect_err("no image").to_string()
@@ -203,17 +207,18 @@ fn what_does_not_go_together_is_refused_by_name() {
     assert!(refusal(&[one, two, two, three]).contains("have the same samples (parts 2/3 and 2/3)"));
     assert_eq!(refusal(&[]), "there are no parts to merge");
 
-    let of_other = parts_of(&other, options, 3, "other-scene");
+    let of_other = parts_of(&other, options.clone(), 3, "other-scene");
     assert!(refusal(&[one, &of_other[1], three]).contains("the scene (digest) of one is"));
-    let reseeded = parts_of(&world, Options { seed: 1, ..options }, 3, "other-seed");
+    let reseeded = parts_of(&world, Options { seed: 1, ..options.clone() }, 3, "other-seed");
     let error = refusal(&[one, two, &reseeded[2]]);
     for part in ["refused-1.part", "other-seed-3.part", "the seed of one is 0, of the other 1"] {
         assert!(error.contains(part), "{error} lacks {part}");
     }
 
-    let scalar = Options { mode: Mode::Scalar, ..options };
+    let scalar = Options { mode: Mode::Scalar, ..options.clone() };
     let part = Some(Part::new(1, 3).expect("there is such a part"));
-    let error = renderer(&world, Options { part, ..scalar }).resume(one).expect_err("another mode");
+    let error =
+        renderer(&world, Options { part, ..scalar.clone() }).resume(one).expect_err("another mode");
     assert!(error.to_string().contains("its mode is polarized, and here it is scalar"), "{error}");
     let error = renderer(&world, options).resume(one).expect_err("a part").to_string();
     assert!(error.contains("its part is 1/3, and here it is 1/1"), "{error}");
@@ -230,24 +235,24 @@ fn there_are_as_many_parts_as_iterations_or_blocks() {
     let world = room(0.7);
     let refused = |options: Options, of| {
         let part = Some(Part::new(1, of).expect("there is such a part"));
-        let settings = Settings::new(Options { part, ..options }).expect("sound options");
+        let settings = Settings::new(Options { part, ..options.clone() }).expect("sound options");
         Renderer::new(&world, &settings).err().map(|error| error.to_string())
     };
     let [plain, blocks, replicates] = variants(Integrator::Path);
     for (options, most, what) in [
-        (plain, 24, "iterations"),
+        (plain.clone(), 24, "iterations"),
         (blocks, 24, "blocks that its variances come from"),
         (replicates, 5, "blocks that its variances come from"),
         (options(Integrator::Ppm), 12, "iterations"),
     ] {
-        assert_eq!(refused(options, most), None);
+        assert_eq!(refused(options.clone(), most), None);
         let error = refused(options, most + 1).expect("too many");
         assert!(error.contains(&format!("has {most} {what}")), "{error}");
     }
     let limited = Options {
         time_limit: Some(std::time::Duration::from_secs(1)),
         part: Some(Part::new(1, 2).expect("there is such a part")),
-        ..plain
+        ..plain.clone()
     };
     assert!(Settings::new(limited).is_err());
 }

@@ -93,7 +93,7 @@ fn check_photons(
     let size = [reference.width as u32, reference.height as u32];
     let scene = scene::<1>(&world, MONO, size);
     let settings = settings(integrator, Mode::Polarized, MONO, iterations, case.path_length_max);
-    let settings = Options { photons, ..settings };
+    let settings = Options { photons, ..settings.clone() };
     let images = replicates(&scene, &settings, REPLICATES);
     let mut mask = match integrator {
         Integrator::Light => light_mask(&scene),

@@ -209,7 +209,7 @@ fn score(table: &Table, csv: &Csv, row: usize, integrator: Integrator, iteration
     // Rows and modes have seeds of their own, or their noise would be the same.
     let name = combine(table.file.len() as u32, table.mode as u32);
     let first = combine(name, row as u32) & 0x00ff_ff00;
-    let settings = Options { seed: settings.seed + first, ..settings };
+    let settings = Options { seed: settings.seed + first, ..settings.clone() };
     let images = replicates(&scene, &settings, REPLICATES);
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     let s0 = csv.number(row, table.columns[0]);
@@ -336,7 +336,7 @@ fn thick_slabs_are_no_noisier_with_polarization() {
     let scene = scene::<1>(&slab(table, &csv, row.expect("a thick slab")), MONO, SIZE);
     let error = |mode: Mode, sampling: Sampling| {
         let settings = settings(Integrator::Path, mode, MONO, 16, PATH_LENGTH_MAX);
-        let images = replicates(&scene, &Options { sampling, ..settings }, REPLICATES);
+        let images = replicates(&scene, &Options { sampling, ..settings.clone() }, REPLICATES);
         let pixels = (0..(SIZE[0] * SIZE[1]) as usize).map(|pixel| {
             let Estimate { mean, variance, .. } = estimate(&images, 0, &[pixel]);
             (variance, mean)

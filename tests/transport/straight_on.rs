@@ -84,10 +84,11 @@ fn filters_dim_by_what_they_absorb() {
         for integrator in CONNECTING {
             for mode in [Mode::Scalar, Mode::Polarized] {
                 let options = options(integrator, mode);
-                let bare = Bench::bare(is_area).image(options);
+                let bare = Bench::bare(is_area).image(options.clone());
                 let lamp = vec![polarizer(30.0)];
                 let camera = vec![polarizer(60.0)];
-                let one = Bench { lamp: lamp.clone(), ..Bench::bare(is_area) }.image(options);
+                let one =
+                    Bench { lamp: lamp.clone(), ..Bench::bare(is_area) }.image(options.clone());
                 let both = Bench { lamp, camera, is_area }.image(options);
                 let errors = [error_of_s0(&one, &bare, 0.5), error_of_s0(&both, &bare, 0.25)];
                 let of = format!("{integrator:?}, {mode:?}, area {is_area}");
@@ -107,7 +108,7 @@ fn filters_dim_by_what_they_absorb() {
 fn stacks_of_hundreds_stay_within_the_range_of_numbers() {
     for integrator in CONNECTING {
         let options = settings(integrator, Mode::Polarized, MONO, 8, 2);
-        let bare = Bench::bare(true).image(options);
+        let bare = Bench::bare(true).image(options.clone());
         let stack = vec![polarizer(10.0); 150];
         let found = Bench { lamp: stack.clone(), camera: stack, is_area: true }.image(options);
         let error = error_of_s0(&found, &bare, 0.25);
@@ -125,7 +126,7 @@ fn crossed_filters_before_a_lamp_obey_malus() {
             (90.0, Mode::Scalar, 0.25),
         ] {
             let options = options(integrator, mode);
-            let bare = Bench::bare(false).image(options);
+            let bare = Bench::bare(false).image(options.clone());
             let lamp = vec![polarizer(0.0), polarizer(angle)];
             let found = Bench { lamp, ..Bench::bare(false) }.image(options);
             let mean = |image: &StokesImage| image.planes[0].iter().sum::<f32>();
@@ -140,11 +141,11 @@ fn crossed_filters_before_a_lamp_obey_malus() {
 fn panes_of_the_index_around_them_are_not_there() {
     for integrator in CONNECTING {
         let options = options(integrator, Mode::Polarized);
-        let bare = Bench::bare(false).image(options);
+        let bare = Bench::bare(false).image(options.clone());
         for model in ["dielectric", "thin_dielectric"] {
             let pane = json!({"bsdf": model, "ior": 1.2, "exterior_ior": 1.2});
             let (lamp, camera) = (vec![pane.clone()], vec![pane]);
-            let found = Bench { lamp, camera, is_area: false }.image(options);
+            let found = Bench { lamp, camera, is_area: false }.image(options.clone());
             let error = error_of_s0(&found, &bare, 1.0);
             assert!(error < 1e-5, "{model}, {integrator:?}: {error}");
         }

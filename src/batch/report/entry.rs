@@ -13,6 +13,7 @@ use crate::batch::results::Record;
 use crate::batch::values::Values;
 use crate::image;
 use crate::math::text::{excerpt, printable};
+use crate::spectrum::Color;
 
 /// Most characters of a name, and of a cause.
 const NAME: usize = 1000;
@@ -161,11 +162,16 @@ impl Entry {
 impl Shown {
     fn read(path: &Path, edge: usize) -> Result<Self, String> {
         let image = image::load(path).map_err(|error| error.to_string())?;
+        let channels = match &image.color {
+            Color::Rgb | Color::Mono { .. } => image.channel_names(),
+            Color::Bands(bands) => vec![format!("mean of {bands}")],
+        };
+        let image = image.shown();
         let is_finite = finite(&image);
         Ok(Self {
             width: image.width,
             height: image.height,
-            channels: image.channel_names(),
+            channels,
             components: image.components,
             figures: Figures::new(&image, &is_finite),
             thumbnail: Thumbnail::new(&image, &is_finite, edge),

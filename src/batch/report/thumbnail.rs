@@ -83,7 +83,7 @@ fn shrunk(image: &StokesImage, is_finite: &[bool], edge: usize) -> StokesImage {
         false => ((side * edge + long / 2) / long).max(1),
     };
     let (width, height) = (shrunk(image.width), shrunk(image.height));
-    let mut small = StokesImage::new(width, height, image.color, image.components);
+    let mut small = StokesImage::new(width, height, image.color.clone(), image.components);
     for (plane, small) in image.planes.iter().zip(&mut small.planes) {
         for (at, value) in small.iter_mut().enumerate() {
             let columns = range(at % width, width, image.width);

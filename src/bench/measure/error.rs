@@ -71,7 +71,7 @@ pub fn error(
             let seed = task.options.seed.wrapping_add(index);
             let steps = converge(
                 task,
-                Options { integrator: Some(integrator), seed, ..task.options },
+                Options { integrator: Some(integrator), seed, ..task.options.clone() },
                 threads,
                 &image,
             );
@@ -96,7 +96,7 @@ fn reference(
         samples,
         replicates: REPLICATES,
         seed: task.options.seed.wrapping_sub(1),
-        ..task.options
+        ..task.options.clone()
     })?;
     let mut renderer = Renderer::new(&task.subject.world, &settings)?;
     threads.run(|| renderer.run(|_| ControlFlow::Continue(())));

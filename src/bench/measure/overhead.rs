@@ -28,7 +28,7 @@ pub fn overhead(
             cases.push(case(subject, options, rounds, threads, watch)?);
         }
     }
-    let options = plan.first().copied().unwrap_or_default();
+    let options = plan.first().cloned().unwrap_or_default();
     let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
     let conditions = Conditions {
         machine: machine(threads),
@@ -53,9 +53,9 @@ fn case(
     let integrator = options.integrator_name();
     watch.at(&format!("{}, {integrator}", subject.name));
     // Of the same paths, so that the ratio is what polarization itself costs.
-    let options = &Options { sampling: Sampling::Intensity, ..*options };
-    let polarized = Settings::new(*options)?;
-    let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
+    let options = &Options { sampling: Sampling::Intensity, ..options.clone() };
+    let polarized = Settings::new(options.clone())?;
+    let scalar = Settings::new(Options { mode: Mode::Scalar, ..options.clone() })?;
     let (modes, samples) = ([&scalar, &polarized], options.samples);
     let world = &subject.world;
     let (rounds, develop) = compare_modes(world, modes, (rounds, samples), threads, watch)?;

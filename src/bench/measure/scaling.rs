@@ -127,10 +127,11 @@ pub fn scaling(
 }
 
 fn points(name: SeriesKind, base: &Base) -> Vec<Point> {
-    let &Base { threads, options, samples, film, mono, .. } = base;
+    let Base { threads, options, samples, film, mono, .. } = base;
+    let threads = *threads;
     let samples = |default| samples.unwrap_or(default);
     let at = |size: f64, samples| {
-        let options = Options { samples, ..options };
+        let options = Options { samples, ..options.clone() };
         Point { size, options, threads }
     };
     match name {
@@ -157,7 +158,7 @@ fn points(name: SeriesKind, base: &Base) -> Vec<Point> {
                 point
             })
             .into(),
-        SeriesKind::Wavelengths => [mono, Color::Rgb]
+        SeriesKind::Wavelengths => [mono.clone(), Color::Rgb]
             .map(|color| {
                 let mut point = at(color.channels() as f64, samples(16));
                 point.options.color = color;
@@ -182,8 +183,10 @@ fn measure(
     rounds: u32,
     watch: &impl Watch,
 ) -> Result<Vec<Sample>, MeasureError> {
-    let settings: Vec<Settings> =
-        points.iter().map(|point| Settings::new(point.options)).collect::<Result<_, _>>()?;
+    let settings: Vec<Settings> = points
+        .iter()
+        .map(|point| Settings::new(point.options.clone()))
+        .collect::<Result<_, _>>()?;
     let threads: Vec<Threads> =
         points.iter().map(|point| Threads::start(Some(point.threads))).collect::<Result<_, _>>()?;
     let mut repeats = vec![1; points.len()];

@@ -16,9 +16,9 @@ pub fn table1(
     watch: &impl Watch,
 ) -> Result<Table1, MeasureError> {
     // Of the same paths, as the paper's.
-    let options = &Options { sampling: Sampling::Intensity, ..*options };
-    let polarized = Settings::new(*options)?;
-    let scalar = Settings::new(Options { mode: Mode::Scalar, ..*options })?;
+    let options = &Options { sampling: Sampling::Intensity, ..options.clone() };
+    let polarized = Settings::new(options.clone())?;
+    let scalar = Settings::new(Options { mode: Mode::Scalar, ..options.clone() })?;
     let rounds = (iterations, options.samples_of_photons());
     let measured = subjects.iter().map(|subject| {
         watch.at(&subject.name);

@@ -115,7 +115,7 @@ impl Reader {
         let shoots_none =
             |name: &str| Integrator::ALL.iter().any(|it| it.name() == name && !it.shoots_photons());
         self.rivals.iter().any(is_rival)
-            || (default == "wavelength" && says("color") == Some("rgb"))
+            || of_other_color(default, says("color"))
             || (OF_PHOTONS.contains(&default) && says("integrator").is_some_and(shoots_none))
     }
 
@@ -212,6 +212,16 @@ impl Reader {
     }
 }
 
+/// Whether an option goes with another color than the one that is said.
+fn of_other_color(option: &str, color: Option<&str>) -> bool {
+    let own = match option {
+        "wavelength" => "mono",
+        "bands" | "range" | "wavelengths" => "spectral",
+        _ => return false,
+    };
+    color.is_some_and(|color| color != own)
+}
+
 /// What is wrong with several options.
 fn together(text: String) -> Vec<WrongOption> {
     vec![WrongOption { key: None, text }]
@@ -227,7 +237,6 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
         integrator: _,
         mode: _,
         color: _,
-        wavelength: _,
         max_path_length: _,
         roulette_after: _,
         sampling: _,
@@ -361,7 +370,7 @@ mod tests {
     fn what_is_wrong_is_said_by_its_key() {
         for (options, words) in [
             (json!({}), "has no `scene`"),
-            (json!({"scene": "a", "sp": 3}), "sp: is not an option; options are alpha, camera"),
+            (json!({"scene": "a", "sp": 3}), "sp: is not an option; options are alpha, bands"),
             (json!({"scene": "a", "spp": -3}), "spp: invalid value '-3' for 'spp <N>'"),
             (json!({"scene": "a", "spp": 0}), "spp must be from 1 to"),
             (json!({"scene": "a", "spp": 4, "iterations": 4}), "cannot be used with"),

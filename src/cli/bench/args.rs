@@ -6,7 +6,8 @@ use clap::builder::PossibleValue;
 use clap::{Args, Subcommand, ValueEnum};
 
 use crate::bench::measure::scaling::SeriesKind;
-use crate::cli::args::{ColorName, FileArguments, IntegratorName, ModeName, StatsFormat};
+use crate::cli::args::{FileArguments, IntegratorName, ModeName, StatsFormat};
+use crate::cli::color::ColorName;
 
 /// Most segments of a path where no number is given: what measurements have always had, so that
 /// they compare.

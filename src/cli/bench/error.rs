@@ -27,7 +27,7 @@ pub fn error(arguments: &ErrorArguments) -> Result<(), CliError> {
     let size_of = |image: &StokesImage| [image.width as u32, image.height as u32];
     let size = work::size(&arguments.work, given.as_ref().map(size_of))?;
     let [width, height] = size.map(Some);
-    let options = Options { width, height, ..options };
+    let options = Options { width, height, ..options.clone() };
     if let Some(image) = &given {
         check_fit(arguments, image, &options, size)?;
     }
@@ -77,7 +77,7 @@ fn options(arguments: &ErrorArguments) -> Result<Options, CliError> {
     job::seconds("--seconds", Some(arguments.seconds))?;
     // The size may follow from the reference.
     let options = work::options(work, integrator[0].0, 1, work::size(work, None)?)?;
-    Ok(Options { mode: arguments.mode.0, ..options })
+    Ok(Options { mode: arguments.mode.0, ..options.clone() })
 }
 
 fn inputs(arguments: &ErrorArguments) -> Vec<PathBuf> {
@@ -97,7 +97,7 @@ fn check_fit(
 ) -> Result<(), CliError> {
     let components = settings.mode.components();
     let (width, height) = (width as usize, height as usize);
-    let render = StokesImage::new(width, height, settings.color, components);
+    let render = StokesImage::new(width, height, settings.color.clone(), components);
     let remedy = if (reference.width, reference.height) != (width, height) {
         "leave out --width and --height"
     } else if reference.color.channels() != settings.color.channels() {
@@ -119,7 +119,7 @@ fn check_fit(
 
 /// Other formats than EXR do not say which wavelength theirs is, so this is no error.
 fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, settings: &Options) {
-    match (reference.color, settings.color) {
+    match (&reference.color, &settings.color) {
         (Color::Mono { wavelength_nm: first }, Color::Mono { wavelength_nm: second })
             if first != second =>
         {
@@ -128,6 +128,9 @@ fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, setti
                 "warning: {file}: the reference is of {first} nm and the render of {second} nm"
             ));
         }
-        (Color::Mono { .. } | Color::Rgb, Color::Mono { .. } | Color::Rgb) => {}
+        (
+            Color::Mono { .. } | Color::Rgb | Color::Bands(_),
+            Color::Mono { .. } | Color::Rgb | Color::Bands(_),
+        ) => {}
     }
 }

@@ -5,7 +5,7 @@ use super::report::{check_outputs, deliver};
 use super::{progress_of, work};
 use crate::bench::measure::processors;
 use crate::bench::measure::scaling::{self as measure, Base, Plan, film_of};
-use crate::cli::args::ColorName;
+use crate::cli::color::{ColorName, plain};
 use crate::cli::{CliError, job};
 use crate::render::Options;
 use crate::render::memory::check_memory;
@@ -44,12 +44,12 @@ fn base(arguments: &ScalingArguments) -> Result<Base, CliError> {
     }
     let options = work::options(work, integrator.0, 1, work::size(work, None)?)?;
     Ok(Base {
-        options: Options { mode: arguments.mode.0, ..options },
+        options: Options { mode: arguments.mode.0, ..options.clone() },
         threads: work.threads.or_else(processors).unwrap_or(1),
         samples: arguments.spp,
         film: [work.width, work.height],
         // Whether `--wavelength` goes with the color has been checked.
-        mono: job::color(ColorName::Mono, work.wavelength)?,
+        mono: plain(ColorName::Mono, work.wavelength)?,
         points_max: arguments.points.map_or(usize::MAX, |points| points as usize),
         rounds: *rounds,
     })

@@ -15,7 +15,7 @@ use crate::render::{Options, Photons, Settings};
 /// The paper's Table 1.
 pub fn table1(arguments: &Table1Arguments) -> Result<(), CliError> {
     let options = options(arguments)?;
-    let settings = Settings::new(options)?;
+    let settings = Settings::new(options.clone())?;
     let output = &arguments.output;
     check_outputs(&output.report, output.record.as_deref(), &arguments.scenes)?;
     check_memory(&settings, [arguments.width, arguments.height])?;

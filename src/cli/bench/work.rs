@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::args::WorkArguments;
 use crate::bench::measure::{Subject, subject};
 use crate::cli::args::{FileArguments, IntegratorName};
+use crate::cli::color::plain;
 use crate::cli::files::say;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
@@ -54,7 +55,7 @@ pub fn size(work: &WorkArguments, default: Option<[u32; 2]>) -> Result<[u32; 2],
 
 /// What the channels stand for.
 pub fn color(work: &WorkArguments) -> Result<Color, CliError> {
-    job::color(work.color, work.wavelength)
+    plain(work.color, work.wavelength)
 }
 
 /// All options, polarized, for `samples` per pixel an iteration of photons.

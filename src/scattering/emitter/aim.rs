@@ -89,11 +89,7 @@ pub struct Line {
 impl Aim {
     /// At the targets, as far as they are small for the emitters, whose probabilities then follow
     /// what of their power comes there. None where there is nothing to aim at.
-    pub fn new<const N: usize>(
-        targets: &Targets,
-        shapes: &Shapes,
-        emitters: &mut [Emitter<N>],
-    ) -> Option<Self> {
+    pub fn new(targets: &Targets, shapes: &Shapes, emitters: &mut [Emitter]) -> Option<Self> {
         let Targets { all: targets, sees_little } = targets;
         let share_aimed = if *sees_little { AIMED } else { AIMED_IN_ROOMS };
         let sum: f32 = targets.iter().map(|target| target.weight).sum();
@@ -212,7 +208,7 @@ impl Aim {
 /// Lets light paths start at emitters by the mean of their powers and of what of these `comes` to
 /// where they are aimed, in the geometric mean: what of the sun's falls on a large ground says
 /// little about what is seen.
-fn favor<const N: usize>(emitters: &mut [Emitter<N>], comes: &[f32]) {
+fn favor(emitters: &mut [Emitter], comes: &[f32]) {
     let all: f32 = emitters.iter().zip(comes).map(|(of, share)| of.probability * share).sum();
     for (emitter, share) in emitters.iter_mut().zip(comes) {
         emitter.probability *= 0.5 + 0.5 * (share / all);

@@ -54,16 +54,15 @@ struct Near {
 
 impl Choice {
     /// For all emitters of a scene.
-    pub fn new<const N: usize>(shapes: &Shapes, emitters: &[Emitter<N>]) -> Self {
+    pub fn new(shapes: &Shapes, emitters: &[Emitter]) -> Self {
         let mut power = vec![0.0];
         for emitter in emitters {
             power.push(power[power.len() - 1] + f64::from(emitter.probability));
         }
         let sum = power[power.len() - 1];
         power.iter_mut().for_each(|of| *of /= sum);
-        let outline_of = |(row, emitter): (usize, &Emitter<N>)| {
-            let mean = emitter.radiance.iter().sum::<f32>() / N as f32;
-            (row, outline(&emitter.model, shapes).scaled(mean))
+        let outline_of = |(row, emitter): (usize, &Emitter)| {
+            (row, outline(&emitter.model, shapes).scaled(emitter.brightness))
         };
         let (near, far): (Vec<_>, Vec<_>) = emitters
             .iter()
@@ -216,11 +215,7 @@ impl Near {
 
 /// The objects of emitters at a finite distance: rows next to each other whose primitives are of
 /// one surface, or a single one.
-fn objects<const N: usize>(
-    shapes: &Shapes,
-    emitters: &[Emitter<N>],
-    near: &[(usize, Outline)],
-) -> Vec<[usize; 2]> {
+fn objects(shapes: &Shapes, emitters: &[Emitter], near: &[(usize, Outline)]) -> Vec<[usize; 2]> {
     let mut objects: Vec<([usize; 2], u32)> = Vec::new();
     for &(row, _) in near {
         let surface = match primitive(&emitters[row].model) {

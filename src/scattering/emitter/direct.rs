@@ -5,7 +5,8 @@
 //! from the point and by its power.
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scene::baked::{Optics, Shapes};
+use crate::scene::baked::Shapes;
+use crate::scene::emitter::Emitter;
 
 use super::{Emits, Kind, record};
 
@@ -28,10 +29,11 @@ pub fn own<const M: usize>(floats: [f32; M]) -> Own {
 
 /// All emitters, one record of plain numbers each.
 #[derive(Clone, Debug)]
-pub struct DirectTable<const N: usize> {
+pub struct DirectTable {
     kinds: Vec<Kind>,
     records: Vec<Own>,
-    radiance: Vec<[f32; N]>,
+    /// For every emitter, its row in the lamps.
+    lamps: Vec<u32>,
 }
 
 /// Eight points or directions on emitters.
@@ -58,34 +60,34 @@ pub struct DirectLanes<const N: usize> {
     pub reachable: F32s,
 }
 
-impl<const N: usize> DirectTable<N> {
+impl DirectTable {
     /// The records of a scene's emitters.
-    pub fn new(shapes: &Shapes, optics: &Optics<N>) -> Self {
-        let emitters = &optics.emitters;
+    pub fn new(shapes: &Shapes, emitters: &[Emitter]) -> Self {
         let records =
             emitters.iter().map(|emitter| record(&emitter.model, shapes, emitter.probability));
         Self {
             kinds: emitters.iter().map(|emitter| Kind::of(&emitter.model)).collect(),
             records: records.collect(),
-            radiance: emitters.iter().map(|emitter| emitter.radiance).collect(),
+            lamps: emitters.iter().map(|emitter| emitter.lamp).collect(),
         }
     }
 
     /// Chooses a point of, or direction to, the emitters `chosen`, with the probabilities `chance`,
-    /// from the points `reference`.
+    /// from the points `reference`; `lamps` are those of the scene.
     #[inline(always)]
-    pub fn sample(
+    pub fn sample<const N: usize>(
         &self,
-        chosen: [usize; LANES],
-        chance: F32s,
+        lamps: &[[f32; N]],
+        (chosen, chance): ([usize; LANES], F32s),
         reference: Vector<F32s>,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
         let own = gather(&self.records, chosen);
         let mut radiance = [[0.0; LANES]; N];
         for lane in 0..LANES {
-            for (n, radiance) in radiance.iter_mut().enumerate() {
-                radiance[lane] = self.radiance[chosen[lane]][n];
+            let lamp = &lamps[self.lamps[chosen[lane]] as usize];
+            for (radiance, of_lamp) in radiance.iter_mut().zip(lamp) {
+                radiance[lane] = *of_lamp;
             }
         }
         let radiance = radiance.map(F32s::from);
@@ -107,17 +109,18 @@ impl<const N: usize> DirectTable<N> {
     /// [`Self::sample`] of the first emitter or, in the lanes of the mask, of the second, which is
     /// of the same model; that may be the only one.
     #[inline(always)]
-    pub fn sample_either(
+    pub fn sample_either<const N: usize>(
         &self,
-        second: F32s,
-        chance: F32s,
+        lamps: &[[f32; N]],
+        (second, chance): (F32s, F32s),
         reference: Vector<F32s>,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
         let last = self.records.len() - 1;
-        let (own, radiance) = (&self.records, &self.radiance);
+        let own = &self.records;
+        let [first_lamp, last_lamp] = [0, last].map(|row| &lamps[self.lamps[row] as usize]);
         let own = std::array::from_fn(|field| either(second, [own[0][field], own[last][field]]));
-        let radiance = std::array::from_fn(|n| either(second, [radiance[0][n], radiance[last][n]]));
+        let radiance = std::array::from_fn(|n| either(second, [first_lamp[n], last_lamp[n]]));
         self.kinds[0].choose(&own, reference, radiance, chance, u)
     }
 }

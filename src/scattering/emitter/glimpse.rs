@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::scattering::look::first_met;
 use crate::scattering::{Scene, Sensor};
-use crate::scene::baked::{Optics, Shapes};
+use crate::scene::baked::Shapes;
 use crate::scene::emitter::Emitter;
 
 use super::tree::Outline;
@@ -25,14 +25,14 @@ pub struct Glimpses {
 
 impl Glimpses {
     /// Of the emitters in view.
-    pub fn new<const N: usize>(shapes: &Shapes, optics: &Optics<N>, sensor: &Sensor) -> Self {
-        let start_pdf = |emitter: &Emitter<N>| {
+    pub fn new(shapes: &Shapes, emitters: &[Emitter], sensor: &Sensor) -> Self {
+        let start_pdf = |emitter: &Emitter| {
             let Some(area) = area(&emitter.model) else { return 0.0 };
             let is_small = image(shapes, emitter, sensor)
                 .is_some_and(|(pixels, _)| pixels > 0.0 && pixels <= PIXELS_MAX);
             if is_small { emitter.probability / area } else { 0.0 }
         };
-        let start_pdfs: Vec<f32> = optics.emitters.iter().map(start_pdf).collect();
+        let start_pdfs: Vec<f32> = emitters.iter().map(start_pdf).collect();
         let has_any = start_pdfs.iter().any(|&pdf| pdf > 0.0);
         Self { start_pdfs: if has_any { start_pdfs } else { Vec::new() } }
     }
@@ -51,11 +51,7 @@ impl Glimpses {
 
 /// How many pixels the image of an emitter takes up if nothing is before it, and the point of the
 /// lens, or film, that sees the middle of the emitter; none if it is out of view.
-fn image<const N: usize>(
-    shapes: &Shapes,
-    emitter: &Emitter<N>,
-    sensor: &Sensor,
-) -> Option<(f32, [Vec3; 2])> {
+fn image(shapes: &Shapes, emitter: &Emitter, sensor: &Sensor) -> Option<(f32, [Vec3; 2])> {
     let Outline { lower, upper, axis, two_sided, even, .. } = outline(&emitter.model, shapes);
     let middle = 0.5 * (lower + upper);
     let connection = sensor.connect(middle, [0.0; 2])?;

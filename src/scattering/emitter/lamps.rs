@@ -32,8 +32,8 @@ impl Lamps {
         media: &[Medium<N>],
         emitter_media: &[Around<[u32; 2]>],
     ) -> Option<Self> {
-        let is_lamp = |emitter: &Emitter<N>| emitter.model.is_finite() && is_delta(&emitter.model);
-        let lamps = || (0..).zip(&optics.emitters).filter(|(_, emitter)| is_lamp(emitter));
+        let is_lamp = |emitter: &Emitter| emitter.model.is_finite() && is_delta(&emitter.model);
+        let lamps = || (0..).zip(&*optics.emitters).filter(|(_, emitter)| is_lamp(emitter));
         let mut lit = vec![false; media.len()];
         let mut light = |medium: u32| match medium {
             // Next to what cannot be told, or is told path by path, there may be any.
@@ -58,8 +58,7 @@ impl Lamps {
         let mut outlines = Vec::new();
         let mut places = vec![None; optics.emitters.len()];
         for (row, emitter) in lamps() {
-            let mean = emitter.radiance.iter().sum::<f32>() / N as f32;
-            let seen = outline(&emitter.model, shapes).scaled(mean);
+            let seen = outline(&emitter.model, shapes).scaled(emitter.brightness);
             let place = 0.5 * seen.lower + 0.5 * seen.upper;
             places[row as usize] = Some(place.to_array());
             // A segment may see any side of it.

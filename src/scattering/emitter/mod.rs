@@ -247,7 +247,7 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
-    let (radiance, probability) = (emitter.radiance, emitter.probability);
+    let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
     Source { row, radiance, probability, shapes: &scene.shapes, aimed_at: None }
 }
 

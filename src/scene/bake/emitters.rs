@@ -1,28 +1,125 @@
 //! Everything that emits, and how likely it is to start a path.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::beside::Passable;
-use super::{Materials, outside_table};
+use super::outside_table;
 use crate::math::elementary::cos;
-use crate::scene::baked::{Material, NONE, Shapes};
+use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Environment, Name, Punctual, PunctualKind, SurfaceModel, Transform, World,
+    Bsdf, Emission, Environment, Name, Punctual, PunctualKind, Sides, Transform, World,
 };
-use crate::spectrum::Color;
+use crate::spectrum::{Carried, Spectrum};
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
 const LEAST_CONE: f32 = 1e-3;
 
-/// The table of emitters: see `Optics`.
-pub struct Emitters<const N: usize> {
-    pub rows: Vec<Emitter<N>>,
-    pub emitter_of_primitive: Vec<u32>,
+/// The table of emitters: see `Optics`. No wavelength has a part in it.
+#[derive(Clone, Debug)]
+pub struct Emitters {
+    /// Everything that emits.
+    pub rows: Arc<Vec<Emitter>>,
+    /// For every triangle and sphere its row, or [`NONE`].
+    pub emitter_of_primitive: Arc<Vec<u32>>,
+    /// The row of the environment, or [`NONE`].
     pub environment: u32,
-    /// Power of each row in W, averaged over the channels.
+}
+
+/// That table in the making.
+struct Table {
+    rows: Vec<Emitter>,
+    emitter_of_primitive: Vec<u32>,
+    environment: u32,
+    /// Power of each row in W, averaged over the wavelengths.
     powers: Vec<f64>,
+}
+
+/// Something that emits with a spectrum of its own, and what errors call it.
+#[derive(Clone, Debug)]
+pub struct Lamp {
+    /// Its material, light or environment.
+    pub name: String,
+    /// Radiance, radiant intensity or irradiance.
+    pub spectrum: Spectrum,
+}
+
+impl Lamp {
+    /// Whether it emits at no wavelength.
+    fn is_black(&self) -> bool {
+        self.spectrum.values().iter().all(|value| *value == 0.0)
+    }
+
+    /// What it emits at wavelengths in nanometers; nothing if it is black.
+    ///
+    /// # Errors
+    /// When its table does not cover them.
+    pub fn emitted(&self, wavelengths_nm: &[f64]) -> Result<Vec<f64>, SceneError> {
+        let at = |nm: &f64| {
+            let [value] = self.sampled(&Carried::at([*nm as f32]))?;
+            Ok(f64::from(value))
+        };
+        match self.is_black() {
+            true => Ok(Vec::new()),
+            false => wavelengths_nm.iter().map(at).collect(),
+        }
+    }
+
+    fn sampled<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], SceneError> {
+        self.spectrum.sample(carried).map_err(|error| outside_table(&self.name, error))
+    }
+}
+
+/// How much a lamp emits, averaged over wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brightness {
+    /// In double precision: what powers are made of.
+    pub mean: f64,
+    /// What choices by place are made of.
+    pub rounded: f32,
+}
+
+impl Brightness {
+    /// The mean over columns.
+    pub fn of_columns<const N: usize>(columns: &[f32; N]) -> Self {
+        let mean = columns.iter().copied().map(f64::from).sum::<f64>() / N as f64;
+        Self { mean, rounded: columns.iter().sum::<f32>() / N as f32 }
+    }
+}
+
+/// The lamps of a world in the order of `Optics::lamps`. What does not emit is black.
+pub fn lamps(world: &World) -> Vec<Lamp> {
+    let black = || Spectrum::Constant(0.0);
+    let lamp = |name: &str, spectrum: Spectrum| Lamp { name: name.to_owned(), spectrum };
+    let mut lamps =
+        world.in_order::<(&Name, &Bsdf, Option<&Emission>), _>(|(name, _, emission)| {
+            lamp(&name.0, emission.map_or_else(black, |emission| emission.radiance.clone()))
+        });
+    // Air among other bodies.
+    lamps.push(lamp("air", black()));
+    lamps.extend(world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, _, light)| {
+        lamp(&name.0, light.intensity.clone())
+    }));
+    lamps.extend(
+        world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+            lamp(&name.0, sky.radiance.clone())
+        }),
+    );
+    lamps
+}
+
+/// What lamps emit at the wavelengths of the render.
+///
+/// # Errors
+/// When a table does not cover them.
+pub fn radiance<const N: usize>(
+    lamps: &[Lamp],
+    carried: &Carried<N>,
+) -> Result<Vec<[f32; N]>, SceneError> {
+    lamps.iter().map(|lamp| lamp.sampled(carried)).collect()
 }
 
 /// Positions about `origin` of the lights without extent that have one.
@@ -37,43 +134,41 @@ pub fn positions(world: &World, origin: DVec3) -> Vec<Vec3> {
     positions.into_iter().flatten().collect()
 }
 
-/// Primitives first, in their order, then punctual lights, then the environment. Rows without
-/// power are left out, so every probability is greater than zero.
-pub fn emitters<const N: usize>(
+/// Primitives first, in their order, then punctual lights, then the environment, each as bright as
+/// its lamp. Rows without power are left out, so every probability is greater than zero.
+///
+/// # Errors
+/// When nothing has any.
+pub fn emitters(
     world: &World,
-    color: Color,
-    materials: &Materials<N>,
     shapes: &Shapes,
-) -> Result<Emitters<N>, SceneError> {
-    let mut table = Emitters {
+    brightness: &[Brightness],
+) -> Result<Emitters, SceneError> {
+    let mut table = Table {
         rows: Vec::new(),
         emitter_of_primitive: Vec::new(),
         environment: NONE,
         powers: Vec::new(),
     };
-    table.add_primitives(materials, shapes);
+    let mut lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
-    let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
-        let intensity = light.intensity.sample(color);
-        intensity
-            .map(|intensity| {
-                (punctual(light.kind, &place.about(shapes.origin), &passable), intensity)
-            })
-            .map_err(|error| outside_table(&name.0, error))
+    let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(_, place, light)| {
+        punctual(light.kind, &place.about(shapes.origin), &passable)
     });
-    for light in lights {
-        let (model, intensity) = light?;
-        table.add(shapes, model, intensity);
+    for model in lights {
+        table.add(shapes, model, (lamp, brightness));
+        lamp += 1;
     }
-    let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-        let radiance = sky.radiance.sample(color);
-        radiance.map_err(|error| outside_table(&name.0, error))
-    });
-    for sky in skies {
-        table.environment = table.add(shapes, emitter::Environment, sky?);
+    for () in world.in_order::<(&Name, &Environment), _>(|_| ()) {
+        table.environment = table.add(shapes, emitter::Environment, (lamp, brightness));
+        lamp += 1;
     }
     table.set_probabilities()?;
-    Ok(table)
+    Ok(Emitters {
+        rows: Arc::new(table.rows),
+        emitter_of_primitive: Arc::new(table.emitter_of_primitive),
+        environment: table.environment,
+    })
 }
 
 fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> EmitterModel {
@@ -91,38 +186,49 @@ fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> Emitte
     }
 }
 
-impl<const N: usize> Emitters<N> {
-    /// Appends a row unless it is black; its index, or [`NONE`].
-    fn add(&mut self, shapes: &Shapes, model: impl Into<EmitterModel>, radiance: [f32; N]) -> u32 {
+impl Table {
+    /// Appends a row for a lamp unless it is black; its index, or [`NONE`].
+    fn add(
+        &mut self,
+        shapes: &Shapes,
+        model: impl Into<EmitterModel>,
+        (lamp, brightness): (u32, &[Brightness]),
+    ) -> u32 {
         let model = model.into();
-        let mean = radiance.iter().copied().map(f64::from).sum::<f64>() / N as f64;
+        let Brightness { mean, rounded } = brightness[lamp as usize];
         let power = mean * model.size(shapes);
         if power <= 0.0 {
             return NONE;
         }
         self.powers.push(power);
-        self.rows.push(Emitter { model, radiance, probability: 0.0 });
+        self.rows.push(Emitter { model, lamp, brightness: rounded, probability: 0.0 });
         (self.rows.len() - 1) as u32
     }
 
-    fn add_primitives(&mut self, materials: &Materials<N>, shapes: &Shapes) {
+    /// Of all primitives; returns the first lamp that is none of a material.
+    fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
+        let materials = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(_, bsdf, sides)| {
+            let refracts = matches!(bsdf.clone().simplified(), Bsdf::Dielectric { .. });
+            (refracts, sides.two_sided)
+        });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
-            let material = shapes.surfaces[surface as usize].material as usize;
-            let radiance = materials.radiance[material];
-            let emitter = if radiance == [0.0; N] {
-                NONE
-            } else if (primitive as usize) < shapes.triangles.len() {
-                let two_sided = materials.rows[material].two_sided;
-                self.add(shapes, emitter::Triangle::new(shapes, primitive, two_sided), radiance)
-            } else {
-                let Material { ref model, two_sided } = materials.rows[material];
-                let is_opaque = shapes.surfaces[surface as usize].is_opaque;
-                let refracts = matches!(model, SurfaceModel::Dielectric { .. });
-                let sides = [two_sided, !is_opaque && !refracts];
-                self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), radiance)
+            let surface = &shapes.surfaces[surface as usize];
+            let lamp = (surface.material, brightness);
+            let emitter = match materials.get(surface.material as usize) {
+                Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
+                None => NONE,
+                Some(&(_, two_sided)) if (primitive as usize) < shapes.triangles.len() => {
+                    self.add(shapes, emitter::Triangle::new(shapes, primitive, two_sided), lamp)
+                }
+                Some(&(refracts, two_sided)) => {
+                    let sides = [two_sided, !surface.is_opaque && !refracts];
+                    self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), lamp)
+                }
             };
             self.emitter_of_primitive.push(emitter);
         }
+        // That of air is the last of them.
+        materials.len() as u32 + 1
     }
 
     fn set_probabilities(&mut self) -> Result<(), SceneError> {

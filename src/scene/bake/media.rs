@@ -1,16 +1,26 @@
 //! Media at the wavelengths of the render, and the rows of them on both sides of a surface.
 
 use super::emitters::Emitters;
+use hecs::Entity;
+
+use super::grid::Suspensions;
 use super::{Rows, optics};
 use crate::scene::baked::{KEEP, Medium, NONE};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, Passage, World};
-use crate::spectrum::Color;
+use crate::spectrum::Carried;
 
-/// All media, in the file's order.
-pub fn media<const N: usize>(world: &World, color: Color) -> Result<Vec<Medium<N>>, SceneError> {
-    let row = |(name, medium): (&Name, &world::Medium)| optics::medium_row(medium, color, &name.0);
-    world.in_order::<(&Name, &world::Medium), _>(row).into_iter().collect()
+/// All media, in the file's order. What their particles do may be known already.
+pub fn media<const N: usize>(
+    world: &World,
+    carried: &Carried<N>,
+    known: Option<&Suspensions>,
+) -> Result<Vec<Medium<N>>, SceneError> {
+    let row = |(entity, name, medium): (Entity, &Name, &world::Medium)| {
+        let known = known.and_then(|known| known.of(entity));
+        optics::medium_row(medium, carried, (&name.0, known))
+    };
+    world.in_order::<(Entity, &Name, &world::Medium), _>(row).into_iter().collect()
 }
 
 impl Rows {
@@ -37,7 +47,7 @@ pub fn check_lights<const N: usize>(
     world: &World,
     media: &[Medium<N>],
     scene_medium: u32,
-    emitters: &Emitters<N>,
+    emitters: &Emitters,
 ) -> Result<(), SceneError> {
     let Some(medium) = media.get(scene_medium as usize) else { return Ok(()) };
     let attenuates = medium.sigma_a.iter().chain(&medium.sigma_s).any(|sigma| *sigma > 0.0);

@@ -10,6 +10,7 @@ mod beside;
 mod bodies;
 mod divide;
 mod emitters;
+mod grid;
 mod media;
 mod optics;
 mod origin;
@@ -23,18 +24,21 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 use hecs::Entity;
 
-use super::baked::{BakedScene, Bounds, Camera, KEEP, Material, NONE, Optics, Projection, Shapes};
+use super::baked::{
+    self, BakedScene, Bounds, Camera, KEEP, Material, NONE, Optics, Projection, Shapes,
+};
 use super::error::SceneError;
 use super::warnings::Warnings;
 use super::world::{
-    Bsdf, Emission, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform,
-    World,
+    Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform, World,
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Color, OutsideTable, Spectrum};
+use crate::spectrum::{Carried, OutsideTable};
 
 use self::beside::Passable;
+pub use self::emitters::{Brightness, Emitters, Lamp, lamps};
+pub use self::grid::Suspensions;
 use self::origin::Center;
 use self::primitives::Placed;
 
@@ -42,10 +46,13 @@ use self::primitives::Placed;
 ///
 /// # Errors
 /// Those of [`bake_shapes`] and [`bake_optics`].
-pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
+pub fn bake<const N: usize>(
+    world: &World,
+    carried: &Carried<N>,
+) -> Result<BakedScene<N>, SceneError> {
     let shapes = bake_shapes(&plan_shapes(world)?)?;
     let camera = bake_camera(world, &shapes)?;
-    let optics = bake_optics(world, &shapes, color)?;
+    let optics = bake_optics(world, &shapes, carried)?;
     Ok(BakedScene { shapes, camera, optics })
 }
 
@@ -90,18 +97,18 @@ pub fn bake_camera(world: &World, shapes: &Shapes) -> Result<Camera, SceneError>
     Ok(Camera { position: passable.before(camera.position), ..camera })
 }
 
-/// Evaluates materials, media and emitters at the wavelengths of `color`. `N` is the number of
-/// channels of `color`; `shapes` are those of the same world.
+/// Evaluates materials, media and emitters at what light is carried at; `shapes` are those of the
+/// same world.
 ///
 /// # Errors
-/// When the world is not as it should be ([`World::check`]), `N` does not fit, a spectrum's table
-/// does not cover the wavelengths, nothing emits, or a medium lets no light in.
+/// When the world is not as it should be ([`World::check`]), a spectrum's table does not cover the
+/// wavelengths, nothing emits, or a medium lets no light in.
 pub fn bake_optics<const N: usize>(
     world: &World,
     shapes: &Shapes,
-    color: Color,
+    carried: &Carried<N>,
 ) -> Result<Optics<N>, SceneError> {
-    optics_of(world, shapes, color).map_err(|error| error.in_file(&world.file))
+    optics_of(world, shapes, carried).map_err(|error| error.in_file(&world.file))
 }
 
 fn plan(world: &World) -> Result<Plan, SceneError> {
@@ -143,32 +150,99 @@ fn shapes(plan: &Plan) -> Result<Shapes, SceneError> {
 fn optics_of<const N: usize>(
     world: &World,
     shapes: &Shapes,
-    color: Color,
+    carried: &Carried<N>,
 ) -> Result<Optics<N>, SceneError> {
-    if N != color.channels() {
-        let problem = format!("{N} channels were asked for, but {color:?} has another number");
-        return Err(SceneError::new("bake", problem, ""));
-    }
     world.check()?;
-    let mut materials = materials(world, color)?;
-    // Of air among other bodies.
-    materials.radiance.push([0.0; N]);
-    let media = media::media(world, color)?;
-    let emitters = emitters::emitters(world, color, &materials, shapes)?;
+    let materials = material_rows(world, shapes, carried)?;
+    let media = media::media(world, carried, None)?;
+    let lamps = emitters::radiance(&emitters::lamps(world), carried)?;
+    let brightness: Vec<Brightness> = lamps.iter().map(Brightness::of_columns).collect();
+    let emitters = emitters::emitters(world, shapes, &brightness)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
-    let mut rows = materials.rows;
+    Ok(with_emitters(materials, media, lamps, emitters))
+}
+
+/// Places all that emits, each as bright as its lamp is on the whole ([`lamps`]).
+///
+/// # Errors
+/// When nothing emits.
+pub fn bake_emitters(
+    world: &World,
+    shapes: &Shapes,
+    brightness: &[Brightness],
+) -> Result<Emitters, SceneError> {
+    let emitters = emitters::emitters(world, shapes, brightness);
+    emitters.map_err(|error| error.in_file(&world.file))
+}
+
+/// What each lamp emits at wavelengths in nanometers; nothing if it is black.
+///
+/// # Errors
+/// When a table does not cover them.
+pub fn bake_emission(
+    world: &World,
+    lamps: &[Lamp],
+    wavelengths_nm: &[f64],
+) -> Result<Vec<Vec<f64>>, SceneError> {
+    let emitted: Result<_, SceneError> =
+        lamps.iter().map(|lamp| lamp.emitted(wavelengths_nm)).collect();
+    emitted.map_err(|error| error.in_file(&world.file))
+}
+
+/// What is the same at all wavelengths of a range.
+#[derive(Debug)]
+pub struct Common {
+    /// What emits, by its spectra ([`lamps`]).
+    pub lamps: Vec<Lamp>,
+    /// Media of particles.
+    pub suspensions: Suspensions,
+}
+
+/// Evaluates a world that has been checked at some wavelengths of a range, of which more is known.
+/// None of this takes longer for more triangles.
+///
+/// # Errors
+/// When a spectrum's table does not cover the wavelengths, or a medium lets no light in.
+pub fn bake_optics_at<const N: usize>(
+    world: &World,
+    shapes: &Shapes,
+    carried: &Carried<N>,
+    common: &Common,
+    emitters: Emitters,
+) -> Result<Optics<N>, SceneError> {
+    let bake = || {
+        let materials = material_rows(world, shapes, carried)?;
+        let media = media::media(world, carried, Some(&common.suspensions))?;
+        let lamps = emitters::radiance(&common.lamps, carried)?;
+        media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
+        Ok(with_emitters(materials, media, lamps, emitters.clone()))
+    };
+    bake().map_err(|error: SceneError| error.in_file(&world.file))
+}
+
+fn with_emitters<const N: usize>(
+    materials: Vec<Material<N>>,
+    media: Vec<baked::Medium<N>>,
+    lamps: Vec<[f32; N]>,
+    emitters: Emitters,
+) -> Optics<N> {
+    let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
+    Optics { materials, media, emitters, lamps, emitter_of_primitive, environment }
+}
+
+/// All materials, with air where bodies overlap; at least one.
+fn material_rows<const N: usize>(
+    world: &World,
+    shapes: &Shapes,
+    carried: &Carried<N>,
+) -> Result<Vec<Material<N>>, SceneError> {
+    let mut rows = materials(world, carried)?;
     let has_air = shapes.surfaces.iter().any(|it| it.nested_material as usize == rows.len());
     if has_air && !rows.is_empty() {
         let model = SurfaceModel::Dielectric { ior: 1.0, exterior_ior: 1.0 };
         rows.push(Material { model, two_sided: false });
     }
-    Ok(Optics {
-        materials: if rows.is_empty() { vec![Material::absorber()] } else { rows },
-        media,
-        emitters: emitters.rows,
-        emitter_of_primitive: emitters.emitter_of_primitive,
-        environment: emitters.environment,
-    })
+    Ok(if rows.is_empty() { vec![Material::absorber()] } else { rows })
 }
 
 /// Which rows of the tables of materials and media the entities become.
@@ -203,32 +277,19 @@ impl Rows {
     }
 }
 
-/// The material table.
-struct Materials<const N: usize> {
-    rows: Vec<Material<N>>,
-    /// Emitted radiance of each row; zero if it does not emit.
-    radiance: Vec<[f32; N]>,
-}
-
-fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>, SceneError> {
-    type Components<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
-    let mut table = Materials { rows: Vec::new(), radiance: Vec::new() };
-    let rows = world.in_order::<Components, _>(|(name, bsdf, sides, emission)| {
-        let black = Spectrum::Constant(0.0);
-        let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
-        let model = bsdf.sampled(|spectrum| spectrum.sample(color));
-        let row = model.and_then(|model| {
-            let model = model.simplified();
-            Ok((Material { model, two_sided: sides.two_sided }, radiance?))
-        });
-        row.map_err(|error| outside_table(&name.0, error))
+fn materials<const N: usize>(
+    world: &World,
+    carried: &Carried<N>,
+) -> Result<Vec<Material<N>>, SceneError> {
+    let rows = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(name, bsdf, sides)| {
+        let model = bsdf.sampled(|spectrum| spectrum.sample(carried));
+        let row = |model: SurfaceModel<[f32; N]>| Material {
+            model: model.simplified(),
+            two_sided: sides.two_sided,
+        };
+        model.map(row).map_err(|error| outside_table(&name.0, error))
     });
-    for row in rows {
-        let (material, radiance) = row?;
-        table.rows.push(material);
-        table.radiance.push(radiance);
-    }
-    Ok(table)
+    rows.into_iter().collect()
 }
 
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {

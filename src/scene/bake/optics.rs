@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use super::grid::Grid;
 use super::outside_table;
 use super::phase::{self, Elements};
 use crate::polarization::kept;
@@ -12,34 +13,27 @@ use crate::polarization::particles::{Particles, Suspension};
 use crate::scene::baked::{Medium, Phase};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Spheres};
-use crate::spectrum::{Color, OutsideTable, RGB_WAVELENGTHS_NM, Spectrum};
+use crate::spectrum::{Carried, OutsideTable, Spectrum};
 
 /// Greatest size parameter of particles: more takes too long, and no table could hold its peak.
 const SIZE_PARAMETER_MAX: f64 = 2000.0;
 
-/// The row of a medium; `name` is how errors call it.
+/// The row of a medium; `name` is how errors call it. What its particles do may be known already.
 pub fn medium_row<const N: usize>(
     medium: &world::Medium,
-    color: Color,
-    name: &str,
+    carried: &Carried<N>,
+    (name, known): (&str, Option<&Grid>),
 ) -> Result<Medium<N>, SceneError> {
     let outside = |error: OutsideTable| outside_table(name, error);
-    let derived = match &medium.phase {
-        world::Phase::HenyeyGreenstein { g } => {
-            Derived::of(Phase::HenyeyGreenstein { g: g.sample(color).map_err(outside)? })
-        }
-        world::Phase::Rayleigh { depolarization } => {
-            Derived::of(Phase::Table(phase::rayleigh(*depolarization)))
-        }
-        world::Phase::Spheres(spheres) => suspended(spheres, color, name)?,
-        world::Phase::Milk(milk) => milked(milk, color, name)?,
-        world::Phase::Table(matrices) => {
-            let table = phase::tabulated(matrices, wavelengths(color)).map_err(outside)?;
-            Derived::of(Phase::Table(table))
-        }
+    let mut derived = match (&medium.phase, known) {
+        (_, Some(grid)) => grid.at(carried),
+        (phase, None) => derived(phase, carried, name)?,
     };
+    if let (Phase::Table(table), true) = (&mut derived.phase, carried.is_one_of_many()) {
+        (table.spheres, table.achromatic) = everywhere(&medium.phase);
+    }
     let coefficient = |given: &Option<Spectrum>, derived: [f32; N]| match given {
-        Some(spectrum) => spectrum.sample(color).map_err(outside),
+        Some(spectrum) => spectrum.sample(carried).map_err(outside),
         None => Ok(derived),
     };
     let sigma_a = coefficient(&medium.sigma_a, derived.sigma_a)?;
@@ -51,11 +45,118 @@ pub fn medium_row<const N: usize>(
     Ok(Medium { sigma_a, sigma_s, phase: derived.phase })
 }
 
+/// Whether a table of a phase function is that of spheres, and achromatic, at all wavelengths
+/// together.
+fn everywhere(phase: &world::Phase) -> (bool, bool) {
+    match phase {
+        world::Phase::HenyeyGreenstein { .. } => (false, true),
+        world::Phase::Rayleigh { depolarization } => (*depolarization == 0.0, true),
+        world::Phase::Spheres(_) | world::Phase::Milk(_) => (true, false),
+        world::Phase::Table(matrices) => (phase::are_of_spheres(matrices), matrices.len() == 1),
+    }
+}
+
+/// What a medium does of itself.
+fn derived<const N: usize>(
+    phase: &world::Phase,
+    carried: &Carried<N>,
+    name: &str,
+) -> Result<Derived<N>, SceneError> {
+    let outside = |error: OutsideTable| outside_table(name, error);
+    Ok(match phase {
+        world::Phase::HenyeyGreenstein { g } => {
+            Derived::of(Phase::HenyeyGreenstein { g: g.sample(carried).map_err(outside)? })
+        }
+        world::Phase::Rayleigh { depolarization } => {
+            Derived::of(Phase::Table(phase::rayleigh(*depolarization)))
+        }
+        world::Phase::Spheres(spheres) => suspended(spheres, carried, name)?,
+        world::Phase::Milk(milk) => milked(milk, carried, name)?,
+        world::Phase::Table(matrices) => {
+            let table = phase::tabulated(matrices, wavelengths(carried)).map_err(outside)?;
+            Derived::of(Phase::Table(table))
+        }
+    })
+}
+
+/// Particles in their host at one wavelength in nanometers, and what the host absorbs beside them
+/// per meter; none if a phase function is of something else.
+///
+/// # Errors
+/// When they are not known there.
+pub fn suspension_at<'a>(
+    phase: &'a world::Phase,
+    nm: f64,
+    name: &str,
+) -> Result<Option<(Suspension<'a>, f64)>, SceneError> {
+    match phase {
+        world::Phase::Milk(milk) => {
+            check_milk(&[nm], name)?;
+            let serum = milk.serum(nm);
+            let absorbed = serum.sigma_a_riboflavin + serum.sigma_a_water;
+            Ok(Some((milk.suspension(nm), absorbed)))
+        }
+        world::Phase::Spheres(spheres) => {
+            let carried = Carried::at([nm as f32]);
+            let [host_k] =
+                spheres.host_k.sample(&carried).map_err(|error| outside_table(name, error))?;
+            let [suspension] = suspensions(spheres, &carried, name)?;
+            let absorbed = host_sigma_a(spheres, host_k, suspension.wavelength_nm);
+            Ok(Some((suspension, absorbed)))
+        }
+        world::Phase::HenyeyGreenstein { .. }
+        | world::Phase::Rayleigh { .. }
+        | world::Phase::Table(_) => Ok(None),
+    }
+}
+
+/// Intervals of the table of particles of a size parameter.
+///
+/// # Errors
+/// When they are too large for one.
+pub fn intervals_of(size_parameter: f64, name: &str) -> Result<usize, SceneError> {
+    if size_parameter > SIZE_PARAMETER_MAX {
+        let problem = format!("has particles of size parameter {size_parameter:.0}");
+        let remedy = format!("keep it below {SIZE_PARAMETER_MAX}, or use hg or mueller_table");
+        return Err(SceneError::new(name, problem, remedy));
+    }
+    Ok(phase::intervals(size_parameter))
+}
+
+/// Refuses what a series has not converged to.
+///
+/// # Errors
+/// When a phase function has a value that is none.
+pub fn check_series(matrix: &[Elements], name: &str) -> Result<(), SceneError> {
+    if matrix.iter().any(|m| !(m.m00.is_finite() && m.m00 > 0.0)) {
+        let problem = "the series of its particles does not converge";
+        return Err(SceneError::new(name, problem, "check radii and indices of refraction"));
+    }
+    Ok(())
+}
+
+/// What a host absorbs where there are no particles, per meter.
+fn host_sigma_a(spheres: &Spheres, host_k: f32, wavelength_nm: f64) -> f64 {
+    let filled: f64 = spheres.components.iter().map(|component| component.volume_fraction).sum();
+    let host = 4.0 * PI * f64::from(host_k) / (1e-9 * wavelength_nm);
+    (1.0 - filled).max(0.0) * host
+}
+
+/// Refuses wavelengths at which milk is not known.
+fn check_milk(wavelengths_nm: &[f64], name: &str) -> Result<(), SceneError> {
+    let [first, last] = MILK_WAVELENGTHS_NM;
+    if let Some(nm) = wavelengths_nm.iter().find(|nm| !(first..=last).contains(nm)) {
+        let problem = format!("milk is tabulated from {first} to {last} nm, not at {nm} nm");
+        return Err(SceneError::new(name, problem, "render within the table"));
+    }
+    Ok(())
+}
+
 /// A phase function, and the coefficients that go with it; zero where there are none.
-struct Derived<const N: usize> {
-    sigma_a: [f32; N],
-    sigma_s: [f32; N],
-    phase: Phase<N>,
+pub struct Derived<const N: usize> {
+    pub sigma_a: [f32; N],
+    pub sigma_s: [f32; N],
+    pub phase: Phase<N>,
 }
 
 impl<const N: usize> Derived<N> {
@@ -64,15 +165,13 @@ impl<const N: usize> Derived<N> {
     }
 }
 
-/// Wavelengths of the channels in nanometers.
-fn wavelengths<const N: usize>(color: Color) -> [f64; N] {
-    std::array::from_fn(|channel| match color {
-        Color::Rgb => f64::from(RGB_WAVELENGTHS_NM[channel % RGB_WAVELENGTHS_NM.len()]),
-        Color::Mono { wavelength_nm } => f64::from(wavelength_nm),
-    })
+/// Wavelengths of the columns in nanometers.
+fn wavelengths<const N: usize>(carried: &Carried<N>) -> [f64; N] {
+    carried.wavelengths_nm().map(f64::from)
 }
 
-fn elements_of(matrix: &[PhaseElements]) -> Vec<Elements> {
+/// All elements of spheres' matrices.
+pub fn elements_of(matrix: &[PhaseElements]) -> Vec<Elements> {
     let elements = |m: &PhaseElements| {
         let (m00, m01, m22, m23) = (m.m00, m.m01, m.m22, m.m23);
         Elements { m00, m01, m11: m00, m22, m23, m33: m22 }
@@ -81,13 +180,13 @@ fn elements_of(matrix: &[PhaseElements]) -> Vec<Elements> {
 }
 
 /// Milk at the wavelengths of the render.
-fn milked<const N: usize>(milk: &Milk, color: Color, name: &str) -> Result<Derived<N>, SceneError> {
-    let wavelengths = wavelengths::<N>(color);
-    let [first, last] = MILK_WAVELENGTHS_NM;
-    if let Some(nm) = wavelengths.iter().find(|nm| !(first..=last).contains(nm)) {
-        let problem = format!("milk is tabulated from {first} to {last} nm, not at {nm} nm");
-        return Err(SceneError::new(name, problem, "render within the table"));
-    }
+fn milked<const N: usize>(
+    milk: &Milk,
+    carried: &Carried<N>,
+    name: &str,
+) -> Result<Derived<N>, SceneError> {
+    let wavelengths = wavelengths(carried);
+    check_milk(&wavelengths, name)?;
     let sizes = wavelengths.map(|nm| milk.size_parameter_max(nm));
     let intervals = phase::intervals(sizes.into_iter().fold(0.0, f64::max));
     let optics =
@@ -103,51 +202,39 @@ fn milked<const N: usize>(milk: &Milk, color: Color, name: &str) -> Result<Deriv
 /// Spheres in their host at the wavelengths of the render.
 fn suspended<const N: usize>(
     spheres: &Spheres,
-    color: Color,
+    carried: &Carried<N>,
     name: &str,
 ) -> Result<Derived<N>, SceneError> {
-    let sample = |spectrum: &Spectrum| {
-        spectrum.sample::<N>(color).map_err(|error| outside_table(name, error))
-    };
+    let sample =
+        |spectrum: &Spectrum| spectrum.sample(carried).map_err(|error| outside_table(name, error));
     let host_k = sample(&spheres.host_k)?;
-    let suspensions = suspensions(spheres, color, name)?;
+    let suspensions = suspensions(spheres, carried, name)?;
     let largest = suspensions.iter().map(Suspension::size_parameter_max).fold(0.0, f64::max);
-    if largest > SIZE_PARAMETER_MAX {
-        let problem = format!("has particles of size parameter {largest:.0}");
-        let remedy = format!("keep it below {SIZE_PARAMETER_MAX}, or use hg or mueller_table");
-        return Err(SceneError::new(name, problem, remedy));
-    }
+    let intervals = intervals_of(largest, name)?;
     let scattering = suspensions.map(|suspension| {
-        let found = kept::scattering(&suspension, phase::intervals(largest));
+        let found = kept::scattering(&suspension, intervals);
         (found, suspension.wavelength_nm)
     });
-    let filled: f64 = spheres.components.iter().map(|component| component.volume_fraction).sum();
     let sigma_a = std::array::from_fn(|channel| {
         let (found, nm) = &scattering[channel];
-        // The host absorbs where there are no particles.
-        let host = 4.0 * PI * f64::from(host_k[channel]) / (1e-9 * nm);
-        (found.sigma_a + (1.0 - filled).max(0.0) * host) as f32
+        (found.sigma_a + host_sigma_a(spheres, host_k[channel], *nm)) as f32
     });
     let sigma_s = scattering.each_ref().map(|(found, _)| found.sigma_s as f32);
     let matrices = scattering.map(|(found, _)| elements_of(&found.matrix));
-    if matrices.iter().flatten().any(|m| !(m.m00.is_finite() && m.m00 > 0.0)) {
-        let problem = "the series of its particles does not converge";
-        return Err(SceneError::new(name, problem, "check radii and indices of refraction"));
-    }
+    matrices.iter().try_for_each(|matrix| check_series(matrix, name))?;
     Ok(Derived { sigma_a, sigma_s, phase: Phase::Table(phase::table(&matrices)) })
 }
 
 /// The spheres and their host, one wavelength each.
 fn suspensions<'a, const N: usize>(
     spheres: &'a Spheres,
-    color: Color,
+    carried: &Carried<N>,
     name: &str,
 ) -> Result<[Suspension<'a>; N], SceneError> {
-    let sample = |spectrum: &Spectrum| {
-        spectrum.sample::<N>(color).map_err(|error| outside_table(name, error))
-    };
+    let sample =
+        |spectrum: &Spectrum| spectrum.sample(carried).map_err(|error| outside_table(name, error));
     let host_n = sample(&spheres.host_eta)?;
-    let wavelengths = wavelengths::<N>(color);
+    let wavelengths = wavelengths(carried);
     let mut suspensions: [Suspension; N] = std::array::from_fn(|channel| Suspension {
         particles: Vec::new(),
         host_n: f64::from(host_n[channel]),

@@ -28,6 +28,21 @@ pub struct Elements {
     pub m33: f64,
 }
 
+impl Elements {
+    /// These, or for a share of 1 the others, or what lies between.
+    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+        let mix = |from: f64, to: f64| from * (1.0 - share) + to * share;
+        Self {
+            m00: mix(self.m00, other.m00),
+            m01: mix(self.m01, other.m01),
+            m11: mix(self.m11, other.m11),
+            m22: mix(self.m22, other.m22),
+            m23: mix(self.m23, other.m23),
+            m33: mix(self.m33, other.m33),
+        }
+    }
+}
+
 /// The phase matrix of small particles, the same at all wavelengths.
 pub fn rayleigh<const N: usize>(depolarization: f64) -> PhaseTable<N> {
     let at = |index: usize| {
@@ -79,6 +94,12 @@ pub fn tabulated<const N: usize>(
         *found = (0..=intervals).map(at).collect();
     }
     Ok(table(&found))
+}
+
+/// Whether all matrices are as those of spheres.
+pub fn are_of_spheres(matrices: &[TabulatedMatrix]) -> bool {
+    let mut all = matrices.iter().flat_map(|matrix| &matrix.elements);
+    all.all(|[m00, _, m11, m22, _, m33]| m00 == m11 && m22 == m33)
 }
 
 /// The matrices on both sides of a wavelength, and the share of the second.

@@ -70,7 +70,8 @@ fn place<const N: usize>(
     let [from, to] = piece.range;
     let distance = seen.sample(lanes::load(&pieces.place, first)).max(from).min(to);
     let position = piece.origin + piece.direction * distance;
-    let lamp = scene.direct.sample(emitters, chance, position, [F32s::ZERO; 2]);
+    let lamp =
+        scene.direct.sample(&scene.optics.lamps, (emitters, chance), position, [F32s::ZERO; 2]);
     let rows = position.to_rows();
     let of_vertex = F32s::from(lanes::each(|lane| {
         let from = Vantage { position: rows[lane].into(), normal: Vec3::ZERO };

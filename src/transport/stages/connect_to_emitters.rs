@@ -125,7 +125,7 @@ fn choose<const N: usize, C>(
     let emitters = lanes::each(|lane| of[lane].0);
     let chance = F32s::from(lanes::each(|lane| of[lane].1));
     let offset = F32s::from(lanes::each(|lane| scene.emitter_offset(emitters[lane])));
-    let lanes = scene.direct.sample(emitters, chance, reference, u);
+    let lanes = scene.direct.sample(&scene.optics.lamps, (emitters, chance), reference, u);
     Chosen { lanes, offset, emitters, chance }
 }
 
@@ -142,7 +142,7 @@ fn choose_by_power<const N: usize>(
     let both = [0, all.len() - 1];
     let chance = either(second, both.map(|emitter| all[emitter].probability));
     let offset = either(second, both.map(|emitter| scene.emitter_offset(emitter)));
-    let lanes = scene.direct.sample_either(second, chance, reference, u);
+    let lanes = scene.direct.sample_either(&scene.optics.lamps, (second, chance), reference, u);
     let bits = second.to_bitmask();
     let emitters = lanes::each(|lane| (bits >> lane & 1) as usize);
     Chosen { lanes, offset, emitters, chance }

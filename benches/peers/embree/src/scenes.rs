@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{Quat, Vec3};
 use sunstone::internals::scene::baked::{BakedScene, Triangle};
 use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::Carried;
 
 use crate::random::Random;
 
@@ -47,7 +47,7 @@ fn cornell() -> Scene {
 fn bunny() -> Result<Scene, String> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../scenes/tank.gltf");
     let world = load(&file).map_err(|error| error.to_string())?;
-    let baked = bake::<3>(&world, Color::Rgb).map_err(|error| error.to_string())?;
+    let baked = bake(&world, &Carried::RGB).map_err(|error| error.to_string())?;
     let mut triangles = largest_mesh(&baked);
     for _ in 0..2 {
         triangles = triangles.iter().flat_map(quartered).collect();

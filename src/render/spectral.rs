@@ -1,0 +1,156 @@
+//! Spectral renders: how many wavelengths light is carried at together, and from which range.
+
+use super::Options;
+use super::settings::{SettingsError, WAVELENGTHS_NM};
+use crate::spectrum::{Color, Responses};
+
+/// Light at several wavelengths together, others in every iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spectral {
+    /// Wavelengths that are carried together: 4 or 8.
+    pub wavelengths: u32,
+    /// The first and the last that light may have, in nanometers in vacuum.
+    pub range_nm: [f32; 2],
+}
+
+/// What numbers of wavelengths can be carried together.
+const WAVELENGTHS: [u32; 2] = [4, 8];
+/// The range where none is named, in nanometers.
+pub const RANGE_NM: [f32; 2] = [380.0, 780.0];
+/// What rounding may make of the ends of bands, in nanometers.
+const ROUNDING_NM: f64 = 1e-3;
+
+impl Default for Spectral {
+    /// Eight wavelengths of visible light.
+    fn default() -> Self {
+        Self { wavelengths: 8, range_nm: RANGE_NM }
+    }
+}
+
+/// What light is carried at, by the number of columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Columns {
+    /// Red, green and blue.
+    Rgb,
+    /// One wavelength in nanometers.
+    Mono(f32),
+    /// Four wavelengths.
+    Four(Spectral),
+    /// Eight wavelengths.
+    Eight(Spectral),
+}
+
+impl Columns {
+    /// How many there are.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Rgb => 3,
+            Self::Mono(_) => 1,
+            Self::Four(_) => 4,
+            Self::Eight(_) => 8,
+        }
+    }
+}
+
+/// What light of a render is carried at.
+///
+/// # Errors
+/// When its color and its wavelengths do not go together.
+pub fn columns(options: &Options) -> Result<Columns, SettingsError> {
+    let wrong = |setting, rule: String| Err(SettingsError { setting, rule });
+    let Some(spectral) = options.spectral else {
+        return match &options.color {
+            Color::Rgb => Ok(Columns::Rgb),
+            Color::Mono { wavelength_nm } => Ok(Columns::Mono(*wavelength_nm)),
+            Color::Bands(_) => wrong("bands", "go with color spectral".to_owned()),
+        };
+    };
+    let Spectral { wavelengths, range_nm: [first, last] } = spectral;
+    for nm in [first, last] {
+        if !WAVELENGTHS_NM.contains(&nm) {
+            let (least, most) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+            return wrong("range", format!("must be within {least}:{most} nanometers, not {nm}"));
+        }
+    }
+    if first >= last {
+        let rule = format!("must go from a shorter to a longer wavelength, not {first}:{last}");
+        return wrong("range", rule);
+    }
+    check_film(&options.color, [first, last])?;
+    match wavelengths {
+        4 => Ok(Columns::Four(spectral)),
+        8 => Ok(Columns::Eight(spectral)),
+        other => {
+            let [few, many] = WAVELENGTHS;
+            wrong("wavelengths", format!("must be {few} or {many}, not {other}"))
+        }
+    }
+}
+
+/// Refuses films that do not measure spectra, or measure what is outside of the range.
+fn check_film(color: &Color, range_nm: [f32; 2]) -> Result<(), SettingsError> {
+    if let Color::Bands(bands) = color {
+        let [first, last] = range_nm.map(f64::from);
+        let outside =
+            |ends: [f64; 2]| ends[0] < first - ROUNDING_NM || ends[1] > last + ROUNDING_NM;
+        if let Some(band) = bands.list().iter().find(|band| outside(band.ends_nm())) {
+            let [low, high] = band.ends_nm();
+            let rule = format!(
+                "must be within range {first}:{last}, and {} reaches from {low:.2} to {high:.2} nm",
+                band.name
+            );
+            return Err(SettingsError { setting: "bands", rule });
+        }
+    }
+    match Responses::of(color) {
+        Some(_) => Ok(()),
+        None => {
+            let rule = format!("spectral has no film of {color}: say which bands, as 400:700:31");
+            Err(SettingsError { setting: "color", rule })
+        }
+    }
+}
+
+/// What is measured at which wavelengths, in words.
+pub fn in_words(spectral: Spectral) -> String {
+    let Spectral { wavelengths, range_nm: [first, last] } = spectral;
+    format!("{wavelengths} wavelengths from {first} to {last} nm, others in every iteration")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::render::Settings;
+    use crate::spectrum::Bands;
+
+    fn options(bands: [f32; 2], count: usize, spectral: Option<Spectral>) -> Options {
+        let bands = Bands::evenly(bands[0], bands[1], count).unwrap();
+        Options { color: Color::Bands(Arc::new(bands)), spectral, ..Options::default() }
+    }
+
+    #[test]
+    fn settings_that_do_not_go_together_are_refused() {
+        let spectral = |wavelengths, range_nm| Some(Spectral { wavelengths, range_nm });
+        let refused = |options| Settings::new(options).unwrap_err().to_string();
+        let visible = options([400.0, 700.0], 31, Some(Spectral::default()));
+        assert!(Settings::new(visible.clone()).is_ok());
+        assert!(refused(options([400.0, 700.0], 31, None)).contains("color spectral"));
+        for (wavelengths, range_nm, words) in [
+            (3, RANGE_NM, "wavelengths must be 4 or 8, not 3"),
+            (8, [780.0, 380.0], "not 780:380"),
+            (8, [500.0, 500.0], "not 500:500"),
+            (8, [f32::NAN, 500.0], "not NaN"),
+            (4, [400.0, 700.0], "within range 400:700, and 400 nm reaches from 395.00"),
+            (4, [0.0, 700.0], "not 0"),
+        ] {
+            let error = refused(options([400.0, 700.0], 31, spectral(wavelengths, range_nm)));
+            assert!(error.contains(words), "{error}");
+        }
+        for color in [Color::Rgb, Color::Mono { wavelength_nm: 550.0 }] {
+            let error = refused(Options { color, ..visible.clone() });
+            assert!(error.contains("say which bands"), "{error}");
+        }
+    }
+}

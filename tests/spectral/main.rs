@@ -1,0 +1,6 @@
+//! Spectral renders: bands are what mono renders measure at their wavelengths, by all integrators,
+//! in all modes, whole or in parts.
+
+mod agreement;
+mod parts;
+mod scenes;

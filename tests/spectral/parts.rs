@@ -1,0 +1,117 @@
+//! The set of wavelengths is a function of the iteration: parts, pauses, steps and threads give the
+//! bits of one render.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use sunstone::{
+    Bands, Color, Integrator, Options, Part, Photons, PlacedWorld, Renderer, Settings, Spectral,
+    StokesImage, Threads, merge,
+};
+
+use crate::scenes::tabulated_room;
+
+fn options(integrator: Integrator) -> Options {
+    let bands = Bands::evenly(420.0, 680.0, 14).expect("sound bands");
+    let spectral = Spectral { wavelengths: 4, range_nm: [400.0, 700.0] };
+    Options {
+        integrator: Some(integrator),
+        color: Color::Bands(Arc::new(bands)),
+        spectral: Some(spectral),
+        samples: 6,
+        path_length_max: 4,
+        width: Some(18),
+        height: Some(17),
+        photons: Photons { per_iteration: Some(500), samples: Some(2), ..Photons::default() },
+        ..Options::default()
+    }
+}
+
+fn renderer(world: &PlacedWorld, options: Options) -> Renderer {
+    let settings = Settings::new(options).expect("sound options");
+    Renderer::new(world, &settings).expect("a sound world")
+}
+
+fn done(mut renderer: Renderer) -> StokesImage {
+    renderer.run(|_| ControlFlow::Continue(()));
+    renderer.finish()
+}
+
+fn file(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("spectral");
+    std::fs::create_dir_all(&folder).expect("a folder for what is tested");
+    folder.join(name)
+}
+
+#[test]
+fn parts_and_pauses_have_the_bits_of_the_whole() {
+    let world = tabulated_room();
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
+        for replicates in [1, 3] {
+            let options = Options { replicates, ..options(integrator) };
+            let whole = done(renderer(&world, options.clone()));
+            let name = format!("{}-{replicates}", integrator.name());
+            let part = |number| {
+                let part = Some(Part::new(number, 3).expect("there is such a part"));
+                let mut part = renderer(&world, Options { part, ..options.clone() });
+                part.run(|_| ControlFlow::Continue(()));
+                let path = file(&format!("{name}-{number}.part"));
+                part.save(&path).expect("a file");
+                path
+            };
+            let parts: Vec<PathBuf> = (1..=3).map(part).collect();
+            let merged = merge(&parts).expect("parts of one image");
+            assert_eq!(merged.planes, whole.planes, "{name}");
+            assert_eq!(merged.variance, whole.variance, "{name}");
+            assert_eq!(merged.color, whole.color, "{name}");
+            let mut first = renderer(&world, options.clone());
+            first.advance(4);
+            let path = file(&format!("{name}.checkpoint"));
+            first.save(&path).expect("a file");
+            let mut second = renderer(&world, options.clone());
+            second.resume(&path).expect("a file of this render");
+            assert_eq!(done(second).planes, whole.planes, "{name}, resumed");
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let world = tabulated_room();
+    for integrator in [Integrator::Bdpt, Integrator::Ppm, Integrator::Light] {
+        let on = |count| {
+            let threads = Arc::new(Threads::start(Some(count)).expect("threads"));
+            let options = Options { width: Some(70), samples: 2, ..options(integrator) };
+            done(renderer(&world, options).on(&threads)).planes
+        };
+        // One thread takes wide tiles, and three narrow ones.
+        assert!(on(1) == on(3), "{integrator:?}");
+    }
+}
+
+#[test]
+fn other_wavelengths_are_another_render() {
+    let world = tabulated_room();
+    let path = file("other.checkpoint");
+    let mut first = renderer(&world, options(Integrator::Path));
+    first.step();
+    first.save(&path).expect("a file");
+    let spectral = Some(Spectral { wavelengths: 8, range_nm: [400.0, 700.0] });
+    let other = Options { spectral, ..options(Integrator::Path) };
+    let error = renderer(&world, other).resume(&path).expect_err("another render").to_string();
+    assert!(error.contains("spectral") && error.contains("8 wavelengths"), "{error}");
+}
+
+/// Tables that end within the range are told before anything is rendered.
+#[test]
+fn what_a_table_does_not_cover_is_refused() {
+    let bands = Bands::evenly(380.0, 680.0, 16).expect("sound bands");
+    let spectral = Some(Spectral { wavelengths: 8, range_nm: [370.0, 700.0] });
+    let color = Color::Bands(Arc::new(bands));
+    let settings = Settings::new(Options { color, spectral, ..options(Integrator::Path) });
+    let world = tabulated_room();
+    let error = Renderer::new(&world, &settings.expect("sound options")).err().expect("an error");
+    let error = error.to_string();
+    assert!(error.contains("lamp") && error.contains("400 to 700 nm"), "{error}");
+}
