@@ -3,10 +3,21 @@
 //! The renderer is generic over the number of wavelengths `N`; this floor says which they are and
 //! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`.
 
-mod metals;
+pub mod cie;
+mod data;
+mod dispersion;
+mod formula;
+mod illuminants;
+mod indices;
+mod lamps;
+mod spd;
 mod spectra;
 
-pub use metals::{metal, metal_names};
+pub use dispersion::D_NM;
+pub use formula::Formula;
+pub use illuminants::illuminant_names;
+pub use indices::{index, index_names, metal, metal_names};
+pub use lamps::{Line, LineShape};
 pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
 
 /// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a

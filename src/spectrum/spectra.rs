@@ -1,6 +1,6 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
-use super::{Color, RGB_WAVELENGTHS_NM};
+use super::{Color, Formula, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
 /// A quantity that may depend on wavelength: a reflectance, an index of refraction, a radiance.
@@ -13,6 +13,8 @@ pub enum Spectrum {
     Rgb([f32; 3]),
     /// Values at wavelengths, interpolated linearly between them and undefined outside.
     Table(SpectrumTable),
+    /// A formula of the wavelength, undefined outside of its range.
+    Formula(Formula),
 }
 
 /// A tabulated spectrum: see `SpectrumTable::new`.
@@ -96,13 +98,14 @@ impl Spectrum {
         SpectrumTable::new(wavelengths_nm.to_vec(), values.to_vec()).map(Self::Table)
     }
 
-    /// The numbers it was made of, whatever wavelength they belong to. All values that it takes
-    /// lie between the least and the greatest of them.
+    /// The numbers it was made of, whatever wavelength they belong to, or of a formula two bounds.
+    /// All values that it takes lie between the least and the greatest of them.
     pub fn values(&self) -> &[f32] {
         match self {
             Self::Constant(value) => std::slice::from_ref(value),
             Self::Rgb(rgb) => rgb,
             Self::Table(table) => &table.values,
+            Self::Formula(formula) => formula.bounds(),
         }
     }
 
@@ -122,14 +125,28 @@ impl Spectrum {
             Self::Constant(value) => *value *= factor,
             Self::Rgb(rgb) => rgb.iter_mut().for_each(|value| *value *= factor),
             Self::Table(table) => table.values.iter_mut().for_each(|value| *value *= factor),
+            Self::Formula(formula) => formula.scale(factor),
         }
         self
+    }
+
+    /// Its value at a vacuum wavelength in nanometers.
+    ///
+    /// # Errors
+    /// When a table or a formula does not cover it.
+    pub fn at(&self, wavelength_nm: f32) -> Result<f32, OutsideTable> {
+        match self {
+            Self::Constant(constant) => Ok(*constant),
+            Self::Rgb(rgb) => Ok(rgb_at(rgb, wavelength_nm)),
+            Self::Table(table) => table.at(wavelength_nm),
+            Self::Formula(formula) => formula.at(wavelength_nm),
+        }
     }
 
     /// Its values in the channels of `color`.
     ///
     /// # Errors
-    /// When a table does not cover a wavelength of the render.
+    /// When a table or a formula does not cover a wavelength of the render.
     ///
     /// # Panics
     /// When `N` is not `color.channels()`.
@@ -138,11 +155,9 @@ impl Spectrum {
         let mut values = [0.0; N];
         for (channel, value) in values.iter_mut().enumerate() {
             *value = match (self, color) {
-                (Self::Constant(constant), _) => *constant,
                 (Self::Rgb(rgb), Color::Rgb) => rgb[channel],
-                (Self::Rgb(rgb), Color::Mono { wavelength_nm }) => rgb_at(rgb, wavelength_nm),
-                (Self::Table(table), Color::Rgb) => table.at(RGB_WAVELENGTHS_NM[channel])?,
-                (Self::Table(table), Color::Mono { wavelength_nm }) => table.at(wavelength_nm)?,
+                (_, Color::Rgb) => self.at(RGB_WAVELENGTHS_NM[channel])?,
+                (_, Color::Mono { wavelength_nm }) => self.at(wavelength_nm)?,
             };
         }
         Ok(values)
