@@ -188,7 +188,8 @@ pub mod particles {
 /// world.add_material("window", Material::emitter(daylight.scaled(30.0)))?;
 /// world.add_material("bulb", Material::emitter(Spectrum::blackbody(2700.0)?))?;
 /// let green = Line { center_nm: 532.0, power: 1.0, width_nm: 0.1 };
-/// world.add_material("laser", Material::emitter(Spectrum::lines(&[green], LineShape::Gaussian)?))?;
+/// let laser = Spectrum::lines(&[green], LineShape::Gaussian)?;
+/// world.add_material("laser", Material::emitter(laser))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub mod spectra {

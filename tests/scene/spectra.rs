@@ -199,17 +199,26 @@ fn lamps_are_read_from_files() {
     fs::remove_file(&path).unwrap();
 }
 
+#[track_caller]
+fn refused<const N: usize>(cases: [(Value, &[&str]); N]) {
+    for (document, words) in cases {
+        let error = load_json(&document).err().unwrap_or_else(|| panic!("accepted: {words:?}"));
+        for word in words {
+            assert!(error.contains(word), "no `{word}` in: {error}");
+        }
+    }
+}
+
 #[test]
-fn what_is_no_spectrum_is_refused() {
+fn what_is_no_index_is_refused() {
     let conductor = |eta: Value| json!({"bsdf": "conductor", "eta": eta, "k": 1});
     let body = |body: Value| with("/materials/0/extensions", "SUNSTONE_polarization", body);
     let eta = |eta: Value| body(conductor(eta));
-    let glow = |emission: Value| with(GLOW, "emission", emission);
     let ior = |ior: Value| with("/materials/1/extensions/SUNSTONE_polarization", "ior", ior);
     let sellmeier = |b: Value, c: Value, range: Value| {
         eta(json!({"sellmeier": {"b": b, "c_um2": c, "range_nm": range}}))
     };
-    for (document, words) in [
+    refused([
         (eta(json!("Xx")), &[".eta: `Xx` is no substance", "Ag, Al", "water"][..]),
         (eta(json!(true)), &[".eta: is not a spectrum", "the name of a substance"]),
         (eta(json!([1, 2])), &[".eta: is not a spectrum"]),
@@ -240,7 +249,14 @@ fn what_is_no_spectrum_is_refused() {
         (ior(json!("ag")), &[".ior: `ag` is no substance"]),
         (ior(json!({"nm": [400], "value": [1.5]})), &[".ior: asked for 587.5618 nm"]),
         (ior(json!({"nm": [500, 600], "value": [-1, -1]})), &["ior", "greater than 0"]),
-        (glow(json!({})), &[".emission: takes one of blackbody_k, illuminant"]),
+    ]);
+}
+
+#[test]
+fn what_is_no_lamp_is_refused() {
+    let glow = |emission: Value| with(GLOW, "emission", emission);
+    refused([
+        (glow(json!({})), &[".emission: takes one of blackbody_k, illuminant"][..]),
         (glow(json!({"scale": 2})), &[".emission: takes one of"]),
         (glow(json!({"illuminant": "D65", "blackbody_k": 1000})), &["say once how it shines"]),
         (glow(json!({"illuminant": "D66"})), &[".illuminant: `D66` is no illuminant", "LED-V2"]),
@@ -265,10 +281,5 @@ fn what_is_no_spectrum_is_refused() {
             with(LIGHT, "extensions", json!({"SUNSTONE_polarization": {"emission": -1}})),
             &["intensity times emission", "must be not negative"],
         ),
-    ] {
-        let error = load_json(&document).err().unwrap_or_else(|| panic!("accepted: {words:?}"));
-        for word in words {
-            assert!(error.contains(word), "no `{word}` in: {error}");
-        }
-    }
+    ]);
 }

@@ -212,17 +212,16 @@ pub fn refuse_overruled(value: &Value, place: &[Step]) -> Result<(), Wrong> {
 
 /// Refuses the color of what shines where the extension has a spectrum in its place.
 fn refuse_replaced(value: &Value, place: &[Step]) -> Result<(), Wrong> {
-    let (object, color) = match place {
-        [Step::Key(list), Step::Index(_), Step::Key(color), ..] if list == "materials" => {
-            (&place[..2], color)
-        }
-        [_, _, Step::Key(list), Step::Index(_), Step::Key(color), ..] if list == "lights" => {
-            (&place[..4], color)
-        }
-        _ => return Ok(()),
+    let index = place.iter().position(|step| matches!(step, Step::Index(_)));
+    let Some(index) = index.filter(|index| *index > 0) else { return Ok(()) };
+    let (list, color) = (&place[index - 1], place.get(index + 1));
+    let (Step::Key(list), Some(Step::Key(color))) = (list, color) else { return Ok(()) };
+    let colors = [("materials", "emissiveFactor"), ("lights", "color")];
+    let is_stated = || {
+        let mut forms = forms(&place[..=index], "emission").into_iter();
+        forms.any(|form| at(value, &form).is_some())
     };
-    let is_stated = forms(object, "emission").iter().any(|form| at(value, form).is_some());
-    if is_stated && ["emissiveFactor", "color"].contains(&color.as_str()) {
+    if colors.contains(&(list, color)) && is_stated() {
         let problem = "means nothing beside `emission`, which stands in its place".to_owned();
         return Err((problem, "edit `emission`, or take that away with the same edits".to_owned()));
     }
