@@ -42,15 +42,15 @@ impl From<SpectrumTable> for Spectrum {
     }
 }
 
-/// A render asks for a wavelength that a table does not cover.
+/// A render asks for a wavelength that a table or a formula does not cover.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("asked for {wavelength_nm} nm, but the table covers {first_nm} to {last_nm} nm only")]
+#[error("asked for {wavelength_nm} nm, but it covers {first_nm} to {last_nm} nm only")]
 pub struct OutsideTable {
     /// Vacuum wavelength asked for, in nanometers.
     pub wavelength_nm: f32,
-    /// Shortest wavelength of the table, in nanometers.
+    /// Shortest wavelength of it, in nanometers.
     pub first_nm: f32,
-    /// Longest wavelength of the table, in nanometers.
+    /// Longest wavelength of it, in nanometers.
     pub last_nm: f32,
 }
 
