@@ -174,6 +174,31 @@ pub mod particles {
     pub use crate::polarization::particles::{Amount, Sizes};
 }
 
+/// Spectra by name and by formula.
+///
+/// ```
+/// use sunstone::spectra::{Line, LineShape, index};
+/// use sunstone::world::{Bsdf, Material};
+/// use sunstone::{Spectrum, World};
+///
+/// let mut world = World::new("shop");
+/// let (eta, k) = index("Ag").expect("silver is tabulated");
+/// world.add_material("mirror", Bsdf::Conductor { eta, k })?;
+/// let daylight = Spectrum::illuminant("D65").expect("it is one of the CIE's");
+/// world.add_material("window", Material::emitter(daylight.scaled(30.0)))?;
+/// world.add_material("bulb", Material::emitter(Spectrum::blackbody(2700.0)?))?;
+/// let green = Line { center_nm: 532.0, power: 1.0, width_nm: 0.1 };
+/// let laser = Spectrum::lines(&[green], LineShape::Gaussian)?;
+/// world.add_material("laser", Material::emitter(laser))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod spectra {
+    pub use crate::spectrum::{
+        Formula, Line, LineShape, SpectrumTable, illuminant_names, index, index_names, metal,
+        metal_names,
+    };
+}
+
 /// What a camera of polarization records of a [`StokesImage`].
 ///
 /// ```

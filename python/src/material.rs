@@ -1,6 +1,7 @@
 //! Materials of keyword arguments, which are those of the scene files.
 
 use pyo3::prelude::*;
+use sunstone::spectra::metal_names;
 use sunstone::world::{Bsdf, Material, Sides};
 
 use crate::errors::of_any;
@@ -68,7 +69,8 @@ fn conductor(keys: &Keys) -> PyResult<Bsdf> {
         (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
         _ => {
             let problem = "a conductor takes either `metal` or both `eta` and `k`";
-            Err(keys.refuse("", problem, "with `metal` one of Al, Au, Cu"))
+            let remedy = format!("with `metal` one of {}", metal_names().join(", "));
+            Err(keys.refuse("", problem, &remedy))
         }
     }
 }

@@ -102,7 +102,7 @@ class World(Editable):
         ],
         *,
         reflectance: Spectrum | None = None,
-        metal: Literal["Al", "Au", "Cu"] | None = None,
+        metal: str | None = None,
         eta: Spectrum | None = None,
         k: Spectrum | None = None,
         ior: float | None = None,
@@ -119,7 +119,7 @@ class World(Editable):
             name: what shapes call it.
             bsdf: how it scatters.
             reflectance: of "diffuse", from 0 to 1; 0.8 by default.
-            metal: of "conductor", or else `eta` and `k`.
+            metal: of "conductor", by its chemical symbol, or else `eta` and `k`.
             eta: of "conductor": real part of the index of refraction n - i k.
             k: of "conductor": its extinction coefficient.
             ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default.

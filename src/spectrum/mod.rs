@@ -7,14 +7,25 @@
 
 mod bands;
 mod carried;
+pub mod cie;
+mod data;
 pub mod density;
-mod metals;
+mod dispersion;
+mod formula;
+mod illuminants;
+mod indices;
+mod lamps;
 mod responses;
+mod spd;
 mod spectra;
 
 pub use bands::{BANDS_MAX, Band, Bands};
 pub use carried::Carried;
-pub use metals::{metal, metal_names};
+pub use dispersion::D_NM;
+pub use formula::Formula;
+pub use illuminants::illuminant_names;
+pub use indices::{index, index_names, metal, metal_names};
+pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
 pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
 

@@ -1,6 +1,6 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
-use super::{Carried, RGB_WAVELENGTHS_NM};
+use super::{Carried, Formula, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
 /// A quantity that may depend on wavelength: a reflectance, an index of refraction, a radiance.
@@ -13,6 +13,8 @@ pub enum Spectrum {
     Rgb([f32; 3]),
     /// Values at wavelengths, interpolated linearly between them and undefined outside.
     Table(SpectrumTable),
+    /// A formula of the wavelength, undefined outside of its range.
+    Formula(Formula),
 }
 
 /// A tabulated spectrum: see `SpectrumTable::new`.
@@ -40,15 +42,15 @@ impl From<SpectrumTable> for Spectrum {
     }
 }
 
-/// A render asks for a wavelength that a table does not cover.
+/// A render asks for a wavelength that a table or a formula does not cover.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("asked for {wavelength_nm} nm, but the table covers {first_nm} to {last_nm} nm only")]
+#[error("asked for {wavelength_nm} nm, but it covers {first_nm} to {last_nm} nm only")]
 pub struct OutsideTable {
     /// Vacuum wavelength asked for, in nanometers.
     pub wavelength_nm: f32,
-    /// Shortest wavelength of the table, in nanometers.
+    /// Shortest wavelength of it, in nanometers.
     pub first_nm: f32,
-    /// Longest wavelength of the table, in nanometers.
+    /// Longest wavelength of it, in nanometers.
     pub last_nm: f32,
 }
 
@@ -96,13 +98,14 @@ impl Spectrum {
         SpectrumTable::new(wavelengths_nm.to_vec(), values.to_vec()).map(Self::Table)
     }
 
-    /// The numbers it was made of, whatever wavelength they belong to. All values that it takes
-    /// lie between the least and the greatest of them.
+    /// The numbers it was made of, whatever wavelength they belong to, or of a formula two bounds.
+    /// All values that it takes lie between the least and the greatest of them.
     pub fn values(&self) -> &[f32] {
         match self {
             Self::Constant(value) => std::slice::from_ref(value),
             Self::Rgb(rgb) => rgb,
             Self::Table(table) => &table.values,
+            Self::Formula(formula) => formula.bounds(),
         }
     }
 
@@ -130,23 +133,35 @@ impl Spectrum {
             Self::Constant(value) => *value *= factor,
             Self::Rgb(rgb) => rgb.iter_mut().for_each(|value| *value *= factor),
             Self::Table(table) => table.values.iter_mut().for_each(|value| *value *= factor),
+            Self::Formula(formula) => formula.scale(factor),
         }
         self
+    }
+
+    /// Its value at a vacuum wavelength in nanometers.
+    ///
+    /// # Errors
+    /// When a table or a formula does not cover it.
+    pub fn at(&self, wavelength_nm: f32) -> Result<f32, OutsideTable> {
+        match self {
+            Self::Constant(constant) => Ok(*constant),
+            Self::Rgb(rgb) => Ok(rgb_at(rgb, wavelength_nm)),
+            Self::Table(table) => table.at(wavelength_nm),
+            Self::Formula(formula) => formula.at(wavelength_nm),
+        }
     }
 
     /// Its values in the columns of a render.
     ///
     /// # Errors
-    /// When a table does not cover a wavelength of the render.
+    /// When a table or a formula does not cover a wavelength of the render.
     pub fn sample<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], OutsideTable> {
         let mut values = [0.0; N];
         let columns = values.iter_mut().zip(carried.wavelengths_nm()).enumerate();
         for (column, (value, &wavelength_nm)) in columns {
             *value = match self {
-                Self::Constant(constant) => *constant,
                 Self::Rgb(rgb) if carried.is_rgb() => rgb[column % rgb.len()],
-                Self::Rgb(rgb) => rgb_at(rgb, wavelength_nm),
-                Self::Table(table) => table.at(wavelength_nm)?,
+                _ => self.at(wavelength_nm)?,
             };
         }
         Ok(values)

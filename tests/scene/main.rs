@@ -11,3 +11,4 @@ mod mended;
 mod reference;
 mod refused;
 mod room;
+mod spectra;

@@ -12,7 +12,7 @@ use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, extension_keys, load};
-use sunstone::internals::spectrum::Carried;
+use sunstone::internals::spectrum::{Carried, illuminant_names, index_names, metal_names};
 
 #[track_caller]
 pub fn baked(document: &Value) -> BakedScene<3> {
@@ -55,6 +55,14 @@ fn the_schema_has_the_loaders_keys() {
     let models = schema["$defs"]["material"]["properties"]["bsdf"]["enum"].as_array().unwrap();
     let models: Vec<&str> = models.iter().filter_map(Value::as_str).collect();
     assert!(error.ends_with(&format!("use one of {}", models.join(", "))), "{error}");
+    for (pointer, names) in [
+        ("material/properties/metal/enum", metal_names()),
+        ("substance/enum", index_names()),
+        ("emission/properties/illuminant/enum", illuminant_names()),
+    ] {
+        let listed = schema.pointer(&format!("/$defs/{pointer}")).unwrap();
+        assert_eq!(listed, &json!(names), "{pointer}");
+    }
 }
 
 #[test]

@@ -181,6 +181,7 @@ pub fn refuse_without_effect(
     let refuse = |(problem, remedy): Wrong| SceneError::new(target, problem, remedy);
     let check = |place: &Place| {
         refuse_overruled(value, place)?;
+        refuse_replaced(value, place)?;
         refuse_meaningless(value, place)
     };
     places.iter().try_for_each(check).map_err(refuse)
@@ -207,6 +208,24 @@ pub fn refuse_overruled(value: &Value, place: &[Step]) -> Result<(), Wrong> {
     };
     let remedy = format!("{remedy}, or take that away with the same edits");
     Err((format!("the node has a `{other}`, which says where it is"), remedy))
+}
+
+/// Refuses the color of what shines where the extension has a spectrum in its place.
+fn refuse_replaced(value: &Value, place: &[Step]) -> Result<(), Wrong> {
+    let index = place.iter().position(|step| matches!(step, Step::Index(_)));
+    let Some(index) = index.filter(|index| *index > 0) else { return Ok(()) };
+    let (list, color) = (&place[index - 1], place.get(index + 1));
+    let (Step::Key(list), Some(Step::Key(color))) = (list, color) else { return Ok(()) };
+    let colors = [("materials", "emissiveFactor"), ("lights", "color")];
+    let is_stated = || {
+        let mut forms = forms(&place[..=index], "emission").into_iter();
+        forms.any(|form| at(value, &form).is_some())
+    };
+    if colors.contains(&(list, color)) && is_stated() {
+        let problem = "means nothing beside `emission`, which stands in its place".to_owned();
+        return Err((problem, "edit `emission`, or take that away with the same edits".to_owned()));
+    }
+    Ok(())
 }
 
 /// Refuses a key of glTF's that counts for nothing in a material whose `bsdf` says what it is.
@@ -381,6 +400,27 @@ mod tests {
         let both = [color, Edit::new("materials/#0/reflectance", 0.5)];
         let error = applied(&lab(), &both).unwrap_err().to_string();
         assert!(error.contains("baseColorFactor: means nothing"), "{error}");
+    }
+
+    #[test]
+    fn colors_beside_spectra_are_refused() {
+        let spectrum = json!({"sunstone_emission": {"illuminant": "D65", "scale": 2}});
+        let lights = json!([{"name": "sun", "extras": spectrum}]);
+        let value = json!({
+            "materials": [{"name": "lamp", "extras": spectrum}],
+            "extensions": {"KHR_lights_punctual": {"lights": lights}},
+        });
+        let white = json!([1, 1, 1]);
+        for target in ["materials/lamp/emissiveFactor", "lights/sun/color"] {
+            let error = applied(&value, &[Edit::new(target, white.clone())]).unwrap_err();
+            assert!(error.to_string().contains("means nothing beside `emission`"), "{error}");
+            let (object, _) = target.rsplit_once('/').unwrap();
+            let away = Edit::away(format!("{object}/emission"));
+            assert!(applied(&value, &[Edit::new(target, white.clone()), away]).is_ok());
+            let scale = Edit::new(format!("{object}/emission.scale"), 3);
+            assert!(applied(&value, &[scale]).is_ok());
+        }
+        assert!(applied(&value, &[Edit::new("lights/sun/intensity", 3)]).is_ok());
     }
 
     #[test]

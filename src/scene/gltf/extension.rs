@@ -11,7 +11,6 @@ use serde_json::Value;
 
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
-use crate::spectrum::{Spectrum, SpectrumTable};
 
 /// Name of the extension in glTF files.
 pub const EXTENSION: &str = "SUNSTONE_polarization";
@@ -32,6 +31,7 @@ pub const MATERIAL: Keys = Keys {
     known: &[
         "axis_deg",
         "bsdf",
+        "emission",
         "eta",
         "exterior_ior",
         "extinction_ratio",
@@ -41,7 +41,7 @@ pub const MATERIAL: Keys = Keys {
         "reflectance",
         "retardance_deg",
     ],
-    planned: &["alpha", "emission"],
+    planned: &["alpha"],
 };
 /// Keys of a node.
 pub const NODE: Keys = Keys {
@@ -62,7 +62,7 @@ pub const FILM: Keys =
 pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
-pub const LIGHT: Keys = Keys { definition: "light", known: &["units"], planned: &["emission"] };
+pub const LIGHT: Keys = Keys { definition: "light", known: &["emission", "units"], planned: &[] };
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
     Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };
@@ -115,12 +115,27 @@ pub const ENVIRONMENT: Keys =
 /// Keys of a tabulated spectrum.
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };
+/// Keys of the real part of an index of refraction.
+pub const INDEX: Keys =
+    Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
+/// Keys of Sellmeier's formula.
+pub const SELLMEIER: Keys =
+    Keys { definition: "sellmeier", known: &["b", "c_um2", "range_nm"], planned: &[] };
+/// Keys of Cauchy's formula.
+pub const CAUCHY: Keys =
+    Keys { definition: "cauchy", known: &["a", "b_um2", "c_um4", "range_nm"], planned: &[] };
+/// Keys of the spectrum of a lamp.
+pub const EMISSION: Keys = Keys {
+    definition: "emission",
+    known: &["blackbody_k", "illuminant", "lines", "nm", "scale", "shape", "spd", "value"],
+    planned: &[],
+};
 
 /// A mesh can have none.
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 15] = [
+pub const ALL: [&Keys; 19] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -136,6 +151,10 @@ pub const ALL: [&Keys; 15] = [
     &MILK,
     &MATRIX,
     &SPECTRUM,
+    &INDEX,
+    &SELLMEIER,
+    &CAUCHY,
+    &EMISSION,
 ];
 
 /// The keys of what stands under a key of an object, if it is an object or a list of these: of a
@@ -150,8 +169,13 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("medium", "particles") => Some(&PARTICLES),
         ("medium", "table") => Some(&MATRIX),
         ("particles", "distribution") => Some(&DISTRIBUTION),
-        ("environment", "radiance")
-        | ("host" | "material" | "particles", "eta" | "k")
+        ("environment", "radiance") | ("light" | "material", "emission") => Some(&EMISSION),
+        ("host" | "material" | "particles", "eta") | ("material", "exterior_ior" | "ior") => {
+            Some(&INDEX)
+        }
+        ("index", "cauchy") => Some(&CAUCHY),
+        ("index", "sellmeier") => Some(&SELLMEIER),
+        ("host" | "material" | "particles", "k")
         | ("material", "reflectance")
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
@@ -232,11 +256,6 @@ impl<'a> Body<'a> {
     /// The object's name in errors.
     pub fn label(&self) -> &str {
         &self.label
-    }
-
-    /// Whether no key is there at all.
-    pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
     }
 
     /// Whether a key is there.
@@ -372,24 +391,9 @@ impl<'a> Body<'a> {
         Some(counts.unwrap_or_default())
     }
 
-    /// A spectrum.
-    pub fn spectrum(&self, key: &str) -> Result<Option<Spectrum>, SceneError> {
-        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
-        let number = |value: &Value| {
-            let number = value.as_f64().ok_or_else(|| not_a_spectrum(field))?;
-            finite(number, field).map(|number| number as f32)
-        };
-        if value.is_object() {
-            return spectrum_table(value, field).map(Some);
-        }
-        let Some(array) = value.as_array() else {
-            return Ok(Some(Spectrum::Constant(number(value)?)));
-        };
-        let rgb: Vec<f32> = array.iter().map(number).collect::<Result<_, _>>()?;
-        match rgb[..] {
-            [red, green, blue] => Ok(Some(Spectrum::Rgb([red, green, blue]))),
-            _ => Err(not_a_spectrum(field)),
-        }
+    /// What stands under a key, and how errors call it.
+    pub fn value(&self, key: &str) -> Option<(&'a Value, &str)> {
+        self.values.get(key).map(|(value, field)| (*value, field.as_str()))
     }
 }
 
@@ -399,29 +403,10 @@ impl Keys {
             return format!("a {} has no keys: use its material or node", self.definition);
         }
         let known = self.known.join(", ");
-        let article = if self.definition.starts_with(['a', 'e']) { "an" } else { "a" };
+        let article = if self.definition.starts_with(['a', 'e', 'i']) { "an" } else { "a" };
         let definition = self.definition;
         format!("the keys of {article} {definition} are {known} (see sunstone.schema.json)")
     }
-}
-
-fn not_a_spectrum(field: &str) -> SceneError {
-    let remedy = "write a number, [red, green, blue] or {\"nm\": [...], \"value\": [...]}";
-    SceneError::new(field, "is not a spectrum", remedy)
-}
-
-fn spectrum_table(value: &Value, field: &str) -> Result<Spectrum, SceneError> {
-    Body::nested(value, field.to_owned(), &SPECTRUM)?;
-    let column = |key: &str| -> Result<Vec<f32>, SceneError> {
-        let rows = value[key].as_array().ok_or_else(|| not_a_spectrum(field))?;
-        let number = |row: &Value| {
-            let number = row.as_f64().ok_or_else(|| not_a_spectrum(field))?;
-            finite(number, &format!("{field}.{key}")).map(|number| number as f32)
-        };
-        rows.iter().map(number).collect()
-    };
-    let table = SpectrumTable::new(column("nm")?, column("value")?);
-    table.map(Spectrum::Table).map_err(|problem| SceneError::new(field, problem, String::new()))
 }
 
 /// The number, if it is finite as an `f32` too.

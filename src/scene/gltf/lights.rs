@@ -37,7 +37,10 @@ impl Import<'_> {
             self.warnings.add(&label, "range is ignored, light fades with distance alone");
         }
         let kind = kind(light, &label)?;
-        let intensity = intensity(light, &Body::of(value, &label, &LIGHT)?)?;
+        let body = Body::of(value, &label, &LIGHT)?;
+        let color = body.emission("emission", document)?;
+        let color = color.unwrap_or(Spectrum::Rgb(light.color));
+        let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
             light.check()
@@ -45,7 +48,10 @@ impl Import<'_> {
             self.world.put_light(Name(label.clone()), light, place).map(|_| ())
         };
         put.map_err(|fault| match fault.field.as_str() {
-            "intensity" => SceneError::at(&label, fault.of("intensity times color, in watts")),
+            "intensity" => {
+                let color = if body.has("emission") { "emission" } else { "color" };
+                SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))
+            }
             _ => SceneError::at(&label, fault),
         })
     }
@@ -72,16 +78,15 @@ fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {
     }
 }
 
-/// Color times intensity, in radiometric units.
-fn intensity(light: &Light, body: &Body) -> Result<Spectrum, SceneError> {
-    let unit = match body.word("units")? {
-        Some("radiometric") => 1.0,
-        Some("photometric") | None => 1.0 / LUMENS_PER_WATT,
+/// What intensities are multiplied with to have them in radiometric units.
+fn unit(body: &Body) -> Result<f32, SceneError> {
+    match body.word("units")? {
+        Some("radiometric") => Ok(1.0),
+        Some("photometric") | None => Ok(1.0 / LUMENS_PER_WATT),
         Some(other) => {
             let problem = format!("`{other}` is not a system of units");
             let remedy = "use \"photometric\" (candela, lux) or \"radiometric\" (W/sr, W/m^2)";
-            return Err(SceneError::new(body.field("units"), problem, remedy));
+            Err(SceneError::new(body.field("units"), problem, remedy))
         }
-    };
-    Ok(Spectrum::Rgb(light.color).scaled(light.intensity * unit))
+    }
 }

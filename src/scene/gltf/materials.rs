@@ -16,11 +16,12 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin};
-use crate::spectrum::{Spectrum, metal_names};
+use crate::spectrum::{D_NM, Spectrum, metal, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
 const DEFAULT_IOR: f32 = 1.5;
@@ -28,6 +29,8 @@ const DEFAULT_IOR: f32 = 1.5;
 const DEFAULT_REFLECTANCE: f32 = 0.8;
 /// Where glTF states an index of refraction.
 const KHR_IOR: &str = "KHR_materials_ior.ior";
+/// What a material emits.
+const EMISSION: &str = "emission";
 /// Greatest F0 of a metal that has no eta and k: they would be infinite at 1.
 const F0_MAX: f32 = 0.999;
 
@@ -51,6 +54,8 @@ const MODELS: [Model; 8] = [
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
+/// Keys that go with any model.
+const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
 /// Values of `bsdf` that later versions will know.
 const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectric"];
 
@@ -71,7 +76,7 @@ impl Import<'_> {
                 let label = self.document.label("materials", index);
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
-                let emission = emission(material, &label)?;
+                let emission = self.emission(index, &label)?;
                 let sides = Sides { two_sided: material.double_sided };
                 (label, Material { bsdf, sides, emission })
             }
@@ -113,10 +118,12 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
-            return extension_model(model, &body, material);
+            let bsdf = extension_model(model, &body, material)?;
+            self.warn_of_dispersion(&body);
+            return Ok(bsdf);
         }
-        if !body.is_empty() {
-            let keys: Vec<&str> = body.keys().collect();
+        let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
+        if !keys.is_empty() {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));
         }
@@ -126,6 +133,34 @@ impl Import<'_> {
             self.add_volume(index, volume, label)?;
         }
         Ok(bsdf)
+    }
+
+    /// One index of refraction stands for those of all wavelengths.
+    fn warn_of_dispersion(&mut self, body: &Body) {
+        for key in ["ior", "exterior_ior"] {
+            if body.value(key).is_some_and(|(value, _)| !value.is_number()) {
+                let text = format!("light of all wavelengths is refracted as at {D_NM} nm");
+                self.warnings.add_like("dispersion", &body.field(key), &text);
+            }
+        }
+    }
+
+    /// The radiance: a color, which is emissiveFactor if the extension has no spectrum in its
+    /// place, times emissiveStrength.
+    fn emission(&self, index: usize, label: &str) -> Result<Option<Emission>, SceneError> {
+        let document = self.document;
+        let material = &document.root.materials[index];
+        let body = Body::of(&document.value["materials"][index], label, &MATERIAL)?;
+        let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
+        let stated = body.emission(EMISSION, document)?;
+        let color = if stated.is_some() { EMISSION } else { "emissiveFactor" };
+        let radiance = stated.unwrap_or(Spectrum::Rgb(material.emissive_factor.0)).scaled(strength);
+        let emission = Emission { radiance };
+        let field = format!("{color} times emissiveStrength");
+        emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
+        let emits = emission.radiance.values().iter().any(|value| *value > 0.0);
+        Ok(emits.then_some(emission))
     }
 
     fn metallic_roughness(
@@ -199,7 +234,7 @@ fn extension_model(
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
     };
-    if let Some(key) = body.keys().find(|key| *key != "bsdf" && !keys.contains(key)) {
+    if let Some(key) = body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
         let remedy = format!("a {model} takes: {}", keys.join(", "));
         let problem = format!("means nothing for a {model}");
         return Err(SceneError::new(body.field(key), problem, remedy));
@@ -231,8 +266,20 @@ fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, Scene
 
 /// `ior` and `exterior_ior`.
 fn indices(body: &Body, material: &json::Material) -> Result<[f32; 2], SceneError> {
-    let ior = body.number("ior")?.map_or_else(|| khr_ior(material), |ior| ior as f32);
-    Ok([ior, body.number("exterior_ior")?.unwrap_or(1.0) as f32])
+    let ior = index_at_d(body, "ior")?.unwrap_or_else(|| khr_ior(material));
+    Ok([ior, index_at_d(body, "exterior_ior")?.unwrap_or(1.0)])
+}
+
+/// The index of refraction of a dielectric at the line d, which holds for all wavelengths.
+fn index_at_d(body: &Body, key: &str) -> Result<Option<f32>, SceneError> {
+    let name = body.value(key).and_then(|(value, _)| value.as_str());
+    if let Some(name) = name.filter(|name| metal(name).is_some()) {
+        let problem = format!("`{name}` is a metal");
+        return Err(SceneError::new(body.field(key), problem, "make it a conductor"));
+    }
+    let Some(index) = body.refraction(key, Part::Real)? else { return Ok(None) };
+    let at_d = index.at(D_NM).map(Some);
+    at_d.map_err(|error| SceneError::new(body.field(key), error.to_string(), ""))
 }
 
 fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
@@ -254,12 +301,12 @@ fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 }
 
 fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
-    match (body.word("metal")?, body.spectrum("eta")?, body.spectrum("k")?) {
+    let index = |key, part| body.refraction(key, part);
+    match (body.word("metal")?, index("eta", Part::Real)?, index("k", Part::Extinction)?) {
         (Some(name), None, None) => Bsdf::tabulated(name).map_err(|fault| body.place(fault)),
         (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
         _ => {
-            let names: Vec<&str> = metal_names().collect();
-            let remedy = format!("with `metal` one of {}", names.join(", "));
+            let remedy = format!("with `metal` one of {}", metal_names().join(", "));
             let problem = "a conductor takes either `metal` or both `eta` and `k`";
             Err(SceneError::new(body.label(), problem, remedy))
         }
@@ -269,18 +316,6 @@ fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 fn khr_ior(material: &json::Material) -> f32 {
     let ior = material.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref());
     ior.map_or(DEFAULT_IOR, |ior| ior.ior.0)
-}
-
-/// emissiveFactor times emissiveStrength is the radiance.
-fn emission(material: &json::Material, label: &str) -> Result<Option<Emission>, SceneError> {
-    let factor = material.emissive_factor.0;
-    let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
-    let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-    let emission = Emission { radiance: Spectrum::Rgb(factor).scaled(strength) };
-    let field = "emissiveFactor times emissiveStrength";
-    emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
-    let emits = emission.radiance.values().iter().any(|value| *value > 0.0);
-    Ok(emits.then_some(emission))
 }
 
 /// Refuses a material that has a texture anywhere, and names all of them. An occlusion map is

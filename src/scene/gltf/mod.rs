@@ -20,6 +20,7 @@ mod meshes;
 mod particles;
 mod phase_matrix;
 mod places;
+mod spectra;
 mod unused;
 mod validate;
 mod volume;
@@ -330,7 +331,7 @@ impl<'a> Import<'a> {
             let body = Body::of(object, label, &SCENE)?;
             let Some(environment) = body.object("environment", &ENVIRONMENT)? else { continue };
             let field = body.field("environment");
-            let Some(radiance) = environment.spectrum("radiance")? else {
+            let Some(radiance) = environment.emission("radiance", self.document)? else {
                 return Err(SceneError::new(field, "has no `radiance`", "add it"));
             };
             if let Some(other) = &found {

@@ -1,6 +1,7 @@
 //! Media of spheres: suspensions of particles, and milk.
 
 use super::extension::{Body, DISTRIBUTION, HOST, MILK, PARTICLES};
+use super::spectra::Part;
 use crate::polarization::milk::Milk;
 use crate::polarization::particles::{Amount, Sizes};
 use crate::scene::error::SceneError;
@@ -60,10 +61,10 @@ fn spheres(medium: &Body, particles: &[Body], host: &Body) -> Result<Spheres, Sc
 
 /// Index of refraction n - i k.
 fn index(body: &Body) -> Result<(Spectrum, Spectrum), SceneError> {
-    let Some(eta) = body.spectrum("eta")? else {
+    let Some(eta) = body.refraction("eta", Part::Real)? else {
         return Err(body.missing("eta", "give the real part of the index of refraction"));
     };
-    let k = body.spectrum("k")?;
+    let k = body.refraction("k", Part::Extinction)?;
     Ok((eta, k.unwrap_or(Spectrum::Constant(0.0))))
 }
 

@@ -160,6 +160,7 @@ fn spectrum(spectrum: &Spectrum) -> String {
         Spectrum::Constant(value) => format!("{value}"),
         Spectrum::Rgb([red, green, blue]) => format!("[{red}, {green}, {blue}]"),
         Spectrum::Table(_) => format!("table of {} wavelengths", spectrum.values().len()),
+        Spectrum::Formula(formula) => format!("{formula}"),
     }
 }
 

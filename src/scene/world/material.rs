@@ -97,9 +97,9 @@ impl Bsdf {
         match metal(symbol) {
             Some((eta, k)) => Ok(Self::Conductor { eta, k }),
             None => {
-                let names: Vec<&str> = metal_names().collect();
                 let problem = format!("`{symbol}` is not tabulated");
-                let remedy = format!("use one of {}, or give `eta` and `k`", names.join(", "));
+                let names = metal_names().join(", ");
+                let remedy = format!("use one of {names}, or give `eta` and `k`");
                 Err(Fault::new("metal", problem, remedy))
             }
         }
