@@ -8,9 +8,7 @@ use crate::math::elementary::cos;
 use crate::scene::baked::{Material, NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
-use crate::scene::world::{
-    Environment, Name, Punctual, PunctualKind, SurfaceModel, Transform, World,
-};
+use crate::scene::world::{Environment, Name, Passage, Punctual, PunctualKind, Transform, World};
 use crate::spectrum::Color;
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
@@ -117,7 +115,7 @@ impl<const N: usize> Emitters<N> {
             } else {
                 let Material { ref model, two_sided } = materials.rows[material];
                 let is_opaque = shapes.surfaces[surface as usize].is_opaque;
-                let refracts = matches!(model, SurfaceModel::Dielectric { .. });
+                let refracts = model.passage() == Passage::Body;
                 let sides = [two_sided, !is_opaque && !refracts];
                 self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), radiance)
             };
