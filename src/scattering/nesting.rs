@@ -308,17 +308,18 @@ impl Interfaces {
         if shapes.solids.is_empty() {
             return None;
         }
-        let mut indices = vec![1.0_f32];
+        let mut indices = vec![[1.0_f32; N]];
         let index = |solid: &Solid| {
             let ior = match optics.materials[solid.material as usize].model {
-                SurfaceModel::Dielectric { ior, .. } => ior,
+                SurfaceModel::Dielectric { ior, .. } => [ior; N],
+                SurfaceModel::DispersiveDielectric { ior, .. } => ior,
                 SurfaceModel::Absorber
                 | SurfaceModel::Conductor { .. }
                 | SurfaceModel::Diffuse { .. }
                 | SurfaceModel::Null
                 | SurfaceModel::Polarizer { .. }
                 | SurfaceModel::Retarder { .. }
-                | SurfaceModel::ThinDielectric { .. } => 1.0,
+                | SurfaceModel::ThinDielectric { .. } => [1.0; N],
             };
             indices.iter().position(|known| *known == ior).unwrap_or_else(|| {
                 indices.push(ior);

@@ -50,6 +50,7 @@
 pub mod bounce;
 pub mod chunk;
 pub mod clearing;
+pub mod collapse;
 pub mod crossing;
 pub mod emission;
 pub mod flight;

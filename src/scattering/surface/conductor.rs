@@ -56,6 +56,6 @@ impl<const N: usize> Specular<N> for Conductor<N> {
             *weight = faces & stays & reflectance;
         }
         let axis = if POLARIZED { s_axis(at.normal, at.direction) } else { direction };
-        Scattered { direction, weight, kernels, axis }
+        Scattered { direction, weight, kernels, axis, alone: F32s::splat(0.0) }
     }
 }

@@ -65,6 +65,7 @@ impl<const N: usize> Specular<N> for Dielectric {
             weight: [consistent & (squeeze / gain); N],
             kernels: [block; N],
             axis,
+            alone: F32s::splat(0.0),
         }
     }
 }

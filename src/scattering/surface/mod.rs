@@ -10,6 +10,7 @@ mod absorber;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod dispersive_dielectric;
 mod element;
 mod facing;
 pub mod model;
@@ -25,6 +26,7 @@ use absorber::Absorber;
 use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
+use dispersive_dielectric::DispersiveDielectric;
 use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
@@ -49,6 +51,8 @@ macro_rules! surface_models {
             specular {
                 Conductor { eta, k } => conductor: Conductor<N>,
                 Dielectric { ior, exterior_ior } => dielectric: Dielectric,
+                DispersiveDielectric { ior, exterior_ior } =>
+                    dispersive_dielectric: DispersiveDielectric<N>,
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
@@ -395,9 +399,19 @@ impl<const N: usize> Surfaces<N> {
         surfaces
     }
 
-    /// Adds the interface between two indices of refraction; its row in the table of dielectrics.
-    pub fn add_interface(&mut self, ior: f32, exterior_ior: f32) -> u32 {
-        self.add(&SurfaceModel::Dielectric { ior, exterior_ior }).0
+    /// Adds the interface between two indices of refraction; its row in the table of dielectrics,
+    /// which are all with dispersion, or all without.
+    pub fn add_interface(&mut self, ior: [f32; N], exterior_ior: [f32; N]) -> u32 {
+        let model = match self.disperses() {
+            true => SurfaceModel::DispersiveDielectric { ior, exterior_ior },
+            false => SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] },
+        };
+        self.add(&model).0
+    }
+
+    /// Whether light may go on at one wavelength alone.
+    pub fn disperses(&self) -> bool {
+        !self.dispersive_dielectric.is_empty()
     }
 
     /// The materials, in the order of the baked ones.
@@ -422,9 +436,12 @@ mod tests {
 
     #[test]
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
-        use SurfaceKind::{Absorber, Conductor, Dielectric, Diffuse, ThinDielectric};
+        use SurfaceKind::{
+            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, ThinDielectric,
+        };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
-        let expected = [Absorber, Conductor, Dielectric, ThinDielectric, Diffuse];
+        let expected =
+            [Absorber, Conductor, Dielectric, DispersiveDielectric, ThinDielectric, Diffuse];
         assert_eq!(met, expected.map(Met::Surface));
         let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
         assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));

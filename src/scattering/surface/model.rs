@@ -40,6 +40,8 @@ pub trait Specular<const N: usize>: Surface {
     type Kernel: Elements;
     /// Whether its kernel is the same at all wavelengths.
     const ACHROMATIC: bool;
+    /// Whether light may go on at one wavelength alone.
+    const DISPERSES: bool = false;
 
     /// Sends light on. `choose` draws which way it goes where there are two. With `POLARIZED`, the
     /// kernel is wanted too, else it may be anything.
@@ -78,6 +80,8 @@ pub struct Scattered<const N: usize, K> {
     pub kernels: [K; N],
     /// The x axis of the kernels' frames, perpendicular to both directions.
     pub axis: Vector<F32s>,
+    /// Mask of the rows that go on at the first wavelength alone, of models that disperse light.
+    pub alone: F32s,
 }
 
 /// A model that lets light straight on, so that paths and connections cross it: no vertex.
@@ -241,6 +245,8 @@ pub struct Incidence<'a, M> {
     pub cos_i: F32s,
     /// Mask of the rows that come from the front.
     pub front: F32s,
+    /// Mask of the rows that dispersion has sent on at one wavelength; none are known at first.
+    pub collapsed: F32s,
     /// The model's parameters.
     pub models: ModelLanes<'a, M>,
     materials: &'a [Material],
@@ -274,6 +280,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
             normal,
             cos_i: (-direction.dot(normal)).min(F32s::splat(1.0)),
             front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
+            collapsed: F32s::splat(0.0),
             models: ModelLanes::new(models, rows),
             materials,
             material,

@@ -52,7 +52,7 @@ impl<const N: usize> Specular<N> for ThinDielectric {
             (Block::identity(), direction)
         };
         let weight = [at.stays(direction) & F32s::splat(1.0); N];
-        Scattered { direction, weight, kernels: [block; N], axis }
+        Scattered { direction, weight, kernels: [block; N], axis, alone: F32s::splat(0.0) }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Bsdf, Emission, Environment, Name, Punctual, PunctualKind, Sides, Transform, World,
+    Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Transform, World,
 };
 use crate::spectrum::{Carried, Spectrum};
 
@@ -208,7 +208,7 @@ impl Table {
     /// Of all primitives; returns the first lamp that is none of a material.
     fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
         let materials = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(_, bsdf, sides)| {
-            let refracts = matches!(bsdf.clone().simplified(), Bsdf::Dielectric { .. });
+            let refracts = bsdf.clone().simplified().passage() == Passage::Body;
             (refracts, sides.two_sided)
         });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {

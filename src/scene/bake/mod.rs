@@ -239,7 +239,13 @@ fn material_rows<const N: usize>(
     let mut rows = materials(world, carried)?;
     let has_air = shapes.surfaces.iter().any(|it| it.nested_material as usize == rows.len());
     if has_air && !rows.is_empty() {
-        let model = SurfaceModel::Dielectric { ior: 1.0, exterior_ior: 1.0 };
+        // In the table of the others.
+        let disperses =
+            |row: &Material<N>| matches!(row.model, SurfaceModel::DispersiveDielectric { .. });
+        let model = match rows.iter().any(disperses) {
+            false => SurfaceModel::Dielectric { ior: 1.0, exterior_ior: 1.0 },
+            true => SurfaceModel::DispersiveDielectric { ior: [1.0; N], exterior_ior: [1.0; N] },
+        };
         rows.push(Material { model, two_sided: false });
     }
     Ok(if rows.is_empty() { vec![Material::absorber()] } else { rows })
@@ -289,7 +295,41 @@ fn materials<const N: usize>(
         };
         model.map(row).map_err(|error| outside_table(&name.0, error))
     });
-    rows.into_iter().collect()
+    let mut rows = rows.into_iter().collect::<Result<Vec<_>, SceneError>>()?;
+    disperse(&mut rows, carried);
+    Ok(rows)
+}
+
+/// Makes all dielectrics of one sort, as they may be nested: with dispersion if any has it at these
+/// wavelengths, and without else. In RGB they are what they are in green.
+fn disperse<const N: usize>(rows: &mut [Material<N>], carried: &Carried<N>) {
+    const GREEN: usize = 1;
+    if carried.is_rgb() {
+        for Material { model, .. } in &mut *rows {
+            if let SurfaceModel::DispersiveDielectric { ior, exterior_ior } = model {
+                (*ior, *exterior_ior) = ([ior[GREEN % N]; N], [exterior_ior[GREEN % N]; N]);
+            }
+        }
+    }
+    let differs = |of: &[f32; N]| of.iter().any(|ior| *ior != of[0]);
+    let disperses = rows.iter().any(|row| {
+        matches!(&row.model, SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+            if differs(ior) || differs(exterior_ior))
+    });
+    for Material { model, .. } in rows {
+        *model = match *model {
+            SurfaceModel::Dielectric { ior, exterior_ior } if disperses => {
+                SurfaceModel::DispersiveDielectric {
+                    ior: [ior; N],
+                    exterior_ior: [exterior_ior; N],
+                }
+            }
+            SurfaceModel::DispersiveDielectric { ior, exterior_ior } if !disperses => {
+                SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] }.simplified()
+            }
+            model => model,
+        };
+    }
 }
 
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {

@@ -17,6 +17,7 @@ use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Sides, Transform, World,
 };
+use crate::spectrum::Spectrum;
 
 /// Shading normals that are this close to the geometric one are the geometric one.
 const FLAT_TOLERANCE: f32 = 1e-4;
@@ -157,7 +158,19 @@ fn surface(
         exterior,
         unstated: sides.map(|(_, is_unstated)| is_unstated),
         is_opaque: !bsdf.transmits(),
-        is_body: matches!(bsdf, Bsdf::Dielectric { exterior_ior: 1.0, .. }),
+        is_body: match bsdf {
+            Bsdf::Dielectric { exterior_ior, .. } => *exterior_ior == 1.0,
+            Bsdf::DispersiveDielectric { exterior_ior, .. } => {
+                *exterior_ior == Spectrum::Constant(1.0)
+            }
+            Bsdf::Absorber
+            | Bsdf::Diffuse { .. }
+            | Bsdf::Conductor { .. }
+            | Bsdf::ThinDielectric { .. }
+            | Bsdf::Polarizer { .. }
+            | Bsdf::Retarder { .. }
+            | Bsdf::Null => false,
+        },
         priority: boundary.priority,
         whole: NONE,
         solid: NONE,

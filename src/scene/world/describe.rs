@@ -101,6 +101,10 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Dielectric { ior, exterior_ior } => {
             format!("smooth dielectric, ior {ior} behind and {exterior_ior} before it")
         }
+        Bsdf::DispersiveDielectric { ior, exterior_ior } => {
+            let (behind, before) = (spectrum(ior), spectrum(exterior_ior));
+            format!("smooth dispersive dielectric, ior {behind} behind and {before} before it")
+        }
         Bsdf::Null => "boundary between media".to_owned(),
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
             format!("linear polarizer at {axis_deg} degrees, extinction ratio {extinction_ratio}")

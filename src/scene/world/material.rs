@@ -32,6 +32,13 @@ pub enum SurfaceModel<S> {
         /// Index of refraction before the front, greater than zero; 1 in vacuum.
         exterior_ior: f32,
     },
+    /// The same with indices that depend on the wavelength. In RGB it has no dispersion.
+    DispersiveDielectric {
+        /// Index of refraction behind the front, greater than zero.
+        ior: S,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: S,
+    },
     /// Pane of a dielectric, thin beside the scene but thick beside the wavelength: all reflections
     /// within it add up, without interference, and light goes straight on.
     ThinDielectric {
@@ -119,6 +126,10 @@ impl Bsdf {
                 Range::POSITIVE.check("exterior_ior", *exterior_ior)?;
                 Range::POSITIVE.check("ior over exterior_ior", ior / exterior_ior)
             }
+            Self::DispersiveDielectric { ior, exterior_ior } => {
+                ior.check("ior", Range::POSITIVE)?;
+                exterior_ior.check("exterior_ior", Range::POSITIVE)
+            }
             Self::Polarizer { axis_deg, extinction_ratio } => {
                 Range::ANY.check("axis_deg", *axis_deg)?;
                 if *extinction_ratio == f64::INFINITY {
@@ -164,6 +175,10 @@ impl<S> SurfaceModel<S> {
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
+            Self::DispersiveDielectric { ior, exterior_ior } => {
+                let (ior, exterior_ior) = (sample(ior)?, sample(exterior_ior)?);
+                SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+            }
             &Self::ThinDielectric { ior, exterior_ior } => {
                 SurfaceModel::ThinDielectric { ior, exterior_ior }
             }
@@ -189,6 +204,7 @@ impl<S> SurfaceModel<S> {
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -200,7 +216,7 @@ impl<S> SurfaceModel<S> {
     pub fn passage(&self) -> Passage {
         match self {
             Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => Passage::Closed,
-            Self::Dielectric { .. } => Passage::Body,
+            Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet
             }

@@ -6,6 +6,7 @@ use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scattering::event::Form;
 use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
+use crate::transport::collapse::{has_collapsed, met_by_collapsed};
 use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
@@ -100,6 +101,8 @@ struct SensorVertex<V, const N: usize> {
     scatters: V,
     depolarizes: bool,
     beta: [F32s; N],
+    /// Whether dispersion has sent its path on at one wavelength.
+    has_collapsed: bool,
     weights: PartialWeights<F32s>,
     /// Over what a connection must bring to be made for sure, if they are played for.
     per_sure: Option<f32>,
@@ -130,6 +133,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             scatters: all.at(surfaces, Same(row)),
             depolarizes,
             beta,
+            has_collapsed: has_collapsed(&paths.beta, row),
             weights: paths.mis.splat(row),
             per_sure: None,
             place: 0.0,
@@ -189,6 +193,10 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         for (n, value) in value.iter_mut().enumerate() {
             let power = lanes::load(&vertices.power[n], first) * light.value[n];
             *value = *value * turn.value[n] * power * factor;
+        }
+        if self.has_collapsed {
+            let second = lanes::load(&vertices.power[1 % N], first);
+            value[0] = met_by_collapsed::<N>(value[0], second);
         }
         let path_length = lanes::load_u32(&vertices.path_length, first);
         let fits: F32s = bytemuck::cast(path_length.simd_le(U32s::splat(length_max)));

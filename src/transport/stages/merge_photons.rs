@@ -11,6 +11,7 @@ use crate::scattering::phase::half_sine2;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::transport::clearing::{Clearing, Nearby};
+use crate::transport::collapse::{has_collapsed, met_by_collapsed};
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
@@ -172,17 +173,17 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
     }
 }
 
-/// Adds the powers of the packet at `row` to `sums`, for photons in the mask.
+/// The powers of photons, by wavelength, as a path counts them that has `collapsed` or not.
 #[inline(always)]
-fn add_powers<const N: usize>(
-    sums: &mut [F32s; N],
-    photons: &PhotonTable<N>,
-    row: usize,
-    within: F32s,
-) {
-    for (sum, power) in sums.iter_mut().zip(&photons.power) {
-        *sum += within & lanes::load(power, row);
+fn powers_met<const N: usize>(collapsed: bool, power: impl Fn(usize) -> F32s) -> [F32s; N] {
+    let mut powers = [F32s::splat(0.0); N];
+    for (n, value) in powers.iter_mut().enumerate() {
+        *value = power(n);
     }
+    if collapsed {
+        powers[0] = met_by_collapsed::<N>(powers[0], powers[1 % N]);
+    }
+    powers
 }
 
 /// Surfaces that scatter alike whatever comes from the right side.
@@ -196,6 +197,8 @@ struct SurfaceState<const N: usize> {
     /// None if no photons may be in reach.
     clearing: Option<Clearing>,
     sums: [F32s; N],
+    /// Whether the path goes on at one wavelength.
+    collapsed: bool,
     /// Normals, turned to the side from which the sensor looks.
     geometric: Vector<F32s>,
     shading: Vector<F32s>,
@@ -221,6 +224,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
         SurfaceState {
             clearing: None,
             sums: [F32s::splat(0.0); N],
+            collapsed: has_collapsed(&self.gather.paths.beta, query),
             geometric: turned(Vector::splat(lanes::row_of(&surfaces.geometric_normal, query))),
             shading: turned(Vector::splat(lanes::row_of(&surfaces.shading_normal, query))),
         }
@@ -239,15 +243,19 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Eve
         let zero = F32s::splat(0.0);
         let geometric = direction.dot(state.geometric);
         let arrives = within & geometric.simd_lt(zero);
+        let powers = powers_met(state.collapsed, |n| lanes::load(&photons.power[n], row));
         if !self.gather.scene.has_shading_normals {
-            return add_powers(&mut state.sums, photons, row, arrives);
+            for (sum, &power) in state.sums.iter_mut().zip::<&[F32s; N]>(&powers) {
+                *sum += arrives & power;
+            }
+            return;
         }
         // Photons count by the geometric normal, and the integral asks for the shading normal.
         let shading = direction.dot(state.shading);
         let arrives = arrives & shading.simd_lt(zero);
         let ratio = shading / geometric;
-        for (sum, power) in state.sums.iter_mut().zip(&photons.power) {
-            *sum += arrives & (lanes::load(power, row) * ratio);
+        for (sum, &power) in state.sums.iter_mut().zip::<&[F32s; N]>(&powers) {
+            *sum += arrives & (power * ratio);
         }
     }
 
@@ -282,6 +290,8 @@ struct UnevenState<V, S> {
     /// None if no photons may be in reach.
     clearing: Option<Clearing>,
     vertex: V,
+    /// Whether the path goes on at one wavelength.
+    collapsed: bool,
     sums: S,
     pending: Pending,
     /// Where light leaves towards the sensor.
@@ -329,7 +339,7 @@ impl Pending {
 #[inline(always)]
 fn add_scattered<const N: usize>(
     sums: &mut [F32s; N],
-    vertex: &impl Vertices<N>,
+    (vertex, collapsed): (&impl Vertices<N>, bool),
     photons: &PhotonTable<N>,
     (k_out, peak): (Vector<F32s>, F32s),
     (rows, within): (&[u32; LANES], F32s),
@@ -337,8 +347,9 @@ fn add_scattered<const N: usize>(
     let k_in = photons.directions_of(rows);
     let within = within & half_sine2(k_in, k_out).simd_ge(peak);
     let scattered = vertex.merge(k_in, k_out);
-    for (n, (sum, &scattered)) in sums.iter_mut().zip(&scattered).enumerate() {
-        *sum += within & (photons.power_of(rows, n) * scattered);
+    let powers: [F32s; N] = powers_met(collapsed, |n| photons.power_of(rows, n));
+    for (n, sum) in sums.iter_mut().enumerate() {
+        *sum += within & (powers[n] * scattered[n]);
     }
 }
 
@@ -357,6 +368,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
         UnevenState {
             clearing: None,
             vertex: self.all.at(self.gather.surfaces, Same(query)),
+            collapsed: has_collapsed(&self.gather.paths.beta, query),
             sums: [F32s::splat(0.0); N],
             pending: Pending::default(),
             k_out,
@@ -372,21 +384,23 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { clearing, vertex, sums, pending, k_out, .. } = state;
+        let UnevenState { clearing, vertex, collapsed, sums, pending, k_out, .. } = state;
         let (peak, within) =
             (self.gather.peak, self.gather.counting(clearing, photons, row, within));
         pending.add(row, within, |rows, within| {
-            add_scattered(sums, vertex, photons, (*k_out, peak), (rows, within));
+            let at = (&*vertex, *collapsed);
+            add_scattered(sums, at, photons, (*k_out, peak), (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { clearing, vertex, mut sums, pending, k_out, .. } = state;
+        let UnevenState { clearing, vertex, collapsed, mut sums, pending, k_out, .. } = state;
         let Some(Clearing { gain, .. }) = clearing else { return };
         let peak = self.gather.peak;
         pending.finish(|rows, within| {
-            add_scattered(&mut sums, &vertex, self.photons, (k_out, peak), (rows, within));
+            let at = (&vertex, collapsed);
+            add_scattered(&mut sums, at, self.photons, (k_out, peak), (rows, within));
         });
         self.gather.add((row, gain), &sums, &vertex.per_photon());
     }
@@ -405,7 +419,7 @@ struct Polarizing<'a, const N: usize, const COMMON: bool, S, C> {
 #[inline(always)]
 fn add_polarized<const N: usize, const COMMON: bool>(
     sums: &mut [Stokes<F32s>; N],
-    vertex: &impl Vertices<N>,
+    (vertex, collapsed): (&impl Vertices<N>, bool),
     photons: &PhotonTable<N>,
     (k_out, axis_out, peak): (Vector<F32s>, Vector<F32s>, F32s),
     (rows, within): (&[u32; LANES], F32s),
@@ -421,10 +435,11 @@ fn add_polarized<const N: usize, const COMMON: bool>(
         LightCarrier { stokes: Stokes([F32s::splat(1.0), s1, s2, s3]), x }.turned(&arrival)
     };
     let common = arrived(0);
+    let powers: [F32s; N] = powers_met(collapsed, |n| photons.power_of(rows, n));
     for (n, Stokes(sums)) in sums.iter_mut().enumerate() {
         let light = if COMMON || n == 0 { common } else { arrived(n) };
         let Stokes(scattered) = light.pass(kernels[n]).turned(&to_sums).stokes;
-        let power = within & (photons.power_of(rows, n) * shares[n]);
+        let power = within & (powers[n] * shares[n]);
         for (sum, &component) in sums.iter_mut().zip(&scattered) {
             *sum = power.mul_add(component, *sum);
         }
@@ -448,6 +463,7 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
         UnevenState {
             clearing: None,
             vertex: self.all.at(self.gather.surfaces, Same(query)),
+            collapsed: has_collapsed(&self.gather.paths.beta, query),
             sums: [Stokes([F32s::splat(0.0); 4]); N],
             pending: Pending::default(),
             k_out,
@@ -463,21 +479,21 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { clearing, vertex, sums, pending, k_out, axis } = state;
+        let UnevenState { clearing, vertex, collapsed, sums, pending, k_out, axis } = state;
         let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
-            let out = (*k_out, *axis, self.gather.peak);
-            add_polarized::<N, COMMON>(sums, vertex, photons, out, (rows, within));
+            let (at, out) = ((&*vertex, *collapsed), (*k_out, *axis, self.gather.peak));
+            add_polarized::<N, COMMON>(sums, at, photons, out, (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { clearing, vertex, mut sums, pending, k_out, axis } = state;
+        let UnevenState { clearing, vertex, collapsed, mut sums, pending, k_out, axis } = state;
         let Some(Clearing { gain, .. }) = clearing else { return };
         pending.finish(|rows, within| {
-            let out = (k_out, axis, self.gather.peak);
-            add_polarized::<N, COMMON>(&mut sums, &vertex, self.photons, out, (rows, within));
+            let (at, out) = ((&vertex, collapsed), (k_out, axis, self.gather.peak));
+            add_polarized::<N, COMMON>(&mut sums, at, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;
         let value = gather.per_sum((row, gain), &vertex.per_photon());

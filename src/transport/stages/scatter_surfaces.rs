@@ -11,6 +11,7 @@ use crate::scattering::surface::model::{Choice, Incidence, OneOfTwo, Scattered};
 use crate::scattering::surface::{Connecting, Specular, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
+use crate::transport::collapse::{collapse, have_collapsed};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::carriers::{CarrierTable, ratio};
@@ -85,6 +86,9 @@ fn send_on<const N: usize, const POLARIZED: bool, C: CarrierTable, M: Specular<N
         let nested = if M::NESTS { to.interfaces(&at, surfaces, scene, some) } else { None };
         if let Some(InterfaceLanes { rows, .. }) = &nested {
             at.models.rows = *rows;
+        }
+        if M::DISPERSES && N > 1 {
+            at.collapsed = have_collapsed(lanes::load(&to.paths.beta[1], row));
         }
         let choose = |way: OneOfTwo| {
             let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
@@ -250,10 +254,10 @@ impl<const N: usize, C> Departing<'_, N, C> {
     }
 
     #[inline(always)]
-    fn depart_specular<M, K>(
+    fn depart_specular<M: Specular<N>>(
         &mut self,
         at: &Incidence<M>,
-        scattered: &Scattered<N, K>,
+        scattered: &Scattered<N, M::Kernel>,
         side: Side,
         row: usize,
     ) {
@@ -271,9 +275,15 @@ impl<const N: usize, C> Departing<'_, N, C> {
                 Real::select(flat, F32s::splat(1.0), ratio)
             }
         };
-        for (beta, &weight) in self.paths.beta.iter_mut().zip(weight) {
-            let value = lanes::load(beta, row) * weight * adjoint;
-            lanes::store(beta, row, self.end, value);
+        let mut beta = [F32s::ZERO; N];
+        for (n, beta) in beta.iter_mut().enumerate() {
+            *beta = lanes::load(&self.paths.beta[n], row) * weight[n] * adjoint;
+        }
+        if M::DISPERSES {
+            collapse(&mut beta, scattered.alone);
+        }
+        for (column, &beta) in self.paths.beta.iter_mut().zip(&beta) {
+            lanes::store(column, row, self.end, beta);
         }
         direction.store(&mut self.departures.direction, row, self.end);
         self.paths.mis.depart_specular(row, self.end, cos_out);
