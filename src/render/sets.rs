@@ -6,7 +6,8 @@
 //! density by which wavelengths are chosen ([`Density`]) and u moves on by the golden ratio from
 //! each iteration to the next, from a start that follows from the seed (Wilkie et al. 2014, "Hero
 //! wavelength spectral sampling", with one hero for all pixels). So the set is a function of the
-//! iteration's number, seed and replicate.
+//! iteration's number, seed and replicate. The order of the wavelengths turns with the iterations:
+//! the first is the one that paths go on at where light disperses.
 
 use std::sync::Arc;
 
@@ -109,7 +110,7 @@ impl Spectra {
         };
         let responses = Responses::of(color).ok_or_else(without)?;
         let lamps = lamps(world);
-        let knots = lamps.iter().flat_map(|lamp| lamp.spectrum.knots_nm()).copied();
+        let knots = lamps.iter().flat_map(|lamp| lamp.spectrum.knots_nm());
         let nodes = nodes_nm(&responses, spectral.range_nm, knots);
         let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
             return Err(without().into());
@@ -154,9 +155,9 @@ impl Spectra {
 
     fn iteration<const N: usize>(&self, base: &Scene<N>, index: u32, seed: u32) -> Iteration<N> {
         let [first, last] = self.ends_nm;
-        let place = place(index, seed);
+        let (place, hero) = (place(index, seed), hero(index, seed, N));
         let wavelengths: [f32; N] = std::array::from_fn(|column| {
-            let share = (column as f64 + place) / N as f64;
+            let share = (((column + hero) % N) as f64 + place) / N as f64;
             (self.density.inverse(share) as f32).clamp(first, last)
         });
         let densities = wavelengths.map(|nm| self.density.at(f64::from(nm)));
@@ -181,6 +182,15 @@ fn place(iteration: u32, seed: u32) -> f64 {
     let start = high << 32 | low;
     let place = start.wrapping_add(GOLDEN.wrapping_mul(u64::from(iteration)));
     (place >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Which part of the set comes first: the one whose wavelength paths go on at that disperse. Each
+/// is it in turn, from one that follows from the seed, and neighbors soon after each other.
+fn hero(iteration: u32, seed: u32, count: usize) -> usize {
+    // Without a divisor in common with the numbers of wavelengths.
+    const STEP: u32 = 3;
+    let start = mix(seed ^ 0x2545_f491);
+    (start.wrapping_add(iteration.wrapping_mul(STEP)) % count as u32) as usize
 }
 
 /// The same ends in single precision, none of them outside.
@@ -280,6 +290,22 @@ mod tests {
         let starts: Vec<f64> = (0..COUNT).map(|seed| place(0, seed)).collect();
         let mean = starts.iter().sum::<f64>() / f64::from(COUNT);
         assert!((mean - 0.5).abs() < 5.0 * (1.0 / 12.0_f64 / f64::from(COUNT)).sqrt(), "{mean}");
+    }
+
+    #[test]
+    fn every_wavelength_is_the_first_equally_often() {
+        for (seed, count) in [(0, 4), (7, 8), (u32::MAX, 8)] {
+            let mut found: Vec<usize> = (0..count as u32).map(|it| hero(it, seed, count)).collect();
+            found.sort_unstable();
+            assert_eq!(found, (0..count).collect::<Vec<_>>());
+        }
+        // Of a few iterations, by all seeds.
+        let first = |place: usize| (0..8000).filter(|&seed| hero(0, seed, 8) == place).count();
+        assert!((0..8).all(|place| (850..1150).contains(&first(place))));
+        // Whatever comes first, its place is even.
+        let of_first = (0..4000).filter(|it| hero(*it, 5, 8) == 0).map(|it| place(it, 5));
+        let mean = of_first.clone().sum::<f64>() / of_first.count() as f64;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
     }
 
     #[test]

@@ -68,6 +68,15 @@ impl Formula {
         Ok((self.law.at(f64::from(wavelength_nm)) * self.factor) as f32)
     }
 
+    /// The wavelengths in nanometers between which it is nearly linear, where it changes within a
+    /// nanometer.
+    pub(super) fn knots_nm(&self) -> Vec<f32> {
+        match &self.law {
+            Law::Blackbody(_) | Law::Cauchy(_) | Law::Sellmeier(_) => Vec::new(),
+            Law::Lines(lines) => lines.knots_nm().map(|nm| nm as f32).collect(),
+        }
+    }
+
     /// Two numbers between which all values are.
     pub(super) fn bounds(&self) -> &[f32] {
         &self.bounds

@@ -144,6 +144,17 @@ impl Lines {
         self.lines.iter().map(|line| line.at(wavelength_nm, self.shape)).sum()
     }
 
+    /// Wavelengths in nanometers between which they are nearly linear.
+    pub(super) fn knots_nm(&self) -> impl Iterator<Item = f64> {
+        self.lines.iter().flat_map(|line| {
+            let steps = match self.shape {
+                LineShape::Gaussian => (-16..=16).map(|step| f64::from(step) / 8.0).collect(),
+                LineShape::Box => vec![-0.501, -0.5, 0.5, 0.501],
+            };
+            steps.into_iter().map(|widths| line.center_nm + widths * line.width_nm)
+        })
+    }
+
     /// Zero, and what no value exceeds: all lines in one place.
     pub(super) fn bounds(&self) -> [f64; 2] {
         [0.0, self.lines.iter().map(|line| line.peak(self.shape)).sum()]

@@ -109,11 +109,13 @@ impl Spectrum {
         }
     }
 
-    /// The wavelengths in nanometers at which it bends, if it is a table.
-    pub fn knots_nm(&self) -> &[f32] {
+    /// The wavelengths in nanometers between which it is linear, or nearly so, where it changes
+    /// within a nanometer.
+    pub fn knots_nm(&self) -> Vec<f32> {
         match self {
-            Self::Constant(_) | Self::Rgb(_) => &[],
-            Self::Table(table) => &table.wavelengths_nm,
+            Self::Constant(_) | Self::Rgb(_) => Vec::new(),
+            Self::Table(table) => table.wavelengths_nm.clone(),
+            Self::Formula(formula) => formula.knots_nm(),
         }
     }
 
