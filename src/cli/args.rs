@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
+use super::white::WhiteName;
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
@@ -214,6 +215,10 @@ pub struct RenderArguments {
     /// Wavelength of --color mono, in nanometers [default: 550]
     #[arg(long, value_name = "NM", help_heading = LIGHT)]
     pub wavelength: Option<f32>,
+    /// White under which [r, g, b] of materials and lights have the color that they say, with
+    /// --color mono: they stand for smooth spectra, and a lamp's is multiplied by this [default: e]
+    #[arg(long, value_enum, value_name = "WHITE", help_heading = LIGHT)]
+    pub rgb_white: Option<WhiteName>,
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub max_path_length: Option<u32>,

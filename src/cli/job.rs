@@ -13,6 +13,7 @@ use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{ColorName, PhotonArguments, RenderArguments};
+use super::white::WhiteName;
 
 /// What the files of parts end with.
 pub(super) const PART: &str = "part";
@@ -42,6 +43,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         integrator: arguments.integrator.0,
         mode: arguments.mode.0,
         color: color(arguments.color, arguments.wavelength)?,
+        rgb_white: arguments.rgb_white.map(|WhiteName(white)| white),
         width: arguments.width,
         height: arguments.height,
         samples,

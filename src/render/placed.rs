@@ -13,7 +13,7 @@ use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
-use crate::spectrum::Color;
+use crate::spectrum::{Asked, Color};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
@@ -50,8 +50,8 @@ struct Ground {
 /// Scenes that are kept for every number of wavelengths.
 const KEPT_MAX: usize = 16;
 
-/// A scene of so many wavelengths, with its color and film.
-type Kept<const N: usize> = (Color, [u32; 2], Arc<Scene<N>>);
+/// A scene of so many wavelengths, with what was asked of spectra, and its film.
+type Kept<const N: usize> = (Asked, [u32; 2], Arc<Scene<N>>);
 
 /// The latest of them.
 type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
@@ -135,7 +135,7 @@ impl PlacedWorld {
         let warnings = ground.shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
         let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
         let film = self.film_size(&options).unwrap_or([1, 1]);
-        let scene = self.rgb(Color::Rgb, film)?;
+        let scene = self.rgb(Color::Rgb.into(), film)?;
         let media = match world.media_names().is_empty() {
             true => String::new(),
             false => immersed(world, &scene),
@@ -158,10 +158,10 @@ impl PlacedWorld {
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        let (world, color) = (&self.0.world, settings.color);
-        Ok(match color {
-            Color::Rgb => notes(world, &*self.rgb(color, film)?, settings),
-            Color::Mono { .. } => notes(world, &*self.mono(color, film)?, settings),
+        let (world, asked) = (&self.0.world, settings.asked());
+        Ok(match asked.color {
+            Color::Rgb => notes(world, &*self.rgb(asked, film)?, settings),
+            Color::Mono { .. } => notes(world, &*self.mono(asked, film)?, settings),
         })
     }
 
@@ -171,29 +171,29 @@ impl PlacedWorld {
     /// As [`PlacedWorld::notes`].
     pub fn lacks(&self, settings: &Resolved) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        let (world, color) = (&self.0.world, settings.color);
-        Ok(match color {
-            Color::Rgb => lacks(world, &*self.rgb(color, film)?, settings),
-            Color::Mono { .. } => lacks(world, &*self.mono(color, film)?, settings),
+        let (world, asked) = (&self.0.world, settings.asked());
+        Ok(match asked.color {
+            Color::Rgb => lacks(world, &*self.rgb(asked, film)?, settings),
+            Color::Mono { .. } => lacks(world, &*self.mono(asked, film)?, settings),
         })
     }
 
-    pub(super) fn rgb(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {
-        self.latest(&self.0.rgb, color, film)
+    pub(super) fn rgb(&self, asked: Asked, film: [u32; 2]) -> Result<Arc<Scene<3>>, SceneError> {
+        self.latest(&self.0.rgb, asked, film)
     }
 
-    pub(super) fn mono(&self, color: Color, film: [u32; 2]) -> Result<Arc<Scene<1>>, SceneError> {
-        self.latest(&self.0.mono, color, film)
+    pub(super) fn mono(&self, asked: Asked, film: [u32; 2]) -> Result<Arc<Scene<1>>, SceneError> {
+        self.latest(&self.0.mono, asked, film)
     }
 
     fn latest<const N: usize>(
         &self,
         latest: &Latest<N>,
-        color: Color,
+        asked: Asked,
         [width, height]: [u32; 2],
     ) -> Result<Arc<Scene<N>>, SceneError> {
         let find = |latest: &[Kept<N>]| {
-            let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (color, [width, height]));
+            let kept = latest.iter().find(|(of, film, _)| (*of, *film) == (asked, [width, height]));
             kept.map(|(.., scene)| Arc::clone(scene))
         };
         let lock = || latest.lock().expect("no thread panics while it holds the lock");
@@ -204,7 +204,7 @@ impl PlacedWorld {
         // of its pool meanwhile, which comes here, too.
         let Placed { world, ground, camera, .. } = &*self.0;
         let Ground { shapes, accelerator, looks, .. } = &**ground;
-        let optics = bake_optics(world, shapes, color)?;
+        let optics = bake_optics(world, shapes, asked)?;
         let tree = (Arc::clone(shapes), Arc::clone(accelerator));
         let scene = Scene::with_tree(tree, *camera, optics, [width, height]);
         let scene = Arc::new(scene.sharing(Arc::clone(looks)));
@@ -215,7 +215,7 @@ impl PlacedWorld {
         if latest.len() == KEPT_MAX {
             latest.remove(0);
         }
-        latest.push((color, [width, height], Arc::clone(&scene)));
+        latest.push((asked, [width, height], Arc::clone(&scene)));
         Ok(scene)
     }
 }

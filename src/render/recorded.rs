@@ -167,6 +167,7 @@ impl Origin {
             (MODE, settings.mode.name().to_owned()),
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, wavelength),
+            ("image: rgb white", settings.asked().white.name().to_owned()),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),

@@ -157,9 +157,10 @@ impl Renderer {
     /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
         let film = world.film_size(settings)?;
-        let mut renderer = match settings.color {
-            Color::Rgb => Self::in_memory(world.rgb(settings.color, film)?, settings)?,
-            Color::Mono { .. } => Self::in_memory(world.mono(settings.color, film)?, settings)?,
+        let asked = settings.asked();
+        let mut renderer = match asked.color {
+            Color::Rgb => Self::in_memory(world.rgb(asked, film)?, settings)?,
+            Color::Mono { .. } => Self::in_memory(world.mono(asked, film)?, settings)?,
         };
         renderer.origin = Origin::of(world.clone(), film);
         Ok(renderer)
@@ -427,6 +428,10 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
     let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
+    let white = match settings.color {
+        Color::Rgb => None,
+        Color::Mono { .. } => Some(("rgb white", settings.asked().white.name().to_owned())),
+    };
     let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
@@ -439,6 +444,6 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts = integrator.into_iter().flatten().chain(analyzer).chain(others);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(others).chain(white);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -5,7 +5,8 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::Color;
+use crate::spectrum::color_space::VISIBLE_NM;
+use crate::spectrum::{Asked, Color, White};
 use crate::transport::Sampling;
 
 use super::place::Part;
@@ -125,6 +126,9 @@ pub struct Options {
     pub mode: Mode,
     /// What the channels stand for.
     pub color: Color,
+    /// The white under which red, green and blue of materials and lights have the color that they
+    /// say, where channels stand for wavelengths; by default [`White::of`] the color.
+    pub rgb_white: Option<White>,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -172,6 +176,7 @@ impl Default for Options {
             integrator: None,
             mode: Mode::Polarized,
             color: Color::Rgb,
+            rgb_white: None,
             width: None,
             height: None,
             samples: 64,
@@ -213,6 +218,7 @@ impl Settings {
         };
         within("path_length_max", options.path_length_max, 1, PATH_LENGTH_MAX)?;
         check_color(color)?;
+        check_white(options.rgb_white, color)?;
         if let Some(count) = options.iterations {
             within("iterations", count, 1, SAMPLES_MAX / of_iteration)?;
         } else if !samples.is_multiple_of(of_iteration) {
@@ -241,6 +247,12 @@ impl Options {
     /// Whether the image comes with variances.
     pub fn has_variance(&self) -> bool {
         self.variance || self.replicates > 1
+    }
+
+    /// What is asked of spectra.
+    pub fn asked(&self) -> Asked {
+        let by_default = Asked::from(self.color);
+        Asked { white: self.rgb_white.unwrap_or(by_default.white), ..by_default }
     }
 
     /// What was asked for, by name.
@@ -326,6 +338,25 @@ pub fn check_color(color: Color) -> Result<(), SettingsError> {
         }
         Color::Mono { .. } | Color::Rgb => Ok(()),
     }
+}
+
+/// Checks that a white means something for a color, and is known there.
+fn check_white(white: Option<White>, color: Color) -> Result<(), SettingsError> {
+    let [least, most] = VISIBLE_NM;
+    let rule = match (white, color) {
+        (None, _) => return Ok(()),
+        (Some(_), Color::Rgb) => {
+            "goes with light of one wavelength: in RGB, red, green and blue are what they are"
+                .to_owned()
+        }
+        (Some(White::D65), Color::Mono { wavelength_nm })
+            if !(least..=most).contains(&f64::from(wavelength_nm)) =>
+        {
+            format!("d65 is known from {least} to {most} nanometers, not at {wavelength_nm}")
+        }
+        (Some(White::D65 | White::E), Color::Mono { .. }) => return Ok(()),
+    };
+    Err(SettingsError { setting: "rgb_white", rule })
 }
 
 /// Checks how photons are to be shot.

@@ -30,7 +30,7 @@ pub fn metal(name: &str) -> Option<(Spectrum, Spectrum)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::Color;
+    use crate::spectrum::{Color, Role};
 
     #[test]
     fn every_name_has_its_metal() {
@@ -44,8 +44,8 @@ mod tests {
     #[test]
     fn aluminum_at_550_nm_is_paliks() {
         let (eta, k) = metal("Al").unwrap();
-        let green = Color::Mono { wavelength_nm: 550.0 };
-        assert_eq!(eta.sample::<1>(green), Ok([0.958_569]));
-        assert_eq!(k.sample::<1>(green), Ok([6.686_968]));
+        let green = Color::Mono { wavelength_nm: 550.0 }.into();
+        assert_eq!(eta.sample::<1>(green, Role::Index), Ok([0.958_569]));
+        assert_eq!(k.sample::<1>(green, Role::Index), Ok([6.686_968]));
     }
 }

@@ -1,17 +1,22 @@
 //! Floor 1: what a column "per wavelength" stands for.
 //!
 //! The renderer is generic over the number of wavelengths `N`; this floor says which they are and
-//! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`.
+//! turns what the user writes (RGB triples, tabulated spectra, constants) into `[f32; N]`, and
+//! spectra into colors.
 
+pub mod cie;
+pub mod color_space;
 mod metals;
 mod spectra;
+pub mod upsampling;
 
+pub use color_space::White;
 pub use metals::{metal, metal_names};
-pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
+pub use spectra::{Asked, OutsideTable, Role, Spectrum, SpectrumTable};
 
 /// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a
 /// spectral quantity (an index of refraction, say) is reduced to RGB, and for which the channels
-/// stand when an RGB triple is asked for its value at one wavelength.
+/// stand when an index in RGB is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
 /// Which wavelengths a render carries.

@@ -1,5 +1,7 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
+use super::color_space::{VISIBLE_NM, White};
+use super::upsampling::Smooth;
 use super::{Color, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
@@ -8,11 +10,45 @@ use crate::math::{Fault, Range};
 pub enum Spectrum {
     /// The same at every wavelength.
     Constant(f32),
-    /// Linear red, green and blue. At a single wavelength: interpolated linearly between the
-    /// channels' [`RGB_WAVELENGTHS_NM`], constant beyond the outer two.
+    /// Linear red, green and blue in sRGB primaries. At a wavelength: what the [`Role`] says.
     Rgb([f32; 3]),
     /// Values at wavelengths, interpolated linearly between them and undefined outside.
     Table(SpectrumTable),
+}
+
+/// What a quantity is, and so what red, green and blue of it say of a wavelength. Numbers and
+/// tables say the same in all roles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A share of light, within [0, 1]: a smooth spectrum within [0, 1] that has this color under
+    /// the white ([`Smooth::reflectance`]).
+    Reflectance,
+    /// Light: a smooth spectrum times that of the white, which together have this color
+    /// ([`Smooth::coefficient`]).
+    Emission,
+    /// Anything else that is not negative: a smooth spectrum of this color under the white
+    /// ([`Smooth::coefficient`]).
+    Coefficient,
+    /// What no color is known for, an index of refraction say: linear between the values at the
+    /// channels' [`RGB_WAVELENGTHS_NM`], constant beyond the outer two.
+    Index,
+}
+
+/// What spectra are asked for: values for the channels of a color, by a white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// The channels.
+    pub color: Color,
+    /// Under which red, green and blue have the color that they say; [`Color::Rgb`] takes them as
+    /// they are.
+    pub white: White,
+}
+
+/// By the white of such a film where none is named.
+impl From<Color> for Asked {
+    fn from(color: Color) -> Self {
+        Self { color, white: White::of(color) }
+    }
 }
 
 /// A tabulated spectrum: see `SpectrumTable::new`.
@@ -97,7 +133,8 @@ impl Spectrum {
     }
 
     /// The numbers it was made of, whatever wavelength they belong to. All values that it takes
-    /// lie between the least and the greatest of them.
+    /// lie between the least and the greatest of them, but for those of colors: where red, green
+    /// and blue are within [0, 1], or not negative, these are.
     pub fn values(&self) -> &[f32] {
         match self {
             Self::Constant(value) => std::slice::from_ref(value),
@@ -126,31 +163,74 @@ impl Spectrum {
         self
     }
 
-    /// Its values in the channels of `color`.
+    /// Its values in the channels of the color that is asked for, as a quantity of a role.
     ///
     /// # Errors
-    /// When a table does not cover a wavelength of the render.
+    /// When a table does not cover a wavelength of the render, or the white is not known there.
     ///
     /// # Panics
     /// When `N` is not `color.channels()`.
-    pub fn sample<const N: usize>(&self, color: Color) -> Result<[f32; N], OutsideTable> {
-        assert_eq!(N, color.channels(), "N is the number of channels of the color");
-        let mut values = [0.0; N];
-        for (channel, value) in values.iter_mut().enumerate() {
-            *value = match (self, color) {
-                (Self::Constant(constant), _) => *constant,
-                (Self::Rgb(rgb), Color::Rgb) => rgb[channel],
-                (Self::Rgb(rgb), Color::Mono { wavelength_nm }) => rgb_at(rgb, wavelength_nm),
-                (Self::Table(table), Color::Rgb) => table.at(RGB_WAVELENGTHS_NM[channel])?,
-                (Self::Table(table), Color::Mono { wavelength_nm }) => table.at(wavelength_nm)?,
-            };
+    pub fn sample<const N: usize>(
+        &self,
+        asked: Asked,
+        role: Role,
+    ) -> Result<[f32; N], OutsideTable> {
+        assert_eq!(N, asked.color.channels(), "N is the number of channels of the color");
+        let wavelengths_nm = std::array::from_fn(|channel| match asked.color {
+            Color::Rgb => RGB_WAVELENGTHS_NM[channel],
+            Color::Mono { wavelength_nm } => wavelength_nm,
+        });
+        match (self, asked.color) {
+            (Self::Constant(constant), _) => Ok([*constant; N]),
+            (Self::Rgb(rgb), Color::Rgb) => Ok(std::array::from_fn(|channel| rgb[channel])),
+            (Self::Rgb(rgb), Color::Mono { .. }) => {
+                rgb_at(*rgb, &wavelengths_nm, role, asked.white)
+            }
+            (Self::Table(table), _) => {
+                let mut values = [0.0; N];
+                for (value, nm) in values.iter_mut().zip(wavelengths_nm) {
+                    *value = table.at(nm)?;
+                }
+                Ok(values)
+            }
         }
-        Ok(values)
     }
 }
 
-/// What an RGB triple stands for at one wavelength.
-fn rgb_at(rgb: &[f32; 3], wavelength_nm: f32) -> f32 {
+/// What an RGB triple stands for at wavelengths in nanometers.
+fn rgb_at<const N: usize>(
+    rgb: [f32; 3],
+    wavelengths_nm: &[f32; N],
+    role: Role,
+    white: White,
+) -> Result<[f32; N], OutsideTable> {
+    Ok(match role {
+        Role::Reflectance => Smooth::reflectance(rgb, white).values(wavelengths_nm),
+        Role::Coefficient => Smooth::coefficient(rgb, white).values(wavelengths_nm),
+        Role::Emission => {
+            let smooth = Smooth::coefficient(rgb, white);
+            let mut values = [0.0; N];
+            for (value, &nm) in values.iter_mut().zip(wavelengths_nm) {
+                *value = (smooth.at(f64::from(nm)) * of_white(white, nm)?) as f32;
+            }
+            values
+        }
+        Role::Index => wavelengths_nm.map(|nm| linear(rgb, nm)),
+    })
+}
+
+/// The white at a wavelength in nanometers.
+fn of_white(white: White, wavelength_nm: f32) -> Result<f64, OutsideTable> {
+    let [first_nm, last_nm] = VISIBLE_NM.map(|nm| nm as f32);
+    let is_known = (first_nm..=last_nm).contains(&wavelength_nm);
+    match white {
+        White::D65 if !is_known => Err(OutsideTable { wavelength_nm, first_nm, last_nm }),
+        White::D65 | White::E => Ok(white.at(f64::from(wavelength_nm))),
+    }
+}
+
+/// Between the values at the wavelengths that stand for red, green and blue.
+fn linear(rgb: [f32; 3], wavelength_nm: f32) -> f32 {
     let [red_nm, green_nm, blue_nm] = RGB_WAVELENGTHS_NM;
     if wavelength_nm <= green_nm {
         let share = (wavelength_nm - blue_nm) / (green_nm - blue_nm);
@@ -170,31 +250,85 @@ fn mix(from: f32, to: f32, share: f32) -> f32 {
 mod tests {
     use super::*;
 
-    fn mono(wavelength_nm: f32) -> Color {
-        Color::Mono { wavelength_nm }
+    const ROLES: [Role; 4] = [Role::Reflectance, Role::Emission, Role::Coefficient, Role::Index];
+    const RGB: Asked = Asked { color: Color::Rgb, white: White::D65 };
+
+    fn mono(wavelength_nm: f32) -> Asked {
+        Color::Mono { wavelength_nm }.into()
     }
 
     #[test]
-    fn rgb_meets_its_channels_at_their_wavelengths() {
+    fn indices_meet_their_channels_at_their_wavelengths() {
         let spectrum = Spectrum::Rgb([0.1, 0.4, 0.8]);
         for (wavelength_nm, expected) in
             [(650.0, 0.1), (550.0, 0.4), (450.0, 0.8), (380.0, 0.8), (800.0, 0.1), (500.0, 0.6)]
         {
-            let [value] = spectrum.sample::<1>(mono(wavelength_nm)).unwrap();
+            let [value] = spectrum.sample::<1>(mono(wavelength_nm), Role::Index).unwrap();
             assert!((value - expected).abs() < 1e-6, "{wavelength_nm} nm: {value}");
         }
-        assert_eq!(spectrum.sample::<3>(Color::Rgb), Ok([0.1, 0.4, 0.8]));
+    }
+
+    #[test]
+    fn in_rgb_colors_are_themselves_in_all_roles_by_any_white() {
+        for (role, white) in ROLES.into_iter().flat_map(|role| White::ALL.map(|it| (role, it))) {
+            let asked = Asked { white, ..RGB };
+            assert_eq!(Spectrum::Rgb([0.1, 7.0, 0.8]).sample(asked, role), Ok([0.1, 7.0, 0.8]));
+        }
+    }
+
+    #[test]
+    fn at_a_wavelength_numbers_are_flat_and_so_are_greys_by_equal_energy() {
+        for role in ROLES {
+            for grey in [0.0, 1e-38, 0.007, 0.18, 0.5, 0.73, 0.999_999_9, 1.0] {
+                for nm in [1.0, 360.0, 447.3, 550.0, 830.0, 1e6] {
+                    let sample = |it: Spectrum| it.sample::<1>(mono(nm), role);
+                    assert_eq!(sample(Spectrum::Constant(grey)), Ok([grey]));
+                    assert_eq!(sample(Spectrum::Rgb([grey; 3])), Ok([grey]), "{role:?} at {nm}");
+                }
+            }
+        }
+        let bright = Spectrum::Rgb([3e38; 3]).sample::<1>(mono(500.0), Role::Emission);
+        assert_eq!(bright, Ok([3e38]));
+    }
+
+    #[test]
+    fn lamps_shine_like_the_white_and_where_that_is_known() {
+        let lamp = Spectrum::Rgb([2.0; 3]);
+        let by_d65 = |nm: f32| {
+            let asked = Asked { white: White::D65, ..mono(nm) };
+            lamp.sample::<1>(asked, Role::Emission).map(|[value]| value)
+        };
+        let ratio = by_d65(450.0).unwrap() / by_d65(650.0).unwrap();
+        // ISO/CIE 11664-2.
+        assert!((ratio - 117.008 / 80.0268).abs() < 1e-4, "{ratio}");
+        assert!((by_d65(560.0).unwrap() - 2.0).abs() < 0.05);
+        let outside = by_d65(900.0).unwrap_err();
+        assert_eq!((outside.first_nm, outside.last_nm), (360.0, 830.0));
+        let asked = Asked { white: White::D65, ..mono(900.0) };
+        assert_eq!(lamp.sample::<1>(asked, Role::Coefficient), Ok([2.0]));
+    }
+
+    #[test]
+    fn colors_have_more_of_what_they_are_and_stay_in_their_range() {
+        let red = Spectrum::Rgb([0.9, 0.1, 0.05]);
+        let at = |nm: f32, role| red.sample::<1>(mono(nm), role).unwrap()[0];
+        for role in [Role::Reflectance, Role::Emission, Role::Coefficient] {
+            assert!(at(650.0, role) > 0.7 && at(540.0, role) < 0.2 && at(450.0, role) < 0.1);
+        }
+        for nm in (360..=830).map(|nm| nm as f32) {
+            assert!((0.0..=1.0).contains(&at(nm, Role::Reflectance)));
+        }
     }
 
     #[test]
     fn tables_interpolate_inside_and_refuse_outside() {
         let spectrum = Spectrum::table(&[400.0, 500.0, 700.0], &[1.0, 2.0, 4.0]).unwrap();
-        assert_eq!(spectrum.sample::<1>(mono(400.0)), Ok([1.0]));
-        assert_eq!(spectrum.sample::<1>(mono(600.0)), Ok([3.0]));
-        assert_eq!(spectrum.sample::<1>(mono(700.0)), Ok([4.0]));
-        let outside = spectrum.sample::<1>(mono(701.0)).unwrap_err();
+        assert_eq!(spectrum.sample::<1>(mono(400.0), Role::Index), Ok([1.0]));
+        assert_eq!(spectrum.sample::<1>(mono(600.0), Role::Index), Ok([3.0]));
+        assert_eq!(spectrum.sample::<1>(mono(700.0), Role::Index), Ok([4.0]));
+        let outside = spectrum.sample::<1>(mono(701.0), Role::Index).unwrap_err();
         assert_eq!((outside.first_nm, outside.last_nm), (400.0, 700.0));
-        assert_eq!(spectrum.sample::<3>(Color::Rgb), Ok([3.5, 2.5, 1.5]));
+        assert_eq!(spectrum.sample::<3>(RGB, Role::Index), Ok([3.5, 2.5, 1.5]));
     }
 
     #[test]

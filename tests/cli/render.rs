@@ -74,7 +74,8 @@ fn options_reach_the_image() {
     assert_eq!((image.width, image.height), (24, 8));
     assert_eq!(image.color, Color::Mono { wavelength_nm: 633.0 });
     assert!(image.variance.is_some());
-    for (key, value) in [("seed", "5"), ("iterations", "8"), ("replicates", "4")] {
+    let facts = [("seed", "5"), ("iterations", "8"), ("replicates", "4"), ("rgb white", "e")];
+    for (key, value) in facts {
         assert_eq!(metadata(&image, key), value);
     }
     assert!(metadata(&image, "command").contains("--wavelength 633"));

@@ -31,6 +31,8 @@ const REFUSED: [(&str, &str); 11] = [
     ("threads", "it is an option of the batch: all jobs share them"),
     ("update", "a job is short: look at what is done"),
 ];
+/// Options of channels that stand for wavelengths.
+const OF_WAVELENGTHS: [&str; 2] = ["rgb_white", "wavelength"];
 /// Options that shoot photons.
 const OF_PHOTONS: [&str; 4] = ["alpha", "photons", "radius", "samples_per_iteration"];
 /// Most tables of options that are remembered.
@@ -115,7 +117,7 @@ impl Reader {
         let shoots_none =
             |name: &str| Integrator::ALL.iter().any(|it| it.name() == name && !it.shoots_photons());
         self.rivals.iter().any(is_rival)
-            || (default == "wavelength" && says("color") == Some("rgb"))
+            || (OF_WAVELENGTHS.contains(&default) && says("color") == Some("rgb"))
             || (OF_PHOTONS.contains(&default) && says("integrator").is_some_and(shoots_none))
     }
 
@@ -228,6 +230,7 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
         mode: _,
         color: _,
         wavelength: _,
+        rgb_white: _,
         max_path_length: _,
         roulette_after: _,
         sampling: _,
@@ -333,6 +336,8 @@ mod tests {
         let mono = json!({"color": "mono", "wavelength": 633});
         assert!(settings(mono.clone(), json!({"color": "rgb"})).is_ok());
         assert!(settings(mono, json!({"wavelength": 550})).is_ok());
+        let by_d65 = json!({"color": "mono", "rgb_white": "d65"});
+        assert!(settings(by_d65, json!({"color": "rgb"})).is_ok());
         let ppm = json!({"integrator": "ppm", "photons": 1000, "alpha": 0.5, "radius": 1,
                          "samples_per_iteration": 3});
         assert!(settings(ppm.clone(), json!({"integrator": "path"})).is_ok());

@@ -11,7 +11,7 @@ use crate::scene::error::SceneError;
 use crate::scene::world::{
     Environment, Name, Punctual, PunctualKind, SurfaceModel, Transform, World,
 };
-use crate::spectrum::Color;
+use crate::spectrum::{Asked, Role};
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
 const LEAST_CONE: f32 = 1e-3;
@@ -41,7 +41,7 @@ pub fn positions(world: &World, origin: DVec3) -> Vec<Vec3> {
 /// power are left out, so every probability is greater than zero.
 pub fn emitters<const N: usize>(
     world: &World,
-    color: Color,
+    asked: Asked,
     materials: &Materials<N>,
     shapes: &Shapes,
 ) -> Result<Emitters<N>, SceneError> {
@@ -54,7 +54,7 @@ pub fn emitters<const N: usize>(
     table.add_primitives(materials, shapes);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, place, light)| {
-        let intensity = light.intensity.sample(color);
+        let intensity = light.intensity.sample(asked, Role::Emission);
         intensity
             .map(|intensity| {
                 (punctual(light.kind, &place.about(shapes.origin), &passable), intensity)
@@ -66,7 +66,7 @@ pub fn emitters<const N: usize>(
         table.add(shapes, model, intensity);
     }
     let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-        let radiance = sky.radiance.sample(color);
+        let radiance = sky.radiance.sample(asked, Role::Emission);
         radiance.map_err(|error| outside_table(&name.0, error))
     });
     for sky in skies {

@@ -5,11 +5,11 @@ use super::{Rows, optics};
 use crate::scene::baked::{KEEP, Medium, NONE};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, Passage, World};
-use crate::spectrum::Color;
+use crate::spectrum::Asked;
 
 /// All media, in the file's order.
-pub fn media<const N: usize>(world: &World, color: Color) -> Result<Vec<Medium<N>>, SceneError> {
-    let row = |(name, medium): (&Name, &world::Medium)| optics::medium_row(medium, color, &name.0);
+pub fn media<const N: usize>(world: &World, asked: Asked) -> Result<Vec<Medium<N>>, SceneError> {
+    let row = |(name, medium): (&Name, &world::Medium)| optics::medium_row(medium, asked, &name.0);
     world.in_order::<(&Name, &world::Medium), _>(row).into_iter().collect()
 }
 

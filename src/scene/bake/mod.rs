@@ -32,7 +32,7 @@ use super::world::{
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Color, OutsideTable, Spectrum};
+use crate::spectrum::{Asked, OutsideTable, Role, Spectrum};
 
 use self::beside::Passable;
 use self::origin::Center;
@@ -42,10 +42,13 @@ use self::primitives::Placed;
 ///
 /// # Errors
 /// Those of [`bake_shapes`] and [`bake_optics`].
-pub fn bake<const N: usize>(world: &World, color: Color) -> Result<BakedScene<N>, SceneError> {
+pub fn bake<const N: usize>(
+    world: &World,
+    asked: impl Into<Asked>,
+) -> Result<BakedScene<N>, SceneError> {
     let shapes = bake_shapes(&plan_shapes(world)?)?;
     let camera = bake_camera(world, &shapes)?;
-    let optics = bake_optics(world, &shapes, color)?;
+    let optics = bake_optics(world, &shapes, asked.into())?;
     Ok(BakedScene { shapes, camera, optics })
 }
 
@@ -90,8 +93,8 @@ pub fn bake_camera(world: &World, shapes: &Shapes) -> Result<Camera, SceneError>
     Ok(Camera { position: passable.before(camera.position), ..camera })
 }
 
-/// Evaluates materials, media and emitters at the wavelengths of `color`. `N` is the number of
-/// channels of `color`; `shapes` are those of the same world.
+/// Evaluates materials, media and emitters for the color that is asked for. `N` is the number of
+/// its channels; `shapes` are those of the same world.
 ///
 /// # Errors
 /// When the world is not as it should be ([`World::check`]), `N` does not fit, a spectrum's table
@@ -99,9 +102,9 @@ pub fn bake_camera(world: &World, shapes: &Shapes) -> Result<Camera, SceneError>
 pub fn bake_optics<const N: usize>(
     world: &World,
     shapes: &Shapes,
-    color: Color,
+    asked: Asked,
 ) -> Result<Optics<N>, SceneError> {
-    optics_of(world, shapes, color).map_err(|error| error.in_file(&world.file))
+    optics_of(world, shapes, asked).map_err(|error| error.in_file(&world.file))
 }
 
 fn plan(world: &World) -> Result<Plan, SceneError> {
@@ -143,18 +146,19 @@ fn shapes(plan: &Plan) -> Result<Shapes, SceneError> {
 fn optics_of<const N: usize>(
     world: &World,
     shapes: &Shapes,
-    color: Color,
+    asked: Asked,
 ) -> Result<Optics<N>, SceneError> {
-    if N != color.channels() {
-        let problem = format!("{N} channels were asked for, but {color:?} has another number");
+    if N != asked.color.channels() {
+        let problem =
+            format!("{N} channels were asked for, but {:?} has another number", asked.color);
         return Err(SceneError::new("bake", problem, ""));
     }
     world.check()?;
-    let mut materials = materials(world, color)?;
+    let mut materials = materials(world, asked)?;
     // Of air among other bodies.
     materials.radiance.push([0.0; N]);
-    let media = media::media(world, color)?;
-    let emitters = emitters::emitters(world, color, &materials, shapes)?;
+    let media = media::media(world, asked)?;
+    let emitters = emitters::emitters(world, asked, &materials, shapes)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
     let mut rows = materials.rows;
     let has_air = shapes.surfaces.iter().any(|it| it.nested_material as usize == rows.len());
@@ -210,13 +214,14 @@ struct Materials<const N: usize> {
     radiance: Vec<[f32; N]>,
 }
 
-fn materials<const N: usize>(world: &World, color: Color) -> Result<Materials<N>, SceneError> {
+fn materials<const N: usize>(world: &World, asked: Asked) -> Result<Materials<N>, SceneError> {
     type Components<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
     let mut table = Materials { rows: Vec::new(), radiance: Vec::new() };
     let rows = world.in_order::<Components, _>(|(name, bsdf, sides, emission)| {
         let black = Spectrum::Constant(0.0);
-        let radiance = emission.map_or(&black, |emission| &emission.radiance).sample(color);
-        let model = bsdf.sampled(|spectrum| spectrum.sample(color));
+        let radiance = emission.map_or(&black, |emission| &emission.radiance);
+        let radiance = radiance.sample(asked, Role::Emission);
+        let model = bsdf.sampled(|spectrum, role| spectrum.sample(asked, role));
         let row = model.and_then(|model| {
             let model = model.simplified();
             Ok((Material { model, two_sided: sides.two_sided }, radiance?))

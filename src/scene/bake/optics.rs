@@ -12,7 +12,7 @@ use crate::polarization::particles::{Particles, Suspension};
 use crate::scene::baked::{Medium, Phase};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Spheres};
-use crate::spectrum::{Color, OutsideTable, RGB_WAVELENGTHS_NM, Spectrum};
+use crate::spectrum::{Asked, Color, OutsideTable, RGB_WAVELENGTHS_NM, Role, Spectrum};
 
 /// Greatest size parameter of particles: more takes too long, and no table could hold its peak.
 const SIZE_PARAMETER_MAX: f64 = 2000.0;
@@ -20,26 +20,26 @@ const SIZE_PARAMETER_MAX: f64 = 2000.0;
 /// The row of a medium; `name` is how errors call it.
 pub fn medium_row<const N: usize>(
     medium: &world::Medium,
-    color: Color,
+    asked: Asked,
     name: &str,
 ) -> Result<Medium<N>, SceneError> {
     let outside = |error: OutsideTable| outside_table(name, error);
     let derived = match &medium.phase {
-        world::Phase::HenyeyGreenstein { g } => {
-            Derived::of(Phase::HenyeyGreenstein { g: g.sample(color).map_err(outside)? })
-        }
+        world::Phase::HenyeyGreenstein { g } => Derived::of(Phase::HenyeyGreenstein {
+            g: g.sample(asked, Role::Index).map_err(outside)?,
+        }),
         world::Phase::Rayleigh { depolarization } => {
             Derived::of(Phase::Table(phase::rayleigh(*depolarization)))
         }
-        world::Phase::Spheres(spheres) => suspended(spheres, color, name)?,
-        world::Phase::Milk(milk) => milked(milk, color, name)?,
+        world::Phase::Spheres(spheres) => suspended(spheres, asked, name)?,
+        world::Phase::Milk(milk) => milked(milk, asked.color, name)?,
         world::Phase::Table(matrices) => {
-            let table = phase::tabulated(matrices, wavelengths(color)).map_err(outside)?;
+            let table = phase::tabulated(matrices, wavelengths(asked.color)).map_err(outside)?;
             Derived::of(Phase::Table(table))
         }
     };
     let coefficient = |given: &Option<Spectrum>, derived: [f32; N]| match given {
-        Some(spectrum) => spectrum.sample(color).map_err(outside),
+        Some(spectrum) => spectrum.sample(asked, Role::Coefficient).map_err(outside),
         None => Ok(derived),
     };
     let sigma_a = coefficient(&medium.sigma_a, derived.sigma_a)?;
@@ -103,14 +103,14 @@ fn milked<const N: usize>(milk: &Milk, color: Color, name: &str) -> Result<Deriv
 /// Spheres in their host at the wavelengths of the render.
 fn suspended<const N: usize>(
     spheres: &Spheres,
-    color: Color,
+    asked: Asked,
     name: &str,
 ) -> Result<Derived<N>, SceneError> {
     let sample = |spectrum: &Spectrum| {
-        spectrum.sample::<N>(color).map_err(|error| outside_table(name, error))
+        spectrum.sample::<N>(asked, Role::Index).map_err(|error| outside_table(name, error))
     };
     let host_k = sample(&spheres.host_k)?;
-    let suspensions = suspensions(spheres, color, name)?;
+    let suspensions = suspensions(spheres, asked, name)?;
     let largest = suspensions.iter().map(Suspension::size_parameter_max).fold(0.0, f64::max);
     if largest > SIZE_PARAMETER_MAX {
         let problem = format!("has particles of size parameter {largest:.0}");
@@ -140,14 +140,14 @@ fn suspended<const N: usize>(
 /// The spheres and their host, one wavelength each.
 fn suspensions<'a, const N: usize>(
     spheres: &'a Spheres,
-    color: Color,
+    asked: Asked,
     name: &str,
 ) -> Result<[Suspension<'a>; N], SceneError> {
     let sample = |spectrum: &Spectrum| {
-        spectrum.sample::<N>(color).map_err(|error| outside_table(name, error))
+        spectrum.sample::<N>(asked, Role::Index).map_err(|error| outside_table(name, error))
     };
     let host_n = sample(&spheres.host_eta)?;
-    let wavelengths = wavelengths::<N>(color);
+    let wavelengths = wavelengths::<N>(asked.color);
     let mut suspensions: [Suspension; N] = std::array::from_fn(|channel| Suspension {
         particles: Vec::new(),
         host_n: f64::from(host_n[channel]),
