@@ -5,7 +5,6 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::color_space::VISIBLE_NM;
 use crate::spectrum::{Asked, Color, White};
 use crate::transport::Sampling;
 
@@ -342,19 +341,20 @@ pub fn check_color(color: Color) -> Result<(), SettingsError> {
 
 /// Checks that a white means something for a color, and is known there.
 fn check_white(white: Option<White>, color: Color) -> Result<(), SettingsError> {
-    let [least, most] = VISIBLE_NM;
-    let rule = match (white, color) {
-        (None, _) => return Ok(()),
-        (Some(_), Color::Rgb) => {
+    let Some(white) = white else { return Ok(()) };
+    let [least, most] = white.known_nm();
+    let rule = match color {
+        Color::Rgb => {
             "goes with light of one wavelength: in RGB, red, green and blue are what they are"
                 .to_owned()
         }
-        (Some(White::D65), Color::Mono { wavelength_nm })
-            if !(least..=most).contains(&f64::from(wavelength_nm)) =>
-        {
-            format!("d65 is known from {least} to {most} nanometers, not at {wavelength_nm}")
+        Color::Mono { wavelength_nm } if (least..=most).contains(&f64::from(wavelength_nm)) => {
+            return Ok(());
         }
-        (Some(White::D65 | White::E), Color::Mono { .. }) => return Ok(()),
+        Color::Mono { wavelength_nm } => {
+            let name = white.name();
+            format!("{name} is known from {least} to {most} nanometers, not at {wavelength_nm}")
+        }
     };
     Err(SettingsError { setting: "rgb_white", rule })
 }

@@ -1,38 +1,24 @@
-//! What the CIE tabulates: the 1931 standard observer, and daylight.
+//! The CIE 1931 standard observer of 2 degrees.
 
-const FIRST_NM: f64 = 360.0;
+/// Wavelengths in nanometers outside of which nothing is seen.
+pub const VISIBLE_NM: [f64; 2] = [360.0, 830.0];
+/// Between rows of the table.
 const STEP_NM: f64 = 5.0;
-const ROWS: usize = 95;
 
-/// The color matching functions x, y and z of the CIE 1931 standard observer (2 degrees, ISO/CIE
-/// 11664-1) at a wavelength in nanometers: linear between rows of 5 nm, and zero where the table
-/// has none, outside of 360 to 830 nm.
-pub fn matching(wavelength_nm: f64) -> [f64; 3] {
-    at(&MATCHING, wavelength_nm)
-}
-
-/// Relative spectral power of the CIE standard illuminant D65 (ISO/CIE 11664-2) at a wavelength in
-/// nanometers, 100 at 560 nm: linear between rows of 5 nm, and zero where the table has none,
-/// outside of 360 to 830 nm.
-pub fn d65(wavelength_nm: f64) -> f64 {
-    let [power] = at(&D65, wavelength_nm);
-    power
-}
-
-/// A row of a table, or what lies between two.
-fn at<const C: usize>(table: &[[f64; C]; ROWS], wavelength_nm: f64) -> [f64; C] {
-    let place = (wavelength_nm - FIRST_NM) / STEP_NM;
-    if !(0.0..=(ROWS - 1) as f64).contains(&place) {
-        return [0.0; C];
+/// The color matching functions x, y and z at a wavelength in nanometers (ISO/CIE 11664-1): linear
+/// between rows of 5 nm, and zero outside of [`VISIBLE_NM`].
+pub fn color_matching(wavelength_nm: f64) -> [f64; 3] {
+    let [first, last] = VISIBLE_NM;
+    if !(first..=last).contains(&wavelength_nm) {
+        return [0.0; 3];
     }
-    let row = (place as usize).min(ROWS - 2);
+    let place = (wavelength_nm - first) / STEP_NM;
+    let row = (place as usize).min(MATCHING.len() - 2);
     let share = place - row as f64;
-    std::array::from_fn(|column| {
-        table[row][column] * (1.0 - share) + table[row + 1][column] * share
-    })
+    std::array::from_fn(|i| MATCHING[row][i] * (1.0 - share) + MATCHING[row + 1][i] * share)
 }
 
-const MATCHING: [[f64; 3]; ROWS] = [
+const MATCHING: [[f64; 3]; 95] = [
     [0.000_129_9, 0.000_003_917, 0.000_606_1],
     [0.000_232_1, 0.000_006_965, 0.001_086],
     [0.000_414_9, 0.000_012_39, 0.001_946],
@@ -130,115 +116,18 @@ const MATCHING: [[f64; 3]; ROWS] = [
     [0.000_001_251_1, 0.000_000_451_8, 0.0],
 ];
 
-const D65: [[f64; 1]; ROWS] = [
-    [46.638_3],
-    [49.363_7],
-    [52.089_1],
-    [51.032_3],
-    [49.975_5],
-    [52.311_8],
-    [54.648_2],
-    [68.701_5],
-    [82.754_9],
-    [87.120_4],
-    [91.486],
-    [92.458_9],
-    [93.431_8],
-    [90.057],
-    [86.682_3],
-    [95.773_6],
-    [104.865],
-    [110.936],
-    [117.008],
-    [117.41],
-    [117.812],
-    [116.336],
-    [114.861],
-    [115.392],
-    [115.923],
-    [112.367],
-    [108.811],
-    [109.082],
-    [109.354],
-    [108.578],
-    [107.802],
-    [106.296],
-    [104.79],
-    [106.239],
-    [107.689],
-    [106.047],
-    [104.405],
-    [104.225],
-    [104.046],
-    [102.023],
-    [100.0],
-    [98.167_1],
-    [96.334_2],
-    [96.061_1],
-    [95.788],
-    [92.236_8],
-    [88.685_6],
-    [89.345_9],
-    [90.006_2],
-    [89.802_6],
-    [89.599_1],
-    [88.648_9],
-    [87.698_7],
-    [85.493_6],
-    [83.288_6],
-    [83.493_9],
-    [83.699_2],
-    [81.863],
-    [80.026_8],
-    [80.120_7],
-    [80.214_6],
-    [81.246_2],
-    [82.277_8],
-    [80.281],
-    [78.284_2],
-    [74.002_7],
-    [69.721_3],
-    [70.665_2],
-    [71.609_1],
-    [72.979],
-    [74.349],
-    [67.976_5],
-    [61.604],
-    [65.744_8],
-    [69.885_6],
-    [72.486_3],
-    [75.087],
-    [69.339_8],
-    [63.592_7],
-    [55.005_4],
-    [46.418_2],
-    [56.611_8],
-    [66.805_4],
-    [65.094_1],
-    [63.382_8],
-    [63.843_4],
-    [64.304],
-    [61.877_9],
-    [59.451_9],
-    [55.705_4],
-    [51.959],
-    [54.699_8],
-    [57.440_6],
-    [58.876_6],
-    [60.312_5],
-];
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn rows_are_met_and_mixed_between_and_nothing_is_outside() {
-        assert_eq!(matching(555.0), MATCHING[39]);
-        assert_eq!((d65(560.0), d65(360.0), d65(830.0)), (100.0, D65[0][0], D65[94][0]));
-        assert!((d65(562.5) - 0.5 * (D65[40][0] + D65[41][0])).abs() < 1e-12);
+        assert_eq!(color_matching(555.0), MATCHING[39]);
+        assert_eq!([360.0, 830.0].map(color_matching), [MATCHING[0], MATCHING[94]]);
+        let [x, ..] = color_matching(562.5);
+        assert!((x - 0.5 * (MATCHING[40][0] + MATCHING[41][0])).abs() < 1e-12);
         for nm in [f64::NAN, -1.0, 0.0, 359.999, 830.001, f64::INFINITY] {
-            assert_eq!((matching(nm), d65(nm)), ([0.0; 3], 0.0));
+            assert_eq!(color_matching(nm), [0.0; 3]);
         }
     }
 }

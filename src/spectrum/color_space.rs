@@ -13,10 +13,10 @@ use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
-use super::{Color, cie};
+use super::Color;
+use super::cie::{VISIBLE_NM, color_matching};
+use super::daylight::{DAYLIGHT_NM, d65};
 
-/// Where the color matching functions have values, in nanometers.
-pub const VISIBLE_NM: [f64; 2] = [360.0, 830.0];
 /// Where integrals are summed up, from the first of [`VISIBLE_NM`] to the last: every nanometer.
 pub(super) const NODES: usize = 471;
 
@@ -62,11 +62,19 @@ impl White {
         }
     }
 
-    /// Its spectrum at a wavelength in nanometers, in which the luminance is 1; that of D65 is zero
-    /// outside of [`VISIBLE_NM`], where nobody knows it.
+    /// From which wavelength to which it is known, in nanometers.
+    pub fn known_nm(self) -> [f64; 2] {
+        match self {
+            Self::D65 => DAYLIGHT_NM,
+            Self::E => [0.0, f64::INFINITY],
+        }
+    }
+
+    /// Its spectrum at a wavelength in nanometers, in which the luminance is 1; zero where it is
+    /// not known.
     pub fn at(self, wavelength_nm: f64) -> f64 {
         match self {
-            Self::D65 => cie::d65(wavelength_nm) * STANDARD.d65_scale,
+            Self::D65 => d65(wavelength_nm) * STANDARD.d65_scale,
             Self::E => 1.0,
         }
     }
@@ -128,7 +136,7 @@ impl RgbResponse {
 
     /// Of red, green and blue to a wavelength in nanometers, zero outside of [`VISIBLE_NM`].
     pub fn at(&self, wavelength_nm: f64) -> [f64; 3] {
-        (self.matrix * DVec3::from(cie::matching(wavelength_nm))).to_array()
+        (self.matrix * DVec3::from(color_matching(wavelength_nm))).to_array()
     }
 
     /// Red, green and blue of a spectrum, of which values are asked every nanometer.
@@ -157,16 +165,16 @@ struct Standard {
 
 static STANDARD: LazyLock<Standard> = LazyLock::new(|| {
     let flat = sums(|_| 1.0).y;
-    let daylight = sums(cie::d65);
-    let d65 = daylight / daylight.y;
+    let daylight = sums(d65);
+    let white = daylight / daylight.y;
     let primaries = PRIMARIES.map(|[x, y]| DVec3::new(x / y, 1.0, (1.0 - x - y) / y));
     let primaries = DMat3::from_cols(primaries[0], primaries[1], primaries[2]);
-    let luminances = primaries.inverse() * d65;
+    let luminances = primaries.inverse() * white;
     let xyz_of_rgb = primaries * DMat3::from_diagonal(luminances);
     Standard {
         flat,
         d65_scale: flat / daylight.y,
-        d65,
+        d65: white,
         rgb_of_xyz: xyz_of_rgb.inverse(),
         xyz_of_rgb,
     }
@@ -174,7 +182,7 @@ static STANDARD: LazyLock<Standard> = LazyLock::new(|| {
 
 /// Integrals of a spectrum with the color matching functions over nanometers.
 fn sums(spectrum: impl Fn(f64) -> f64) -> DVec3 {
-    let node = |nm: f64| DVec3::from(cie::matching(nm)) * spectrum(nm);
+    let node = |nm: f64| DVec3::from(color_matching(nm)) * spectrum(nm);
     nodes_nm().map(node).sum()
 }
 
@@ -229,7 +237,7 @@ mod tests {
         assert_near(response.rgb(tungsten), [luminance; 3], 1e-13);
         let [red, .., blue] = RgbResponse::new().rgb(tungsten);
         assert!(red > 1.5 * blue, "{red} {blue}");
-        let same = RgbResponse::balanced(cie::d65).unwrap();
+        let same = RgbResponse::balanced(d65).unwrap();
         assert_near(same.at(600.0), RgbResponse::new().at(600.0), 1e-16);
         assert_near(RgbResponse::by(White::E).rgb(|_| 1.0), [1.0; 3], 1e-14);
     }

@@ -6,6 +6,7 @@
 
 pub mod cie;
 pub mod color_space;
+mod daylight;
 mod metals;
 mod spectra;
 pub mod upsampling;

@@ -1,6 +1,6 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
-use super::color_space::{VISIBLE_NM, White};
+use super::color_space::White;
 use super::upsampling::Smooth;
 use super::{Color, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
@@ -221,12 +221,11 @@ fn rgb_at<const N: usize>(
 
 /// The white at a wavelength in nanometers.
 fn of_white(white: White, wavelength_nm: f32) -> Result<f64, OutsideTable> {
-    let [first_nm, last_nm] = VISIBLE_NM.map(|nm| nm as f32);
-    let is_known = (first_nm..=last_nm).contains(&wavelength_nm);
-    match white {
-        White::D65 if !is_known => Err(OutsideTable { wavelength_nm, first_nm, last_nm }),
-        White::D65 | White::E => Ok(white.at(f64::from(wavelength_nm))),
+    let [first_nm, last_nm] = white.known_nm().map(|nm| nm as f32);
+    if !(first_nm..=last_nm).contains(&wavelength_nm) {
+        return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
     }
+    Ok(white.at(f64::from(wavelength_nm)))
 }
 
 /// Between the values at the wavelengths that stand for red, green and blue.

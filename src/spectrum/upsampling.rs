@@ -22,7 +22,8 @@ use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
-use super::color_space::{NODES, RgbResponse, VISIBLE_NM, White, nodes_nm};
+use super::cie::VISIBLE_NM;
+use super::color_space::{NODES, RgbResponse, White, nodes_nm};
 
 /// Distance of a color from what is asked for, in the worst channel, at which it is met.
 const TOLERANCE: f64 = 1e-9;
