@@ -7,7 +7,7 @@ use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX, WAVELENGTH_NM};
-use sunstone::{Color, Integrator, Mode, Options, Photons, Sampling, Settings};
+use sunstone::{Color, Integrator, Mode, Options, Photons, Sampling, Settings, White};
 
 use crate::errors::{RENDER_ERROR, of_settings};
 use crate::keys::{extract, flag};
@@ -35,6 +35,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
         color: color(options)?,
         spectral: None,
+        rgb_white: named(options, "rgb_white", &White::ALL, White::name)?,
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,

@@ -1,10 +1,10 @@
 //! The library's texts in the words of Python: options of the command line as keyword arguments.
 
 use sunstone::internals::render::settings::AUTO;
-use sunstone::{Integrator, Mode, Sampling};
+use sunstone::{Integrator, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 20] = [
+const OPTIONS: [(&str, &str); 21] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("camera", ""),
@@ -18,6 +18,7 @@ const OPTIONS: [(&str, &str); 20] = [
     ("radius", ""),
     ("replicates", ""),
     ("results", ""),
+    ("rgb-white", ""),
     ("roulette-after", ""),
     ("sampling", ""),
     ("samples-per-iteration", ""),
@@ -67,6 +68,7 @@ fn values(name: &str) -> Box<dyn Iterator<Item = &'static str>> {
         ),
         "mode" => Box::new(Mode::ALL.into_iter().map(Mode::name)),
         "sampling" => Box::new(Sampling::ALL.into_iter().map(Sampling::name)),
+        "rgb-white" => Box::new(White::ALL.into_iter().map(White::name)),
         "color" => Box::new(["mono", "rgb"].into_iter()),
         _ => Box::new(std::iter::empty()),
     }

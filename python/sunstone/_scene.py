@@ -16,6 +16,7 @@ Integrator = Literal["auto", "path", "light", "bdpt", "ppm"]
 Mode = Literal["polarized", "intensity", "scalar"]
 Color = Literal["rgb", "mono"]
 Sampling = Literal["stokes", "intensity"]
+RgbWhite = Literal["d65", "e"]
 
 
 def load(
@@ -208,6 +209,7 @@ class Scene(Editable):
         height: int | None = None,
         color: Color = "rgb",
         wavelength: float | None = None,
+        rgb_white: RgbWhite | None = None,
         iterations: int | None = None,
         max_path_length: int | None = None,
         roulette_after: int | None = None,
@@ -237,6 +239,8 @@ class Scene(Editable):
             height: height in pixels; by default what follows from the width and the camera.
             color: "rgb" is linear in sRGB primaries, "mono" one wavelength.
             wavelength: of "mono", in nanometers, 550 by default.
+            rgb_white: the white under which red, green and blue have the color that they say, of
+                "mono": "e", equal energy, by default, or "d65".
             iterations: in place of `spp`: of one sample in every pixel, or, by "ppm", of a pass of
                 photons with its samples.
             max_path_length: most segments of a path: 1 shows emitters only, 2 adds direct light; no

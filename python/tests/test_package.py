@@ -213,6 +213,8 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(max_path_length=0), r"max_path_length must be from 1 to"),
     (dict(integrator="magic"), r'integrator must be one of auto, .*path.*, not "magic"'),
     (dict(mode="Polarized"), r"mode must be one of scalar, intensity, polarized, not"),
+    (dict(color="rgb", rgb_white="e"), r"rgb_white goes with light of one wavelength"),
+    (dict(color="mono", rgb_white="d50"), r"rgb_white must be one of d65, e"),
     (dict(color="rgb", wavelength=500), r"wavelength goes with color=\"mono\""),
     (dict(color="mono", wavelength=math.nan), r"wavelength must be from 1 to 1000000 nanometers"),
     (dict(integrator="path", photons=10), r"photons goes with integrator=\"ppm\""),

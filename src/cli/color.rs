@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::CliError;
 use super::args::LIGHT;
+use super::white::WhiteName;
 use crate::render::Spectral;
 use crate::render::settings::{WAVELENGTH_NM, check_color};
 use crate::render::spectral::RANGE_NM;
@@ -33,6 +34,11 @@ pub struct ColorArguments {
     /// Wavelength of --color mono, in nanometers [default: 550]
     #[arg(long, value_name = "NM")]
     pub wavelength: Option<f32>,
+    /// White under which [r, g, b] of materials and lights have the color that they say, at
+    /// wavelengths: they stand for smooth spectra, and a lamp's is multiplied by this [default: e,
+    /// but for a film of RGB]
+    #[arg(long, value_enum, value_name = "WHITE")]
+    pub rgb_white: Option<WhiteName>,
     /// Wavelengths that --color spectral carries together, others in every iteration: 4 or 8
     /// [default: 8]
     #[arg(long, value_name = "N")]
@@ -83,7 +89,7 @@ impl FromStr for BandsText {
 
 /// What the channels stand for, and what light is carried at.
 pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
-    let ColorArguments { color, wavelength, wavelengths, range, bands } = arguments;
+    let ColorArguments { color, wavelength, wavelengths, range, bands, rgb_white: _ } = arguments;
     let usage = |text: &str| Err(CliError::Usage(text.to_owned()));
     let typed = [
         ("--wavelengths", wavelengths.is_some()),

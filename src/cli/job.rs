@@ -11,6 +11,7 @@ use crate::render::{Options, Photons, Settings};
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
 use super::color::color;
+use super::white::WhiteName;
 
 /// What the files of parts end with.
 pub(super) const PART: &str = "part";
@@ -42,6 +43,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         mode: arguments.mode.0,
         color,
         spectral,
+        rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
         width: arguments.width,
         height: arguments.height,
         samples,

@@ -17,6 +17,7 @@ mod report;
 mod rescue;
 mod tev;
 mod visualize;
+mod white;
 
 use std::io::Write;
 use std::path::PathBuf;

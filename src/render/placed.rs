@@ -13,7 +13,7 @@ use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Optics, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
-use crate::spectrum::{Carried, Color};
+use crate::spectrum::{Carried, Color, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
@@ -55,7 +55,10 @@ struct Ground {
 const KEPT_MAX: usize = 16;
 
 /// A scene of so many columns, with what these are and with its film.
-type Kept<const N: usize> = ((Columns, Option<Color>), [u32; 2], Sets<N>);
+type Kept<const N: usize> = (Key, [u32; 2], Sets<N>);
+
+/// What light is carried at, by which white, and the film of a spectral render.
+type Key = (Columns, White, Option<Color>);
 
 /// The latest of them.
 type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
@@ -155,7 +158,7 @@ impl PlacedWorld {
         let warnings = ground.shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
         let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
         let film = self.film_size(&options).unwrap_or([1, 1]);
-        let scene = self.fixed(&self.0.rgb, Columns::Rgb, &Carried::RGB, film)?.scene;
+        let scene = self.fixed(&self.0.rgb, Columns::Rgb, Carried::RGB, film)?.scene;
         let media = match world.media_names().is_empty() {
             true => String::new(),
             false => immersed(world, &scene),
@@ -200,8 +203,11 @@ impl PlacedWorld {
         let Placed { rgb, mono, four, eight, .. } = &*self.0;
         let columns = settings.columns();
         Ok(match columns {
-            Columns::Rgb => work.with(self.fixed(rgb, columns, &Carried::RGB, film)?),
-            Columns::Mono(nm) => work.with(self.fixed(mono, columns, &Carried::at([nm]), film)?),
+            Columns::Rgb => work.with(self.fixed(rgb, columns, Carried::RGB, film)?),
+            Columns::Mono(nm) => {
+                let carried = Carried::at([nm]).under(settings.white());
+                work.with(self.fixed(mono, columns, carried, film)?)
+            }
             Columns::Four(of) => work.with(self.spectral(four, (columns, of), settings, film)?),
             Columns::Eight(of) => work.with(self.spectral(eight, (columns, of), settings, film)?),
         })
@@ -212,12 +218,12 @@ impl PlacedWorld {
         &self,
         latest: &Latest<N>,
         columns: Columns,
-        carried: &Carried<N>,
+        carried: Carried<N>,
         film: [u32; 2],
     ) -> Result<Sets<N>, SceneError> {
-        self.latest(latest, (columns, None), film, || {
+        self.latest(latest, (columns, carried.white(), None), film, || {
             let Placed { world, ground, .. } = &*self.0;
-            let optics = bake_optics(world, &ground.shapes, carried)?;
+            let optics = bake_optics(world, &ground.shapes, &carried)?;
             Ok(Sets::fixed(Arc::new(self.scene(optics, film))))
         })
     }
@@ -230,10 +236,11 @@ impl PlacedWorld {
         settings: &Settings,
         film: [u32; 2],
     ) -> Result<Sets<N>, RenderError> {
-        let color = &settings.color;
-        self.latest(latest, (columns, Some(color.clone())), film, || {
+        let (color, white) = (&settings.color, settings.white());
+        self.latest(latest, (columns, white, Some(color.clone())), film, || {
             let Placed { world, ground, .. } = &*self.0;
-            let (spectra, emitters) = Spectra::new(world, &ground.shapes, (color, spectral))?;
+            let of = (color, spectral, white);
+            let (spectra, emitters) = Spectra::new(world, &ground.shapes, of)?;
             let scene = spectra.base(emitters, |optics| self.scene(optics, film))?;
             Ok(Sets { scene: Arc::new(scene), spectra: Some(Arc::new(spectra)) })
         })
@@ -249,7 +256,7 @@ impl PlacedWorld {
     fn latest<const N: usize, E>(
         &self,
         latest: &Latest<N>,
-        key: (Columns, Option<Color>),
+        key: Key,
         film: [u32; 2],
         make: impl FnOnce() -> Result<Sets<N>, E>,
     ) -> Result<Sets<N>, E> {

@@ -164,6 +164,7 @@ impl Origin {
             (MODE, settings.mode.name().to_owned()),
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, color_text(&settings.color)),
+            ("image: rgb white", settings.white().name().to_owned()),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),

@@ -431,6 +431,8 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
     let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
+    let is_plain = settings.spectral.is_none() && settings.color == crate::spectrum::Color::Rgb;
+    let white = (!is_plain).then(|| ("rgb white", settings.white().name().to_owned()));
     let spectral = settings.spectral.map(|it| ("spectral", spectral::in_words(it)));
     let others = [
         ("mode", settings.mode.name().to_owned()),
@@ -444,6 +446,6 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -23,7 +23,7 @@ use crate::scene::{
     bake_optics_at, lamps,
 };
 use crate::spectrum::density::{Density, integral, nodes_nm};
-use crate::spectrum::{Carried, Color, Responses, Taken};
+use crate::spectrum::{Carried, Color, Responses, Taken, White};
 
 /// The golden ratio's part behind the point, of 2^64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -54,6 +54,8 @@ pub struct Spectra {
     world: Arc<World>,
     shapes: Arc<Shapes>,
     common: Common,
+    /// Under which red, green and blue have the color that they say.
+    white: White,
     responses: Responses,
     density: Density,
     channels: usize,
@@ -102,7 +104,7 @@ impl Spectra {
     pub fn new(
         world: &Arc<World>,
         shapes: &Arc<Shapes>,
-        (color, spectral): (&Color, Spectral),
+        (color, spectral, white): (&Color, Spectral, White),
     ) -> Result<(Self, Emitters), super::RenderError> {
         let without = || {
             let rule = format!("{color} responds to no light of the range");
@@ -115,12 +117,13 @@ impl Spectra {
         let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
             return Err(without().into());
         };
-        let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes)? };
+        let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, white)? };
         let emitters = bake_emitters(world, shapes, &emitted.brightness(&responses, &nodes))?;
         let all = emitted.together(&emitters, shapes, nodes.len());
         let spectra = Self {
             world: Arc::clone(world),
             shapes: Arc::clone(shapes),
+            white,
             common: Common { lamps, suspensions: Suspensions::new(world, [first, last])? },
             density: Density::new(&responses, &nodes, &all),
             responses,
@@ -141,7 +144,7 @@ impl Spectra {
         let at = |index: usize| first + (last - first) * (index as f32 / (N - 1) as f32);
         let wavelengths =
             std::array::from_fn(|index| if index + 1 == N { last } else { at(index) });
-        let optics = self.optics(&Carried::set(wavelengths), emitters)?;
+        let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters)?;
         Ok(scene(optics))
     }
 
@@ -166,7 +169,7 @@ impl Spectra {
             emitter_of_primitive: Arc::clone(&base.optics.emitter_of_primitive),
             environment: base.optics.environment,
         };
-        let optics = self.optics(&Carried::set(wavelengths), emitters);
+        let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");
         let taken = self.responses.taken(&wavelengths, &densities);
         Iteration {

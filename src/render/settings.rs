@@ -5,7 +5,7 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::Color;
+use crate::spectrum::{Color, White};
 use crate::transport::Sampling;
 
 use super::place::Part;
@@ -128,6 +128,9 @@ pub struct Options {
     pub color: Color,
     /// Light at wavelengths of a whole range instead of those that channels stand for.
     pub spectral: Option<Spectral>,
+    /// The white under which red, green and blue of materials and lights have the color that they
+    /// say, where channels stand for wavelengths; by default [`White::of`] the color.
+    pub rgb_white: Option<White>,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -176,6 +179,7 @@ impl Default for Options {
             mode: Mode::Polarized,
             color: Color::Rgb,
             spectral: None,
+            rgb_white: None,
             width: None,
             height: None,
             samples: 64,
@@ -218,6 +222,7 @@ impl Settings {
         within("path_length_max", options.path_length_max, 1, PATH_LENGTH_MAX)?;
         check_color(&options.color)?;
         columns(&options)?;
+        check_white(&options)?;
         if let Some(count) = options.iterations {
             within("iterations", count, 1, SAMPLES_MAX / of_iteration)?;
         } else if !samples.is_multiple_of(of_iteration) {
@@ -251,6 +256,11 @@ impl Options {
     /// Whether the image comes with variances.
     pub fn has_variance(&self) -> bool {
         self.variance || self.replicates > 1
+    }
+
+    /// The white under which red, green and blue have the color that they say.
+    pub fn white(&self) -> White {
+        self.rgb_white.unwrap_or(White::of(&self.color))
     }
 
     /// What was asked for, by name.
@@ -336,6 +346,26 @@ pub fn check_color(color: &Color) -> Result<(), SettingsError> {
         }
         Color::Mono { .. } | Color::Rgb | Color::Bands(_) => Ok(()),
     }
+}
+
+/// Checks that a white means something for a color, and is known there.
+fn check_white(options: &Options) -> Result<(), SettingsError> {
+    let Some(white) = options.rgb_white else { return Ok(()) };
+    let ends = match (options.spectral, &options.color) {
+        (Some(spectral), _) => spectral.range_nm,
+        (None, Color::Mono { wavelength_nm }) => [*wavelength_nm; 2],
+        (None, Color::Rgb | Color::Bands(_)) => {
+            let rule = "goes with light at wavelengths: in RGB, red, green and blue are what they \
+                        are";
+            return Err(SettingsError { setting: "rgb_white", rule: rule.to_owned() });
+        }
+    };
+    let [least, most] = white.known_nm();
+    let is_outside = |nm: &f32| !(least..=most).contains(&f64::from(*nm));
+    let Some(nm) = ends.into_iter().find(is_outside) else { return Ok(()) };
+    let name = white.name();
+    let rule = format!("{name} is known from {least} to {most} nanometers, not at {nm}");
+    Err(SettingsError { setting: "rgb_white", rule })
 }
 
 /// Checks how photons are to be shot.

@@ -8,7 +8,9 @@
 mod bands;
 mod carried;
 pub mod cie;
+pub mod color_space;
 mod data;
+mod daylight;
 pub mod density;
 mod dispersion;
 mod formula;
@@ -18,6 +20,7 @@ mod lamps;
 mod responses;
 mod spd;
 mod spectra;
+pub mod upsampling;
 
 pub use bands::{BANDS_MAX, Band, Bands};
 pub use carried::Carried;
@@ -26,14 +29,16 @@ pub use formula::Formula;
 pub use illuminants::illuminant_names;
 pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
+pub use color_space::White;
 pub use responses::{Response, Responses, Taken};
-pub use spectra::{OutsideTable, Spectrum, SpectrumTable};
+pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
+
 
 use std::sync::Arc;
 
 /// The vacuum wavelengths, in nanometers, that stand for the red, green and blue channels when a
 /// spectral quantity (an index of refraction, say) is reduced to RGB, and for which the channels
-/// stand when an RGB triple is asked for its value at one wavelength.
+/// stand when an index in RGB is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
 /// What the channels of an image stand for.

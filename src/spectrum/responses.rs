@@ -1,5 +1,7 @@
 //! How strongly the channels of a film respond to light, by wavelength.
 
+use super::cie::VISIBLE_NM;
+use super::color_space::RgbResponse;
 use super::{Band, Bands, Color};
 use crate::math::Fault;
 
@@ -80,13 +82,25 @@ impl Responses {
         Self { list }
     }
 
-    /// Those of the channels of a film on which spectra are measured; none if that is not known of
-    /// its color.
+    /// Those of the channels of a film on which spectra are measured: of red, green and blue, what
+    /// the CIE 1931 observer sees of them, which is negative in part, so that daylight of luminance
+    /// 1 is (1, 1, 1). None of one wavelength.
     pub fn of(color: &Color) -> Option<Self> {
         match color {
             Color::Bands(bands) => Some(Self::of_bands(bands)),
-            Color::Rgb | Color::Mono { .. } => None,
+            Color::Rgb => Some(Self::of_rgb()),
+            Color::Mono { .. } => None,
         }
+    }
+
+    fn of_rgb() -> Self {
+        let response = RgbResponse::new();
+        let [first, last] = VISIBLE_NM.map(|nm| nm as u32);
+        let nodes = |channel: usize| {
+            let node = |nm: u32| [f64::from(nm), response.at(f64::from(nm))[channel]];
+            Response { nodes: (first..=last).map(node).collect() }
+        };
+        Self { list: (0..3).map(nodes).collect() }
     }
 
     fn of_bands(bands: &Bands) -> Self {

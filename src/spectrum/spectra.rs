@@ -1,5 +1,7 @@
 //! Spectral quantities as the user writes them, and their values at the wavelengths of a render.
 
+use super::color_space::White;
+use super::upsampling::Smooth;
 use super::{Carried, Formula, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
@@ -8,13 +10,30 @@ use crate::math::{Fault, Range};
 pub enum Spectrum {
     /// The same at every wavelength.
     Constant(f32),
-    /// Linear red, green and blue. At a single wavelength: interpolated linearly between the
-    /// channels' [`RGB_WAVELENGTHS_NM`], constant beyond the outer two.
+    /// Linear red, green and blue in sRGB primaries. At a wavelength: what the [`Role`] says.
     Rgb([f32; 3]),
     /// Values at wavelengths, interpolated linearly between them and undefined outside.
     Table(SpectrumTable),
     /// A formula of the wavelength, undefined outside of its range.
     Formula(Formula),
+}
+
+/// What a quantity is, and so what red, green and blue of it say of a wavelength. Numbers and
+/// tables say the same in all roles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A share of light, within [0, 1]: a smooth spectrum within [0, 1] that has this color under
+    /// the white ([`Smooth::reflectance`]).
+    Reflectance,
+    /// Light: a smooth spectrum times that of the white, which together have this color
+    /// ([`Smooth::coefficient`]).
+    Emission,
+    /// Anything else that is not negative: a smooth spectrum of this color under the white
+    /// ([`Smooth::coefficient`]).
+    Coefficient,
+    /// What no color is known for, an index of refraction say: linear between the values at the
+    /// channels' [`RGB_WAVELENGTHS_NM`], constant beyond the outer two.
+    Index,
 }
 
 /// A tabulated spectrum: see `SpectrumTable::new`.
@@ -140,38 +159,84 @@ impl Spectrum {
         self
     }
 
-    /// Its value at a vacuum wavelength in nanometers.
+    /// Its value at a vacuum wavelength in nanometers; of red, green and blue, in the role of an
+    /// index.
     ///
     /// # Errors
     /// When a table or a formula does not cover it.
     pub fn at(&self, wavelength_nm: f32) -> Result<f32, OutsideTable> {
-        match self {
-            Self::Constant(constant) => Ok(*constant),
-            Self::Rgb(rgb) => Ok(rgb_at(rgb, wavelength_nm)),
-            Self::Table(table) => table.at(wavelength_nm),
-            Self::Formula(formula) => formula.at(wavelength_nm),
-        }
+        let [value] = self.sample(&Carried::at([wavelength_nm]), Role::Index)?;
+        Ok(value)
     }
 
-    /// Its values in the columns of a render.
+    /// Its values in the columns of a render, as a quantity of a role.
     ///
     /// # Errors
-    /// When a table or a formula does not cover a wavelength of the render.
-    pub fn sample<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], OutsideTable> {
-        let mut values = [0.0; N];
-        let columns = values.iter_mut().zip(carried.wavelengths_nm()).enumerate();
-        for (column, (value, &wavelength_nm)) in columns {
-            *value = match self {
-                Self::Rgb(rgb) if carried.is_rgb() => rgb[column % rgb.len()],
-                _ => self.at(wavelength_nm)?,
-            };
+    /// When a table or a formula does not cover a wavelength of the render, or the white is not
+    /// known there.
+    pub fn sample<const N: usize>(
+        &self,
+        carried: &Carried<N>,
+        role: Role,
+    ) -> Result<[f32; N], OutsideTable> {
+        let wavelengths_nm = carried.wavelengths_nm();
+        match self {
+            Self::Constant(constant) => Ok([*constant; N]),
+            Self::Rgb(rgb) if carried.is_rgb() => {
+                Ok(std::array::from_fn(|column| rgb[column % rgb.len()]))
+            }
+            Self::Rgb(rgb) => rgb_at(*rgb, wavelengths_nm, role, carried.white()),
+            Self::Table(table) => each(wavelengths_nm, |nm| table.at(nm)),
+            Self::Formula(formula) => each(wavelengths_nm, |nm| formula.at(nm)),
         }
-        Ok(values)
     }
 }
 
-/// What an RGB triple stands for at one wavelength.
-fn rgb_at(rgb: &[f32; 3], wavelength_nm: f32) -> f32 {
+/// A value for every wavelength.
+fn each<const N: usize>(
+    wavelengths_nm: &[f32; N],
+    at: impl Fn(f32) -> Result<f32, OutsideTable>,
+) -> Result<[f32; N], OutsideTable> {
+    let mut values = [0.0; N];
+    for (value, nm) in values.iter_mut().zip(wavelengths_nm) {
+        *value = at(*nm)?;
+    }
+    Ok(values)
+}
+
+/// What an RGB triple stands for at wavelengths in nanometers.
+fn rgb_at<const N: usize>(
+    rgb: [f32; 3],
+    wavelengths_nm: &[f32; N],
+    role: Role,
+    white: White,
+) -> Result<[f32; N], OutsideTable> {
+    Ok(match role {
+        Role::Reflectance => Smooth::reflectance(rgb, white).values(wavelengths_nm),
+        Role::Coefficient => Smooth::coefficient(rgb, white).values(wavelengths_nm),
+        Role::Emission => {
+            let smooth = Smooth::coefficient(rgb, white);
+            let mut values = [0.0; N];
+            for (value, &nm) in values.iter_mut().zip(wavelengths_nm) {
+                *value = (smooth.at(f64::from(nm)) * of_white(white, nm)?) as f32;
+            }
+            values
+        }
+        Role::Index => wavelengths_nm.map(|nm| linear(rgb, nm)),
+    })
+}
+
+/// The white at a wavelength in nanometers.
+fn of_white(white: White, wavelength_nm: f32) -> Result<f64, OutsideTable> {
+    let [first_nm, last_nm] = white.known_nm().map(|nm| nm as f32);
+    if !(first_nm..=last_nm).contains(&wavelength_nm) {
+        return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
+    }
+    Ok(white.at(f64::from(wavelength_nm)))
+}
+
+/// Between the values at the wavelengths that stand for red, green and blue.
+fn linear(rgb: [f32; 3], wavelength_nm: f32) -> f32 {
     let [red_nm, green_nm, blue_nm] = RGB_WAVELENGTHS_NM;
     if wavelength_nm <= green_nm {
         let share = (wavelength_nm - blue_nm) / (green_nm - blue_nm);
@@ -191,31 +256,84 @@ fn mix(from: f32, to: f32, share: f32) -> f32 {
 mod tests {
     use super::*;
 
+    const ROLES: [Role; 4] = [Role::Reflectance, Role::Emission, Role::Coefficient, Role::Index];
+
     fn mono(wavelength_nm: f32) -> Carried<1> {
         Carried::at([wavelength_nm])
     }
 
     #[test]
-    fn rgb_meets_its_channels_at_their_wavelengths() {
+    fn indices_meet_their_channels_at_their_wavelengths() {
         let spectrum = Spectrum::Rgb([0.1, 0.4, 0.8]);
         for (wavelength_nm, expected) in
             [(650.0, 0.1), (550.0, 0.4), (450.0, 0.8), (380.0, 0.8), (800.0, 0.1), (500.0, 0.6)]
         {
-            let [value] = spectrum.sample(&mono(wavelength_nm)).unwrap();
+            let [value] = spectrum.sample(&mono(wavelength_nm), Role::Index).unwrap();
             assert!((value - expected).abs() < 1e-6, "{wavelength_nm} nm: {value}");
         }
-        assert_eq!(spectrum.sample(&Carried::RGB), Ok([0.1, 0.4, 0.8]));
+    }
+
+    #[test]
+    fn in_rgb_colors_are_themselves_in_all_roles_by_any_white() {
+        for (role, white) in ROLES.into_iter().flat_map(|role| White::ALL.map(|it| (role, it))) {
+            let asked = Carried::RGB.under(white);
+            assert_eq!(Spectrum::Rgb([0.1, 7.0, 0.8]).sample(&asked, role), Ok([0.1, 7.0, 0.8]));
+        }
+    }
+
+    #[test]
+    fn at_a_wavelength_numbers_are_flat_and_so_are_greys_by_equal_energy() {
+        for role in ROLES {
+            for grey in [0.0, 1e-38, 0.007, 0.18, 0.5, 0.73, 0.999_999_9, 1.0] {
+                for nm in [1.0, 360.0, 447.3, 550.0, 830.0, 1e6] {
+                    let sample = |it: Spectrum| it.sample(&mono(nm), role);
+                    assert_eq!(sample(Spectrum::Constant(grey)), Ok([grey]));
+                    assert_eq!(sample(Spectrum::Rgb([grey; 3])), Ok([grey]), "{role:?} at {nm}");
+                }
+            }
+        }
+        let bright = Spectrum::Rgb([3e38; 3]).sample(&mono(500.0), Role::Emission);
+        assert_eq!(bright, Ok([3e38]));
+    }
+
+    #[test]
+    fn lamps_shine_like_the_white_and_where_that_is_known() {
+        let lamp = Spectrum::Rgb([2.0; 3]);
+        let by_d65 = |nm: f32| {
+            let asked = mono(nm).under(White::D65);
+            lamp.sample(&asked, Role::Emission).map(|[value]| value)
+        };
+        let ratio = by_d65(450.0).unwrap() / by_d65(650.0).unwrap();
+        // ISO/CIE 11664-2.
+        assert!((ratio - 117.008 / 80.0268).abs() < 1e-4, "{ratio}");
+        assert!((by_d65(560.0).unwrap() - 2.0).abs() < 0.05);
+        let outside = by_d65(900.0).unwrap_err();
+        assert_eq!((outside.first_nm, outside.last_nm), (360.0, 830.0));
+        let asked = mono(900.0).under(White::D65);
+        assert_eq!(lamp.sample(&asked, Role::Coefficient), Ok([2.0]));
+    }
+
+    #[test]
+    fn colors_have_more_of_what_they_are_and_stay_in_their_range() {
+        let red = Spectrum::Rgb([0.9, 0.1, 0.05]);
+        let at = |nm: f32, role| red.sample(&mono(nm), role).unwrap()[0];
+        for role in [Role::Reflectance, Role::Emission, Role::Coefficient] {
+            assert!(at(650.0, role) > 0.7 && at(540.0, role) < 0.2 && at(450.0, role) < 0.1);
+        }
+        for nm in (360..=830).map(|nm| nm as f32) {
+            assert!((0.0..=1.0).contains(&at(nm, Role::Reflectance)));
+        }
     }
 
     #[test]
     fn tables_interpolate_inside_and_refuse_outside() {
         let spectrum = Spectrum::table(&[400.0, 500.0, 700.0], &[1.0, 2.0, 4.0]).unwrap();
-        assert_eq!(spectrum.sample(&mono(400.0)), Ok([1.0]));
-        assert_eq!(spectrum.sample(&mono(600.0)), Ok([3.0]));
-        assert_eq!(spectrum.sample(&mono(700.0)), Ok([4.0]));
-        let outside = spectrum.sample(&mono(701.0)).unwrap_err();
+        assert_eq!(spectrum.sample(&mono(400.0), Role::Index), Ok([1.0]));
+        assert_eq!(spectrum.sample(&mono(600.0), Role::Index), Ok([3.0]));
+        assert_eq!(spectrum.sample(&mono(700.0), Role::Index), Ok([4.0]));
+        let outside = spectrum.sample(&mono(701.0), Role::Index).unwrap_err();
         assert_eq!((outside.first_nm, outside.last_nm), (400.0, 700.0));
-        assert_eq!(spectrum.sample(&Carried::RGB), Ok([3.5, 2.5, 1.5]));
+        assert_eq!(spectrum.sample(&Carried::RGB, Role::Index), Ok([3.5, 2.5, 1.5]));
     }
 
     #[test]

@@ -286,7 +286,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 36] = [
+    let cases: [(&[&str], &str); 35] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),
@@ -299,6 +299,12 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--time-limit", "NaN"], "--time-limit"),
         (&["--time-limit=-1"], "--time-limit"),
         (&["--wavelength", "550"], "--color mono"),
+        (&["--rgb-white", "e"], "--rgb-white goes with light of one wavelength"),
+        (
+            &["--color", "mono", "--wavelength", "359", "--rgb-white", "d65"],
+            "--rgb-white d65 is known from 360 to 830 nanometers, not at 359",
+        ),
+        (&["--color", "mono", "--rgb-white", "d50"], "[possible values: d65, e]"),
         (&["--color", "mono", "--wavelength", "0"], "--wavelength"),
         (&["--color", "mono", "--wavelength", "1e9"], "--wavelength must be from 1 to 1000000"),
         (&["--color", "mono", "--wavelength", "-5"], "--wavelength must be from"),
@@ -313,7 +319,6 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--no-such-option"], "--no-such-option"),
         (&["--bands", "400:700:31"], "--bands goes with --color spectral"),
         (&["--color", "mono", "--range", "400:700"], "--range goes with --color spectral"),
-        (&["--color", "spectral"], "--color spectral has no film of RGB: say which bands"),
         (&["--color", "spectral", "--wavelength", "5"], "--wavelength goes with --color mono"),
         (&["--color", "spectral", "--bands", "400:700"], "as in 400:700:31"),
         (&["--color", "spectral", "--bands", "700:400:3"], "turn them round"),

@@ -74,10 +74,19 @@ fn options_reach_the_image() {
     assert_eq!((image.width, image.height), (24, 8));
     assert_eq!(image.color, Color::Mono { wavelength_nm: 633.0 });
     assert!(image.variance.is_some());
-    for (key, value) in [("seed", "5"), ("iterations", "8"), ("replicates", "4")] {
+    let facts = [("seed", "5"), ("iterations", "8"), ("replicates", "4"), ("rgb white", "e")];
+    for (key, value) in facts {
         assert_eq!(metadata(&image, key), value);
     }
     assert!(metadata(&image, "command").contains("--wavelength 633"));
+    let by_daylight = ["--seed", "5", "--quiet", "--rgb-white", "d65"];
+    sunstone(&here, &[&arguments[..], &more, &by_daylight].concat()).done();
+    let other = image::load(&here.join("a.exr")).unwrap();
+    assert_eq!(metadata(&other, "rgb white"), "d65");
+    // There is less red in daylight than in equal energy of its luminance.
+    let light = |image: &StokesImage| image.planes[0].iter().map(|it| f64::from(*it)).sum::<f64>();
+    let ratio = light(&other) / light(&image);
+    assert!((0.8..0.95).contains(&ratio), "{ratio}");
     let name = "it's $HOME.exr";
     let run = ["render", &scene, "-o", name, "--width", "8", "--spp", "1"];
     let stderr = sunstone(&here, &run).done().stderr;

@@ -303,7 +303,9 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
         let radiance = rgb.optics.radiance_of(0);
         assert!(radiance[0] > radiance[1] && radiance[1] > radiance[2]);
         let mono = bake(&world, &GREEN).unwrap();
-        assert_eq!(mono.optics.radiance_of(0), [radiance[1]]);
+        // Between red and blue, where a smooth spectrum of a warm white is.
+        let [green] = mono.optics.radiance_of(0);
+        assert!((green / radiance[1] - 1.0).abs() < 0.1, "{green} {radiance:?}");
         assert!(world.describe().contains("smooth dielectric"));
     }
 }

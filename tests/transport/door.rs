@@ -11,7 +11,7 @@ use sunstone::particles::Milk;
 use sunstone::world::{Bsdf, Geometry, Lens, Material, Phase, Transform};
 use sunstone::{
     Color, Error, Integrator, Mode, Options, Photons, PlacedWorld, Renderer, Settings, StokesImage,
-    Threads, World, load,
+    Threads, White, World, load,
 };
 
 /// A room with a lamp, a glass sphere and a metal plate.
@@ -189,6 +189,15 @@ fn settings_that_would_be_black_are_refused() {
         (Options { width: Some(0), ..options() }, "width must be from 1"),
         (Options { height: Some(70_000), ..options() }, "height must be from 1"),
         (Options { color: Color::Mono { wavelength_nm: 0.0 }, ..options() }, "wavelength must"),
+        (Options { rgb_white: Some(White::E), ..options() }, "rgb_white goes with"),
+        (
+            Options {
+                color: Color::Mono { wavelength_nm: 900.0 },
+                rgb_white: Some(White::D65),
+                ..options()
+            },
+            "rgb_white d65 is known from 360 to 830 nanometers, not at 900",
+        ),
         (Options { samples: 46, ..ppm.clone() }, "samples must be a multiple of the 4"),
         (Options { replicates: 13, ..ppm.clone() }, "replicates must be from 1 to 12"),
         (with(Photons { per_iteration: Some(0), ..photons }), "photons must be from 1"),

@@ -214,12 +214,13 @@ impl Reader {
 
 /// Whether an option goes with another color than the one that is said.
 fn of_other_color(option: &str, color: Option<&str>) -> bool {
-    let own = match option {
-        "wavelength" => "mono",
-        "bands" | "range" | "wavelengths" => "spectral",
+    let own: &[&str] = match option {
+        "wavelength" => &["mono"],
+        "bands" | "range" | "wavelengths" => &["spectral"],
+        "rgb_white" => &["mono", "spectral"],
         _ => return false,
     };
-    color.is_some_and(|color| color != own)
+    color.is_some_and(|color| !own.contains(&color))
 }
 
 /// What is wrong with several options.
@@ -342,6 +343,8 @@ mod tests {
         let mono = json!({"color": "mono", "wavelength": 633});
         assert!(settings(mono.clone(), json!({"color": "rgb"})).is_ok());
         assert!(settings(mono, json!({"wavelength": 550})).is_ok());
+        let by_d65 = json!({"color": "mono", "rgb_white": "d65"});
+        assert!(settings(by_d65, json!({"color": "rgb"})).is_ok());
         let ppm = json!({"integrator": "ppm", "photons": 1000, "alpha": 0.5, "radius": 1,
                          "samples_per_iteration": 3});
         assert!(settings(ppm.clone(), json!({"integrator": "path"})).is_ok());

@@ -13,7 +13,7 @@ use crate::scene::error::SceneError;
 use crate::scene::world::{
     Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Transform, World,
 };
-use crate::spectrum::{Carried, Spectrum};
+use crate::spectrum::{Carried, Role, Spectrum, White};
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
 const LEAST_CONE: f32 = 1e-3;
@@ -53,13 +53,17 @@ impl Lamp {
         self.spectrum.values().iter().all(|value| *value == 0.0)
     }
 
-    /// What it emits at wavelengths in nanometers; nothing if it is black.
+    /// What it emits at wavelengths in nanometers, by a white; nothing if it is black.
     ///
     /// # Errors
     /// When its table does not cover them.
-    pub fn emitted(&self, wavelengths_nm: &[f64]) -> Result<Vec<f64>, SceneError> {
+    pub fn emitted(
+        &self,
+        wavelengths_nm: &[f64],
+        white: White,
+    ) -> Result<Vec<f64>, SceneError> {
         let at = |nm: &f64| {
-            let [value] = self.sampled(&Carried::at([*nm as f32]))?;
+            let [value] = self.sampled(&Carried::at([*nm as f32]).under(white))?;
             Ok(f64::from(value))
         };
         match self.is_black() {
@@ -69,7 +73,7 @@ impl Lamp {
     }
 
     fn sampled<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], SceneError> {
-        self.spectrum.sample(carried).map_err(|error| outside_table(&self.name, error))
+        self.spectrum.sample(carried, Role::Emission).map_err(|error| outside_table(&self.name, error))
     }
 }
 

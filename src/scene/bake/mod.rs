@@ -34,7 +34,7 @@ use super::world::{
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Carried, OutsideTable};
+use crate::spectrum::{Carried, OutsideTable, White};
 
 use self::beside::Passable;
 pub use self::emitters::{Brightness, Emitters, Lamp, lamps};
@@ -175,7 +175,7 @@ pub fn bake_emitters(
     emitters.map_err(|error| error.in_file(&world.file))
 }
 
-/// What each lamp emits at wavelengths in nanometers; nothing if it is black.
+/// What each lamp emits at wavelengths in nanometers, by a white; nothing if it is black.
 ///
 /// # Errors
 /// When a table does not cover them.
@@ -183,9 +183,10 @@ pub fn bake_emission(
     world: &World,
     lamps: &[Lamp],
     wavelengths_nm: &[f64],
+    white: White,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
     let emitted: Result<_, SceneError> =
-        lamps.iter().map(|lamp| lamp.emitted(wavelengths_nm)).collect();
+        lamps.iter().map(|lamp| lamp.emitted(wavelengths_nm, white)).collect();
     emitted.map_err(|error| error.in_file(&world.file))
 }
 
@@ -288,7 +289,7 @@ fn materials<const N: usize>(
     carried: &Carried<N>,
 ) -> Result<Vec<Material<N>>, SceneError> {
     let rows = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(name, bsdf, sides)| {
-        let model = bsdf.sampled(|spectrum| spectrum.sample(carried));
+        let model = bsdf.sampled(|spectrum, role| spectrum.sample(carried, role));
         let row = |model: SurfaceModel<[f32; N]>| Material {
             model: model.simplified(),
             two_sided: sides.two_sided,

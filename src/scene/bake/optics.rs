@@ -13,7 +13,7 @@ use crate::polarization::particles::{Particles, Suspension};
 use crate::scene::baked::{Medium, Phase};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Spheres};
-use crate::spectrum::{Carried, OutsideTable, Spectrum};
+use crate::spectrum::{Carried, OutsideTable, Role, Spectrum};
 
 /// Greatest size parameter of particles: more takes too long, and no table could hold its peak.
 const SIZE_PARAMETER_MAX: f64 = 2000.0;
@@ -33,7 +33,7 @@ pub fn medium_row<const N: usize>(
         (table.spheres, table.achromatic) = everywhere(&medium.phase);
     }
     let coefficient = |given: &Option<Spectrum>, derived: [f32; N]| match given {
-        Some(spectrum) => spectrum.sample(carried).map_err(outside),
+        Some(spectrum) => spectrum.sample(carried, Role::Coefficient).map_err(outside),
         None => Ok(derived),
     };
     let sigma_a = coefficient(&medium.sigma_a, derived.sigma_a)?;
@@ -65,7 +65,7 @@ fn derived<const N: usize>(
     let outside = |error: OutsideTable| outside_table(name, error);
     Ok(match phase {
         world::Phase::HenyeyGreenstein { g } => {
-            Derived::of(Phase::HenyeyGreenstein { g: g.sample(carried).map_err(outside)? })
+            Derived::of(Phase::HenyeyGreenstein { g: g.sample(carried, Role::Index).map_err(outside)? })
         }
         world::Phase::Rayleigh { depolarization } => {
             Derived::of(Phase::Table(phase::rayleigh(*depolarization)))
@@ -99,7 +99,7 @@ pub fn suspension_at<'a>(
         world::Phase::Spheres(spheres) => {
             let carried = Carried::at([nm as f32]);
             let [host_k] =
-                spheres.host_k.sample(&carried).map_err(|error| outside_table(name, error))?;
+                spheres.host_k.sample(&carried, Role::Index).map_err(|error| outside_table(name, error))?;
             let [suspension] = suspensions(spheres, &carried, name)?;
             let absorbed = host_sigma_a(spheres, host_k, suspension.wavelength_nm);
             Ok(Some((suspension, absorbed)))
@@ -206,7 +206,10 @@ fn suspended<const N: usize>(
     name: &str,
 ) -> Result<Derived<N>, SceneError> {
     let sample =
-        |spectrum: &Spectrum| spectrum.sample(carried).map_err(|error| outside_table(name, error));
+        |spectrum: &Spectrum| {
+        let values = spectrum.sample(carried, Role::Index);
+        values.map_err(|error| outside_table(name, error))
+    };
     let host_k = sample(&spheres.host_k)?;
     let suspensions = suspensions(spheres, carried, name)?;
     let largest = suspensions.iter().map(Suspension::size_parameter_max).fold(0.0, f64::max);
@@ -232,7 +235,10 @@ fn suspensions<'a, const N: usize>(
     name: &str,
 ) -> Result<[Suspension<'a>; N], SceneError> {
     let sample =
-        |spectrum: &Spectrum| spectrum.sample(carried).map_err(|error| outside_table(name, error));
+        |spectrum: &Spectrum| {
+        let values = spectrum.sample(carried, Role::Index);
+        values.map_err(|error| outside_table(name, error))
+    };
     let host_n = sample(&spheres.host_eta)?;
     let wavelengths = wavelengths(carried);
     let mut suspensions: [Suspension; N] = std::array::from_fn(|channel| Suspension {

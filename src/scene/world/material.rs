@@ -2,7 +2,7 @@
 
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
-use crate::spectrum::{Spectrum, metal, metal_names};
+use crate::spectrum::{Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
 pub type Bsdf = SurfaceModel<Spectrum>;
@@ -159,24 +159,28 @@ pub enum Passage {
 }
 
 impl<S> SurfaceModel<S> {
-    /// The model with `sample` of its spectra.
+    /// The model with `sample` of its spectra, each by what it is.
     ///
     /// # Errors
     /// Those of `sample`.
-    pub fn sampled<T, E>(&self, sample: impl Fn(&S) -> Result<T, E>) -> Result<SurfaceModel<T>, E> {
+    pub fn sampled<T, E>(
+        &self,
+        sample: impl Fn(&S, Role) -> Result<T, E>,
+    ) -> Result<SurfaceModel<T>, E> {
+        let index = |spectrum| sample(spectrum, Role::Index);
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
             Self::Diffuse { reflectance } => {
-                SurfaceModel::Diffuse { reflectance: sample(reflectance)? }
+                SurfaceModel::Diffuse { reflectance: sample(reflectance, Role::Reflectance)? }
             }
             Self::Conductor { eta, k } => {
-                SurfaceModel::Conductor { eta: sample(eta)?, k: sample(k)? }
+                SurfaceModel::Conductor { eta: index(eta)?, k: index(k)? }
             }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let (ior, exterior_ior) = (sample(ior)?, sample(exterior_ior)?);
+                let (ior, exterior_ior) = (index(ior)?, index(exterior_ior)?);
                 SurfaceModel::DispersiveDielectric { ior, exterior_ior }
             }
             &Self::ThinDielectric { ior, exterior_ior } => {
