@@ -194,7 +194,7 @@ pub mod particles {
 /// ```
 pub mod spectra {
     pub use crate::spectrum::{
-        Formula, Line, LineShape, SpectrumTable, illuminant_names, index, index_names, metal,
+        D_NM, Formula, Line, LineShape, SpectrumTable, illuminant_names, index, index_names, metal,
         metal_names,
     };
 }

@@ -3,7 +3,6 @@
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
-use sunstone::Spectrum;
 
 use crate::errors::SCENE_ERROR;
 
@@ -55,17 +54,6 @@ impl<'py> Keys<'py> {
         T: for<'a> FromPyObject<'a, 'py>,
     {
         self.take(key)?.ok_or_else(|| self.refuse(key, "is missing", remedy))
-    }
-
-    /// Takes a spectrum.
-    pub fn spectrum(&self, key: &str) -> PyResult<Option<Spectrum>> {
-        let value: Option<Bound<PyAny>> = self.take(key)?;
-        value.map(|value| spectrum(&self.place_of(key), &value)).transpose()
-    }
-
-    /// Takes a spectrum that must be there.
-    pub fn need_spectrum(&self, key: &str, remedy: &str) -> PyResult<Spectrum> {
-        self.spectrum(key)?.ok_or_else(|| self.refuse(key, "is missing", remedy))
     }
 
     /// What errors call a part of the object.
@@ -123,7 +111,7 @@ pub fn flag(place: &str, value: &Bound<PyAny>) -> PyResult<bool> {
 }
 
 /// Whether a value is true or false, which Python takes for 1 and 0, or a list with such.
-fn holds_truth(value: &Bound<PyAny>) -> bool {
+pub fn holds_truth(value: &Bound<PyAny>) -> bool {
     if let Ok(list) = value.cast::<PyList>() {
         return list.iter().any(|item| holds_truth(&item));
     }
@@ -137,28 +125,4 @@ fn holds_truth(value: &Bound<PyAny>) -> bool {
 fn named(place: &str, value: &Bound<PyAny>, error: PyErr) -> PyErr {
     let text = format!("{place}: {}", error.value(value.py()));
     PyErr::from_type(error.get_type(value.py()), text)
-}
-
-/// A number, red, green and blue, or {"nm": [...], "value": [...]}.
-pub fn spectrum(place: &str, value: &Bound<PyAny>) -> PyResult<Spectrum> {
-    const FORMS: &str =
-        "a spectrum is a number, [red, green, blue] or {\"nm\": [...], \"value\": [...]}";
-    let refuse = |problem: &str| SCENE_ERROR.says(format!("{place}: {problem}"));
-    if let Ok(table) = value.cast::<PyDict>() {
-        let keys = Keys::of(place, table)?;
-        let nm: Vec<f32> = keys.need("nm", "give the wavelengths in nanometers")?;
-        let values: Vec<f32> = keys.need("value", "give as many values as wavelengths")?;
-        keys.finish("a spectrum")?;
-        return Spectrum::table(&nm, &values).map_err(refuse);
-    }
-    if holds_truth(value) {
-        return Err(refuse(FORMS));
-    }
-    if let Ok(constant) = value.extract::<f32>() {
-        return Ok(constant.into());
-    }
-    match value.extract::<Vec<f32>>().as_deref() {
-        Ok(&[red, green, blue]) => Ok([red, green, blue].into()),
-        _ => Err(refuse(FORMS)),
-    }
 }

@@ -30,6 +30,7 @@ mod medium;
 mod options;
 mod place;
 mod scene;
+mod spectra;
 mod threads;
 mod wait;
 mod words;

@@ -6,6 +6,7 @@ use sunstone::world::{Bsdf, Material, Sides};
 
 use crate::errors::of_any;
 use crate::keys::Keys;
+use crate::spectra::Part;
 
 /// Index of refraction that glTF gives to dielectrics.
 const IOR: f32 = 1.5;
@@ -20,7 +21,7 @@ const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null,
 pub fn material(keys: Keys) -> PyResult<Material> {
     let model: String = keys.need("bsdf", MODELS)?;
     let two_sided = keys.flag("two_sided")?;
-    let emission = keys.spectrum("emission")?;
+    let emission = keys.lamp("emission")?;
     let bsdf = bsdf(&keys, &model)?;
     keys.finish(&format!("a material of bsdf \"{model}\""))?;
     let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
@@ -59,12 +60,14 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
 }
 
 fn indices(keys: &Keys) -> PyResult<[f32; 2]> {
-    Ok([keys.take("ior")?.unwrap_or(IOR), keys.take("exterior_ior")?.unwrap_or(1.0)])
+    let [ior, exterior_ior] = [keys.index_at_d("ior")?, keys.index_at_d("exterior_ior")?];
+    Ok([ior.unwrap_or(IOR), exterior_ior.unwrap_or(1.0)])
 }
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {
     let metal: Option<String> = keys.take("metal")?;
-    match (metal, keys.spectrum("eta")?, keys.spectrum("k")?) {
+    let [eta, k] = [keys.refraction("eta", Part::Real)?, keys.refraction("k", Part::Extinction)?];
+    match (metal, eta, k) {
         (Some(symbol), None, None) => Bsdf::metal(&symbol).map_err(of_any),
         (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
         _ => {

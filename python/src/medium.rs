@@ -7,6 +7,7 @@ use sunstone::particles::{Amount, Milk, Sizes};
 use sunstone::world::{Component, Medium, Phase, Spheres, TabulatedMatrix};
 
 use crate::keys::Keys;
+use crate::spectra::Part;
 
 /// Values of `phase`.
 const PHASES: &str = "use one of hg, isotropic, mie, mueller_table, rayleigh";
@@ -73,8 +74,11 @@ fn mie(keys: &Keys) -> PyResult<Phase> {
 
 /// Index of refraction n - i k.
 fn index(keys: &Keys) -> PyResult<(Spectrum, Spectrum)> {
-    let eta = keys.need_spectrum("eta", "give the real part of the index of refraction")?;
-    Ok((eta, keys.spectrum("k")?.unwrap_or(0.0.into())))
+    let Some(eta) = keys.refraction("eta", Part::Real)? else {
+        let remedy = "give the real part of the index of refraction";
+        return Err(keys.refuse("eta", "is missing", remedy));
+    };
+    Ok((eta, keys.refraction("k", Part::Extinction)?.unwrap_or(0.0.into())))
 }
 
 fn component(keys: Keys) -> PyResult<Component> {

@@ -11,9 +11,10 @@ use sunstone::world::{Filling, Lens, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
-use crate::keys::{Keys, extract, spectrum};
+use crate::keys::{Keys, extract};
 use crate::place::{looking, place};
 use crate::scene::Scene;
+use crate::spectra::lamp;
 use crate::{material, medium};
 
 /// Kinds of lights.
@@ -96,7 +97,8 @@ impl World {
         let keys = Keys::of(format!("light `{name}`"), keys)?;
         let kind: String = keys.need("kind", LIGHTS)?;
         let remedy = "W/sr, or W/m^2 if directional";
-        let intensity = keys.need_spectrum("intensity", remedy)?;
+        let missing = || keys.refuse("intensity", "is missing", remedy);
+        let intensity = keys.lamp("intensity")?.ok_or_else(missing)?;
         let light = match kind.as_str() {
             "directional" => Punctual::directional(intensity),
             "point" => Punctual::point(intensity),
@@ -131,7 +133,7 @@ impl World {
 
     /// Sets the environment.
     fn set_environment(&mut self, radiance: &Bound<PyAny>) -> PyResult<()> {
-        let radiance = spectrum("environment, radiance", radiance)?;
+        let radiance = lamp("environment, radiance", radiance)?;
         self.world()?.set_environment(radiance).map(drop).map_err(of_any)
     }
 

@@ -20,6 +20,13 @@ from ._sunstone import Geometry
 #: The same at every wavelength; red, green and blue; or values at wavelengths in nanometers:
 #: {"nm": [...], "value": [...]}.
 Spectrum = Union[float, Sequence[float], Mapping[str, Sequence[float]]]
+#: Part of an index of refraction: a spectrum, the name of a substance ("Ag", "BK7", "water"), or of n
+#: a formula: {"sellmeier": {"b": [...], "c_um2": [...], "range_nm": [...]}} or
+#: {"cauchy": {"a": ..., "b_um2": ..., "c_um4": ..., "range_nm": [...]}}.
+Index = Union[Spectrum, str, Mapping[str, Mapping[str, Any]]]
+#: What shines: a spectrum, {"illuminant": "D65"}, {"blackbody_k": 3000}, or
+#: {"lines": [[nm, power, width_nm], ...], "shape": "gaussian"}; with "scale" if need be.
+Lamp = Union[Spectrum, Mapping[str, Any]]
 #: Three numbers.
 Vector = Union[Sequence[float], npt.NDArray[Any]]
 
@@ -103,14 +110,14 @@ class World(Editable):
         *,
         reflectance: Spectrum | None = None,
         metal: str | None = None,
-        eta: Spectrum | None = None,
-        k: Spectrum | None = None,
-        ior: float | None = None,
-        exterior_ior: float | None = None,
+        eta: Index | None = None,
+        k: Index | None = None,
+        ior: Index | None = None,
+        exterior_ior: Index | None = None,
         axis_deg: float | None = None,
         extinction_ratio: float | None = None,
         retardance_deg: float | None = None,
-        emission: Spectrum | None = None,
+        emission: Lamp | None = None,
         two_sided: bool = False,
     ) -> None:
         """Adds a material.
@@ -122,7 +129,8 @@ class World(Editable):
             metal: of "conductor", by its chemical symbol, or else `eta` and `k`.
             eta: of "conductor": real part of the index of refraction n - i k.
             k: of "conductor": its extinction coefficient.
-            ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default.
+            ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default. That at
+                587.56 nm holds for all wavelengths.
             exterior_ior: of these: index of refraction outside; 1 by default.
             axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
                 the x axis of the shape, counterclockwise about the normal; 0 by default.
@@ -279,7 +287,7 @@ class World(Editable):
         self,
         name: str,
         kind: Literal["directional", "point", "spot"],
-        intensity: Spectrum,
+        intensity: Lamp,
         *,
         inner: float | None = None,
         outer: float | None = None,
@@ -370,7 +378,7 @@ class World(Editable):
             ),
         )
 
-    def set_environment(self, radiance: Spectrum) -> None:
+    def set_environment(self, radiance: Lamp) -> None:
         """Has light of a radiance in W/(m^2 sr) come from everywhere outside."""
         self._add("set_environment", plain(radiance))
 

@@ -293,6 +293,17 @@ def test_worlds_go_on_after_a_render(room: sunstone.World) -> None:
     assert np.array_equal(scene.render(**SMALL).stokes, after.stokes)
 
 
+def test_worlds_know_names_of_spectra() -> None:
+    world = sunstone.World("shop")
+    cauchy = {"cauchy": {"a": 1.5046, "b_um2": 0.0042, "range_nm": [350, 900]}}
+    world.add_material("mirror", "conductor", eta="Ag", k="Ag")
+    world.add_material("glass", "dielectric", ior="BK7", exterior_ior=cauchy)
+    world.add_material("window", "diffuse", emission={"illuminant": "D65", "scale": 2})
+    world.add_light("bulb", "point", {"blackbody_k": 2700})
+    world.add_light("laser", "point", {"lines": [[532, 1, 0.1]], "shape": "box"})
+    world.set_environment({"nm": [300, 900], "value": [1, 2], "scale": 0.5})
+
+
 def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
     def refused(text: str) -> Any:
         return pytest.raises(sunstone.SceneError, match=text)
@@ -304,8 +315,14 @@ def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
         room.add_material("x", "diffuse", ior=1.5)
     with refused("material `x`, bsdf: `velvet` is not a model"):
         room.add_material("x", "velvet")  # type: ignore[arg-type]
-    with refused("`Fe` is not tabulated"):
-        room.add_material("x", "conductor", metal="Fe")  # type: ignore[arg-type]
+    with refused("`Xx` is not tabulated"):
+        room.add_material("x", "conductor", metal="Xx")
+    with refused("material `x`, eta: `Xx` is no substance in the tables"):
+        room.add_material("x", "conductor", eta="Xx", k="Ag")
+    with refused("material `x`, ior: `Ag` is a metal"):
+        room.add_material("x", "dielectric", ior="Ag")
+    with refused("material `x`, emission, illuminant: `D66` is no illuminant"):
+        room.add_material("x", "diffuse", emission={"illuminant": "D66"})
     with refused("material `x`, reflectance: a spectrum is a number"):
         room.add_material("x", "diffuse", reflectance=[1, 2])
     with refused("material `x`, reflectance: 1.5 must be within"):
