@@ -286,7 +286,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 35] = [
+    let cases: [(&[&str], &str); 38] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),

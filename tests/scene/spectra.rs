@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::world::SurfaceModel;
 use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::{Color, Spectrum, index};
+use sunstone::internals::spectrum::{Carried, Spectrum, index};
 
 /// A document that is a function of a value.
 fn with(pointer: &str, key: &str, value: Value) -> Value {
@@ -19,8 +19,7 @@ fn with(pointer: &str, key: &str, value: Value) -> Value {
 #[track_caller]
 fn baked(document: &Value, wavelength_nm: f32) -> BakedScene<1> {
     let world = load_json(document).unwrap_or_else(|error| panic!("{error}"));
-    let color = Color::Mono { wavelength_nm };
-    bake::<1>(&world, color).unwrap_or_else(|error| panic!("{error}"))
+    bake(&world, &Carried::at([wavelength_nm])).unwrap_or_else(|error| panic!("{error}"))
 }
 
 const GLOW: &str = "/materials/0/extensions/SUNSTONE_polarization";
@@ -73,7 +72,7 @@ fn indices_have_formulas() {
     // What is outside of the range is refused with the material's name.
     let document = with("/materials/0/extensions", "SUNSTONE_polarization", conductor(cauchy));
     let world = load_json(&document).unwrap();
-    let error = bake::<1>(&world, Color::Mono { wavelength_nm: 905.0 }).unwrap_err().to_string();
+    let error = bake(&world, &Carried::at([905.0])).unwrap_err().to_string();
     assert!(error.contains("\"glow\"") && error.contains("350 to 900 nm"), "{error}");
 }
 
@@ -90,7 +89,7 @@ fn glass_of_a_name_has_its_index_at_the_line_d() {
         let world = load_json(&document).unwrap();
         let warnings = world.warnings().join("\n");
         assert!(warnings.contains("ior") && warnings.contains("587.5618 nm"), "{warnings}");
-        let scene = bake::<3>(&world, Color::Rgb).unwrap();
+        let scene = bake(&world, &Carried::RGB).unwrap();
         let models: Vec<_> = scene.optics.materials.iter().map(|row| row.model).collect();
         let ior = models.iter().find_map(|model| match model {
             SurfaceModel::Dielectric { ior, .. } => Some(f64::from(*ior)),
@@ -121,7 +120,7 @@ fn hosts_and_particles_have_names() {
 
 /// What the lamp of a document shines at a wavelength: the square, the bulb or the sky.
 fn shine(document: &Value, emitter: usize, wavelength_nm: f32) -> f32 {
-    baked(document, wavelength_nm).optics.emitters[emitter].radiance[0]
+    baked(document, wavelength_nm).optics.radiance_of(emitter)[0]
 }
 
 #[test]
@@ -151,7 +150,7 @@ fn lamps_have_spectra() {
     assert_eq!([531.5, 533.5].map(|nm| baked(&laser, nm).optics.emitters.len()), [3, 1]);
     // Colors remain, and the strength of glTF counts for spectra too.
     let rgb = load_json(&with(GLOW, "emission", json!([3, 2, 1]))).unwrap();
-    assert_eq!(bake::<3>(&rgb, Color::Rgb).unwrap().optics.emitters[0].radiance, [3.0, 2.0, 1.0]);
+    assert_eq!(bake(&rgb, &Carried::RGB).unwrap().optics.radiance_of(0), [3.0, 2.0, 1.0]);
     let mut strong = with(GLOW, "emission", json!({"illuminant": "E"}));
     strong["materials"][0]["extensions"]["KHR_materials_emissive_strength"] =
         json!({"emissiveStrength": 5.0});
@@ -162,12 +161,12 @@ fn lamps_have_spectra() {
     let mut document = good();
     document["materials"][0] = alone;
     let scene = baked(&document, 500.0);
-    assert_eq!(scene.optics.emitters[0].radiance, [1.0]);
+    assert_eq!(scene.optics.radiance_of(0), [1.0]);
     let [a, b] = [&document, &with(GLOW, "emission", json!(0))];
     assert!(baked(a, 500.0).optics.emitters.len() > baked(b, 500.0).optics.emitters.len());
     // Outside of what is tabulated.
     let world = load_json(&with(GLOW, "emission", json!({"illuminant": "F11"}))).unwrap();
-    let error = bake::<1>(&world, Color::Mono { wavelength_nm: 379.0 }).unwrap_err().to_string();
+    let error = bake(&world, &Carried::at([379.0])).unwrap_err().to_string();
     assert!(error.contains("\"glow\"") && error.contains("380 to 780"), "{error}");
 }
 
@@ -179,8 +178,8 @@ fn lamps_are_read_from_files() {
     fs::write(&lamp, "# measured\n400 1\n600 3 # peak\n800,0\n").unwrap();
     let document = with(GLOW, "emission", json!({"spd": name, "scale": 2}));
     fs::write(&path, document.to_string()).unwrap();
-    let scene = bake::<1>(&load(&path).unwrap(), Color::Mono { wavelength_nm: 500.0 }).unwrap();
-    assert_eq!(scene.optics.emitters[0].radiance, [4.0]);
+    let scene = bake(&load(&path).unwrap(), &Carried::at([500.0])).unwrap();
+    assert_eq!(scene.optics.radiance_of(0), [4.0]);
     assert!(load(&path).unwrap().files().iter().any(|file| file.ends_with(name)));
     for (text, words) in [
         ("400 1\n600 x", "emission.spd, line 2: `x` is not a finite number"),
