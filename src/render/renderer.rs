@@ -446,6 +446,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
+    let facts =
+        integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -24,15 +24,14 @@ pub mod upsampling;
 
 pub use bands::{BANDS_MAX, Band, Bands};
 pub use carried::Carried;
+pub use color_space::White;
 pub use dispersion::D_NM;
 pub use formula::Formula;
 pub use illuminants::illuminant_names;
 pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
-pub use color_space::White;
 pub use responses::{Response, Responses, Taken};
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
-
 
 use std::sync::Arc;
 

@@ -57,11 +57,7 @@ impl Lamp {
     ///
     /// # Errors
     /// When its table does not cover them.
-    pub fn emitted(
-        &self,
-        wavelengths_nm: &[f64],
-        white: White,
-    ) -> Result<Vec<f64>, SceneError> {
+    pub fn emitted(&self, wavelengths_nm: &[f64], white: White) -> Result<Vec<f64>, SceneError> {
         let at = |nm: &f64| {
             let [value] = self.sampled(&Carried::at([*nm as f32]).under(white))?;
             Ok(f64::from(value))
@@ -73,7 +69,9 @@ impl Lamp {
     }
 
     fn sampled<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], SceneError> {
-        self.spectrum.sample(carried, Role::Emission).map_err(|error| outside_table(&self.name, error))
+        self.spectrum
+            .sample(carried, Role::Emission)
+            .map_err(|error| outside_table(&self.name, error))
     }
 }
 

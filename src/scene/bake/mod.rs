@@ -34,7 +34,7 @@ use super::world::{
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Carried, OutsideTable, White};
+use crate::spectrum::{Carried, OutsideTable, Spectrum, White};
 
 use self::beside::Passable;
 pub use self::emitters::{Brightness, Emitters, Lamp, lamps};
@@ -289,7 +289,12 @@ fn materials<const N: usize>(
     carried: &Carried<N>,
 ) -> Result<Vec<Material<N>>, SceneError> {
     let rows = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(name, bsdf, sides)| {
-        let model = bsdf.sampled(|spectrum, role| spectrum.sample(carried, role));
+        let model = match carried.is_rgb() {
+            true => bsdf.undispersed(),
+            false => Ok(bsdf.clone()),
+        };
+        let sample = |spectrum: &Spectrum, role| spectrum.sample(carried, role);
+        let model = model.and_then(|model| model.sampled(sample));
         let row = |model: SurfaceModel<[f32; N]>| Material {
             model: model.simplified(),
             two_sided: sides.two_sided,
@@ -297,21 +302,13 @@ fn materials<const N: usize>(
         model.map(row).map_err(|error| outside_table(&name.0, error))
     });
     let mut rows = rows.into_iter().collect::<Result<Vec<_>, SceneError>>()?;
-    disperse(&mut rows, carried);
+    disperse(&mut rows);
     Ok(rows)
 }
 
 /// Makes all dielectrics of one sort, as they may be nested: with dispersion if any has it at these
-/// wavelengths, and without else. In RGB they are what they are in green.
-fn disperse<const N: usize>(rows: &mut [Material<N>], carried: &Carried<N>) {
-    const GREEN: usize = 1;
-    if carried.is_rgb() {
-        for Material { model, .. } in &mut *rows {
-            if let SurfaceModel::DispersiveDielectric { ior, exterior_ior } = model {
-                (*ior, *exterior_ior) = ([ior[GREEN % N]; N], [exterior_ior[GREEN % N]; N]);
-            }
-        }
-    }
+/// wavelengths, and without else.
+fn disperse<const N: usize>(rows: &mut [Material<N>]) {
     let differs = |of: &[f32; N]| of.iter().any(|ior| *ior != of[0]);
     let disperses = rows.iter().any(|row| {
         matches!(&row.model, SurfaceModel::DispersiveDielectric { ior, exterior_ior }

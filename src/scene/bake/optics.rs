@@ -64,9 +64,9 @@ fn derived<const N: usize>(
 ) -> Result<Derived<N>, SceneError> {
     let outside = |error: OutsideTable| outside_table(name, error);
     Ok(match phase {
-        world::Phase::HenyeyGreenstein { g } => {
-            Derived::of(Phase::HenyeyGreenstein { g: g.sample(carried, Role::Index).map_err(outside)? })
-        }
+        world::Phase::HenyeyGreenstein { g } => Derived::of(Phase::HenyeyGreenstein {
+            g: g.sample(carried, Role::Index).map_err(outside)?,
+        }),
         world::Phase::Rayleigh { depolarization } => {
             Derived::of(Phase::Table(phase::rayleigh(*depolarization)))
         }
@@ -98,8 +98,10 @@ pub fn suspension_at<'a>(
         }
         world::Phase::Spheres(spheres) => {
             let carried = Carried::at([nm as f32]);
-            let [host_k] =
-                spheres.host_k.sample(&carried, Role::Index).map_err(|error| outside_table(name, error))?;
+            let [host_k] = spheres
+                .host_k
+                .sample(&carried, Role::Index)
+                .map_err(|error| outside_table(name, error))?;
             let [suspension] = suspensions(spheres, &carried, name)?;
             let absorbed = host_sigma_a(spheres, host_k, suspension.wavelength_nm);
             Ok(Some((suspension, absorbed)))
@@ -205,8 +207,7 @@ fn suspended<const N: usize>(
     carried: &Carried<N>,
     name: &str,
 ) -> Result<Derived<N>, SceneError> {
-    let sample =
-        |spectrum: &Spectrum| {
+    let sample = |spectrum: &Spectrum| {
         let values = spectrum.sample(carried, Role::Index);
         values.map_err(|error| outside_table(name, error))
     };
@@ -234,8 +235,7 @@ fn suspensions<'a, const N: usize>(
     carried: &Carried<N>,
     name: &str,
 ) -> Result<[Suspension<'a>; N], SceneError> {
-    let sample =
-        |spectrum: &Spectrum| {
+    let sample = |spectrum: &Spectrum| {
         let values = spectrum.sample(carried, Role::Index);
         values.map_err(|error| outside_table(name, error))
     };

@@ -29,6 +29,8 @@ const DEFAULT_IOR: f32 = 1.5;
 const DEFAULT_REFLECTANCE: f32 = 0.8;
 /// Where glTF states an index of refraction.
 const KHR_IOR: &str = "KHR_materials_ior.ior";
+/// How glTF states dispersion.
+const KHR_DISPERSION: &str = "KHR_materials_dispersion";
 /// What a material emits.
 const EMISSION: &str = "emission";
 /// Greatest F0 of a metal that has no eta and k: they would be infinite at 1.
@@ -119,7 +121,9 @@ impl Import<'_> {
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
             let bsdf = extension_model(model, &body, material)?;
-            self.warn_of_dispersion(&body);
+            if matches!(bsdf, Bsdf::ThinDielectric { .. }) {
+                self.warn_of_dispersion(&body);
+            }
             return Ok(bsdf);
         }
         let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
@@ -129,17 +133,18 @@ impl Import<'_> {
         }
         let volume = Volume::of(value, label)?;
         let bsdf = self.metallic_roughness(material, volume.is_solid, label)?;
+        let bsdf = dispersed(bsdf, value, label)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
         Ok(bsdf)
     }
 
-    /// One index of refraction stands for those of all wavelengths.
+    /// In a pane one index of refraction stands for those of all wavelengths.
     fn warn_of_dispersion(&mut self, body: &Body) {
         for key in ["ior", "exterior_ior"] {
             if body.value(key).is_some_and(|(value, _)| !value.is_number()) {
-                let text = format!("light of all wavelengths is refracted as at {D_NM} nm");
+                let text = format!("a thin pane reflects all wavelengths as at {D_NM} nm");
                 self.warnings.add_like("dispersion", &body.field(key), &text);
             }
         }
@@ -218,6 +223,26 @@ impl Import<'_> {
     }
 }
 
+/// Solid glass with what KHR_materials_dispersion says of it.
+fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError> {
+    let dispersion = &value["extensions"][KHR_DISPERSION]["dispersion"];
+    let (Bsdf::Dielectric { ior, exterior_ior }, false) = (&bsdf, dispersion.is_null()) else {
+        return Ok(bsdf);
+    };
+    let field = || format!("{label}, {KHR_DISPERSION}.dispersion");
+    let Some(number) = dispersion.as_f64() else {
+        return Err(SceneError::new(field(), "must be a number", "20 over the Abbe number"));
+    };
+    if number == 0.0 {
+        return Ok(bsdf);
+    }
+    let ior = Spectrum::of_dispersion(*ior, number as f32)
+        .map_err(|problem| SceneError::new(field(), problem, "20 over the Abbe number"))?;
+    let bsdf = Bsdf::DispersiveDielectric { ior, exterior_ior: Spectrum::Constant(*exterior_ior) };
+    bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_DISPERSION)))?;
+    Ok(bsdf)
+}
+
 /// The model that `bsdf` names.
 fn extension_model(
     model: &str,
@@ -255,8 +280,19 @@ fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
 }
 
 fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
-    let [ior, exterior_ior] = indices(body, material)?;
-    Ok(Bsdf::Dielectric { ior, exterior_ior })
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(Spectrum::Constant(1.0));
+    match (refraction(body, "ior")?, exterior_ior) {
+        (None, Spectrum::Constant(exterior_ior)) => {
+            Ok(Bsdf::Dielectric { ior: khr_ior(material), exterior_ior })
+        }
+        (Some(Spectrum::Constant(ior)), Spectrum::Constant(exterior_ior)) => {
+            Ok(Bsdf::Dielectric { ior, exterior_ior })
+        }
+        (ior, exterior_ior) => {
+            let ior = ior.unwrap_or_else(|| Spectrum::Constant(khr_ior(material)));
+            Ok(Bsdf::DispersiveDielectric { ior, exterior_ior })
+        }
+    }
 }
 
 fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
@@ -264,22 +300,27 @@ fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, Scene
     Ok(Bsdf::ThinDielectric { ior, exterior_ior })
 }
 
-/// `ior` and `exterior_ior`.
+/// `ior` and `exterior_ior` of a pane, whose light all goes the same way.
 fn indices(body: &Body, material: &json::Material) -> Result<[f32; 2], SceneError> {
     let ior = index_at_d(body, "ior")?.unwrap_or_else(|| khr_ior(material));
     Ok([ior, index_at_d(body, "exterior_ior")?.unwrap_or(1.0)])
 }
 
-/// The index of refraction of a dielectric at the line d, which holds for all wavelengths.
+/// The index of refraction of a dielectric at the line d.
 fn index_at_d(body: &Body, key: &str) -> Result<Option<f32>, SceneError> {
+    let Some(index) = refraction(body, key)? else { return Ok(None) };
+    let at_d = index.at(D_NM).map(Some);
+    at_d.map_err(|error| SceneError::new(body.field(key), error.to_string(), ""))
+}
+
+/// The index of refraction of a dielectric.
+fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
     let name = body.value(key).and_then(|(value, _)| value.as_str());
     if let Some(name) = name.filter(|name| metal(name).is_some()) {
         let problem = format!("`{name}` is a metal");
         return Err(SceneError::new(body.field(key), problem, "make it a conductor"));
     }
-    let Some(index) = body.refraction(key, Part::Real)? else { return Ok(None) };
-    let at_d = index.at(D_NM).map(Some);
-    at_d.map_err(|error| SceneError::new(body.field(key), error.to_string(), ""))
+    body.refraction(key, Part::Real)
 }
 
 fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {

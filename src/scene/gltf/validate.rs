@@ -15,10 +15,11 @@ use crate::scene::error::{Findings, SceneError};
 const VALUE: usize = 60;
 
 /// Extensions that are read.
-const EXTENSIONS: [&str; 7] = [
+const EXTENSIONS: [&str; 8] = [
     EXTENSION,
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_transmission",

@@ -2,7 +2,7 @@
 
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
-use crate::spectrum::{Role, Spectrum, metal, metal_names};
+use crate::spectrum::{D_NM, OutsideTable, Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
 pub type Bsdf = SurfaceModel<Spectrum>;
@@ -32,7 +32,8 @@ pub enum SurfaceModel<S> {
         /// Index of refraction before the front, greater than zero; 1 in vacuum.
         exterior_ior: f32,
     },
-    /// The same with indices that depend on the wavelength. In RGB it has no dispersion.
+    /// The same with indices that depend on the wavelength. In RGB they are those of the line d,
+    /// 587.56 nm.
     DispersiveDielectric {
         /// Index of refraction behind the front, greater than zero.
         ior: S,
@@ -110,6 +111,17 @@ impl Bsdf {
                 Err(Fault::new("metal", problem, remedy))
             }
         }
+    }
+
+    /// The same without dispersion: refracted light goes as that of the line d.
+    ///
+    /// # Errors
+    /// When an index of refraction does not cover that.
+    pub(crate) fn undispersed(&self) -> Result<Self, OutsideTable> {
+        let Self::DispersiveDielectric { ior, exterior_ior } = self else {
+            return Ok(self.clone());
+        };
+        Ok(Self::Dielectric { ior: ior.at(D_NM)?, exterior_ior: exterior_ior.at(D_NM)? })
     }
 
     /// Refuses what no surface does.
