@@ -97,6 +97,7 @@ pub fn of_image(error: ImageError) -> PyErr {
         | ImageError::Extension { .. }
         | ImageError::OneWay { .. }
         | ImageError::Image { .. }
+        | ImageError::NoBand { .. }
         | ImageError::Sensor(_)
         | ImageError::Mismatch { .. } => ERROR.says(text),
     }

@@ -7,6 +7,7 @@ use crate::image::format::{Format, extension, extensions, named_by};
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
+use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
@@ -38,6 +39,16 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         )));
     }
     let (color, spectral) = color(&arguments.color)?;
+    let is_image = arguments.part.is_none();
+    if let (Color::Bands(bands), true) = (&color, is_image)
+        && named_by(&arguments.output, "written", Format::writes_bands).is_err()
+    {
+        return Err(CliError::Usage(format!(
+            "{bands} need an output that ends in {}, and {} does not",
+            extensions(Format::writes_bands),
+            arguments.output.display()
+        )));
+    }
     let options = Options {
         integrator: arguments.integrator.0,
         mode: arguments.mode.0,

@@ -286,7 +286,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 38] = [
+    let cases: [(&[&str], &str); 39] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),
@@ -337,6 +337,10 @@ fn command_lines_that_are_wrong_are_refused() {
             "--range must go from a shorter to a longer wavelength",
         ),
         (&["--color", "spectral", "--range", "blue"], "as in 380:780"),
+        (
+            &["--color", "spectral", "--bands", "400:700:31", "--output", "x.hdr"],
+            "31 bands from 400 to 700 nm need an output that ends in .exr, .png, and x.hdr does not",
+        ),
     ];
     for (options, words) in cases {
         let arguments = [&["render", "good.gltf", "-o", "out.exr"][..], options].concat();
