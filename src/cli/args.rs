@@ -217,7 +217,7 @@ pub struct RenderArguments {
     pub wavelength: Option<f32>,
     /// White under which [r, g, b] of materials and lights have the color that they say, with
     /// --color mono: they stand for smooth spectra, and a lamp's is multiplied by this [default: e]
-    #[arg(long, value_enum, value_name = "WHITE", help_heading = LIGHT)]
+    #[arg(long, value_enum, ignore_case = true, value_name = "WHITE", help_heading = LIGHT)]
     pub rgb_white: Option<WhiteName>,
     /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
