@@ -37,7 +37,7 @@ pub struct ColorArguments {
     /// White under which [r, g, b] of materials and lights have the color that they say, at
     /// wavelengths: they stand for smooth spectra, and a lamp's is multiplied by this [default: e,
     /// but for a film of RGB]
-    #[arg(long, value_enum, value_name = "WHITE")]
+    #[arg(long, value_enum, ignore_case = true, value_name = "WHITE")]
     pub rgb_white: Option<WhiteName>,
     /// Wavelengths that --color spectral carries together, others in every iteration: 4 or 8
     /// [default: 8]

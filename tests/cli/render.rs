@@ -79,7 +79,7 @@ fn options_reach_the_image() {
         assert_eq!(metadata(&image, key), value);
     }
     assert!(metadata(&image, "command").contains("--wavelength 633"));
-    let by_daylight = ["--seed", "5", "--quiet", "--rgb-white", "d65"];
+    let by_daylight = ["--seed", "5", "--quiet", "--rgb-white", "D65"];
     sunstone(&here, &[&arguments[..], &more, &by_daylight].concat()).done();
     let other = image::load(&here.join("a.exr")).unwrap();
     assert_eq!(metadata(&other, "rgb white"), "d65");
