@@ -83,7 +83,7 @@ fn sigmoid(x: f64) -> [f64; 2] {
 /// Most colors whose fits are remembered.
 const KNOWN_MAX: usize = 1 << 16;
 
-/// The fit of a color, which is remembered: spectral renders ask for all of them in every iteration.
+/// The fit of a color, which is remembered: spectral renders ask for all in every iteration.
 fn known(rgb: DVec3, white: White) -> Sigmoid {
     static KNOWN: LazyLock<Mutex<HashMap<([u64; 3], White), Sigmoid>>> =
         LazyLock::new(Mutex::default);

@@ -286,7 +286,7 @@ fn a_full_disk_leaves_the_former_file() {
 fn command_lines_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-usage");
     let before = names_in(&here);
-    let cases: [(&[&str], &str); 39] = [
+    let cases: [(&[&str], &str); 20] = [
         (&["--spp", "0"], "--spp"),
         (&["--spp", "4294967295"], "--spp"),
         (&["--spp", "many"], "--spp"),
@@ -298,16 +298,6 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--threads", "100000"], "--threads"),
         (&["--time-limit", "NaN"], "--time-limit"),
         (&["--time-limit=-1"], "--time-limit"),
-        (&["--wavelength", "550"], "--color mono"),
-        (&["--rgb-white", "e"], "--rgb-white goes with light of one wavelength"),
-        (
-            &["--color", "mono", "--wavelength", "359", "--rgb-white", "d65"],
-            "--rgb-white d65 is known from 360 to 830 nanometers, not at 359",
-        ),
-        (&["--color", "mono", "--rgb-white", "d50"], "[possible values: d65, e]"),
-        (&["--color", "mono", "--wavelength", "0"], "--wavelength"),
-        (&["--color", "mono", "--wavelength", "1e9"], "--wavelength must be from 1 to 1000000"),
-        (&["--color", "mono", "--wavelength", "-5"], "--wavelength must be from"),
         (&["--seed", "-1"], "'-1' for '--seed <N>': -1 is not in 0..=4294967295"),
         (&["--seed", "4294967296"], "'--seed <N>': 4294967296 is not in 0..=4294967295"),
         (&["--spp", "-1"], "'-1' for '--spp <N>'"),
@@ -317,6 +307,40 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--integrator", "photon"], "path, light, bdpt"),
         (&["--mode", "grey"], "scalar, intensity, polarized"),
         (&["--no-such-option"], "--no-such-option"),
+    ];
+    for (options, words) in cases {
+        let arguments = [&["render", "good.gltf", "-o", "out.exr"][..], options].concat();
+        expect_error(&here, &before, &sunstone(&here, &arguments), 2, &[words]);
+    }
+    let others: [(&[&str], &str); 6] = [
+        (&["render", "good.gltf"], "--output"),
+        (&["render", "good.gltf", "-o", "out.png", "--variance"], "out.png"),
+        (&["visualize", "good.exr", "-o", "out.jpg"], "out.jpg"),
+        (&["visualize", "good.exr", "-o", "out.png", "--map", "no"], "aolp"),
+        (&["compare", "a.exr", "b.exr", "--difference", "d.gif"], "d.gif"),
+        (&["bake"], "bake"),
+    ];
+    for (arguments, words) in others {
+        expect_error(&here, &before, &sunstone(&here, arguments), 2, &[words]);
+    }
+    assert_eq!(sunstone(&here, &[]).code, 2);
+}
+
+#[test]
+fn colors_that_are_wrong_are_refused() {
+    let here = folder_of_trouble("errors-color");
+    let before = names_in(&here);
+    let cases: [(&[&str], &str); 19] = [
+        (&["--wavelength", "550"], "--color mono"),
+        (&["--rgb-white", "e"], "--rgb-white goes with light at wavelengths"),
+        (
+            &["--color", "mono", "--wavelength", "359", "--rgb-white", "d65"],
+            "--rgb-white d65 is known from 360 to 830 nanometers, not at 359",
+        ),
+        (&["--color", "mono", "--rgb-white", "d50"], "[possible values: d65, e]"),
+        (&["--color", "mono", "--wavelength", "0"], "--wavelength"),
+        (&["--color", "mono", "--wavelength", "1e9"], "--wavelength must be from 1 to 1000000"),
+        (&["--color", "mono", "--wavelength", "-5"], "--wavelength must be from"),
         (&["--bands", "400:700:31"], "--bands goes with --color spectral"),
         (&["--color", "mono", "--range", "400:700"], "--range goes with --color spectral"),
         (&["--color", "spectral", "--wavelength", "5"], "--wavelength goes with --color mono"),
@@ -339,25 +363,13 @@ fn command_lines_that_are_wrong_are_refused() {
         (&["--color", "spectral", "--range", "blue"], "as in 380:780"),
         (
             &["--color", "spectral", "--bands", "400:700:31", "--output", "x.hdr"],
-            "31 bands from 400 to 700 nm need an output that ends in .exr, .png, and x.hdr does not",
+            "31 bands from 400 to 700 nm need an output that ends in .exr, .png, and x.hdr does",
         ),
     ];
     for (options, words) in cases {
         let arguments = [&["render", "good.gltf", "-o", "out.exr"][..], options].concat();
         expect_error(&here, &before, &sunstone(&here, &arguments), 2, &[words]);
     }
-    let others: [(&[&str], &str); 6] = [
-        (&["render", "good.gltf"], "--output"),
-        (&["render", "good.gltf", "-o", "out.png", "--variance"], "out.png"),
-        (&["visualize", "good.exr", "-o", "out.jpg"], "out.jpg"),
-        (&["visualize", "good.exr", "-o", "out.png", "--map", "no"], "aolp"),
-        (&["compare", "a.exr", "b.exr", "--difference", "d.gif"], "d.gif"),
-        (&["bake"], "bake"),
-    ];
-    for (arguments, words) in others {
-        expect_error(&here, &before, &sunstone(&here, arguments), 2, &[words]);
-    }
-    assert_eq!(sunstone(&here, &[]).code, 2);
 }
 
 #[test]

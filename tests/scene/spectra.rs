@@ -76,26 +76,57 @@ fn indices_have_formulas() {
     assert!(error.contains("\"glow\"") && error.contains("350 to 900 nm"), "{error}");
 }
 
+/// The index of refraction of the one dielectric, once for all columns or for each.
+fn iors<const N: usize, const K: usize>(scene: &BakedScene<N>) -> [f32; K] {
+    let models = scene.optics.materials.iter().map(|row| row.model);
+    let iors = models.filter_map(|model| match model {
+        SurfaceModel::Dielectric { ior, .. } => Some(vec![ior]),
+        SurfaceModel::DispersiveDielectric { ior, .. } => Some(ior.to_vec()),
+        _ => None,
+    });
+    iors.collect::<Vec<_>>().concat().try_into().expect("as many as columns that differ")
+}
+
+/// What KHR_materials_dispersion says: n_F - n_C is (n - 1) times it over 20.
 #[test]
-fn glass_of_a_name_has_its_index_at_the_line_d() {
+fn abbe_numbers_make_glass_disperse() {
+    let document =
+        with("/materials/1/extensions", "KHR_materials_dispersion", json!({"dispersion": 0.5}));
+    let world = load_json(&document).unwrap();
+    let [d] = iors(&bake(&world, &Carried::RGB).unwrap());
+    let [f, c] = iors(&bake(&world, &Carried::at([486.132_7, 656.272_5])).unwrap());
+    assert!(((f - c) / (d - 1.0) - 0.5 / 20.0).abs() < 1e-5, "{d} {f} {c}");
+    for wrong in [json!(-1.0), json!("much")] {
+        let document = with(
+            "/materials/1/extensions",
+            "KHR_materials_dispersion",
+            json!({"dispersion": wrong}),
+        );
+        let error = load_json(&document).unwrap_err().to_string();
+        assert!(error.contains("KHR_materials_dispersion"), "{error}");
+    }
+}
+
+#[test]
+fn glass_of_a_name_disperses_and_has_its_index_at_the_line_d_in_rgb() {
     let glass = "/materials/1/extensions/SUNSTONE_polarization";
-    for (ior, expected) in [
-        (json!("BK7"), 1.516_80),
-        (json!("water"), 1.333_40),
-        (json!({"cauchy": {"a": 1.5, "b_um2": 0.0042, "range_nm": [350, 900]}}), 1.512_17),
-        (json!({"nm": [500, 600], "value": [1.6, 1.5]}), 1.512_44),
+    // At the line d, and at 500 nm.
+    for (ior, at_d, at_500) in [
+        (json!("BK7"), 1.516_80, 1.521_41),
+        (json!("water"), 1.333_40, 1.336_80),
+        (json!({"cauchy": {"a": 1.5, "b_um2": 0.0042, "range_nm": [350, 900]}}), 1.512_17, 1.516_8),
+        (json!({"nm": [500, 600], "value": [1.6, 1.5]}), 1.512_44, 1.6),
     ] {
         let document = with(glass, "ior", ior);
         let world = load_json(&document).unwrap();
-        let warnings = world.warnings().join("\n");
-        assert!(warnings.contains("ior") && warnings.contains("587.5618 nm"), "{warnings}");
-        let scene = bake(&world, &Carried::RGB).unwrap();
-        let models: Vec<_> = scene.optics.materials.iter().map(|row| row.model).collect();
-        let ior = models.iter().find_map(|model| match model {
-            SurfaceModel::Dielectric { ior, .. } => Some(f64::from(*ior)),
-            _ => None,
-        });
-        assert!((ior.unwrap() - expected).abs() < 1e-5, "{ior:?}");
+        assert_eq!(world.warnings(), [] as [String; 0]);
+        let [rgb] = iors(&bake(&world, &Carried::RGB).unwrap());
+        assert!((f64::from(rgb) - at_d).abs() < 1e-5, "{rgb}");
+        let [mono] = iors(&bake(&world, &Carried::at([500.0])).unwrap());
+        assert!((f64::from(mono) - at_500).abs() < 3e-5, "{mono}");
+        let several = bake(&world, &Carried::at([500.0, 587.561_8])).unwrap();
+        let [first, second] = iors(&several);
+        assert!(first == mono && (f64::from(second) - at_d).abs() < 1e-5, "{first} {second}");
     }
     assert_eq!(load_json(&good()).unwrap().warnings(), [] as [String; 0]);
 }
@@ -246,7 +277,6 @@ fn what_is_no_index_is_refused() {
         (body(json!({"bsdf": "conductor", "eta": "BK7"})), &["both `eta` and `k`"]),
         (ior(json!("Ag")), &[".ior: `Ag` is a metal", "conductor"]),
         (ior(json!("ag")), &[".ior: `ag` is no substance"]),
-        (ior(json!({"nm": [400], "value": [1.5]})), &[".ior: asked for 587.5618 nm"]),
         (ior(json!({"nm": [500, 600], "value": [-1, -1]})), &["ior", "greater than 0"]),
     ]);
 }

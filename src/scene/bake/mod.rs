@@ -315,18 +315,15 @@ fn disperse<const N: usize>(rows: &mut [Material<N>]) {
             if differs(ior) || differs(exterior_ior))
     });
     for Material { model, .. } in rows {
-        *model = match *model {
-            SurfaceModel::Dielectric { ior, exterior_ior } if disperses => {
-                SurfaceModel::DispersiveDielectric {
-                    ior: [ior; N],
-                    exterior_ior: [exterior_ior; N],
-                }
+        if disperses {
+            if let SurfaceModel::Dielectric { ior, exterior_ior } = *model {
+                let [ior, exterior_ior] = [ior, exterior_ior].map(|index| [index; N]);
+                *model = SurfaceModel::DispersiveDielectric { ior, exterior_ior };
             }
-            SurfaceModel::DispersiveDielectric { ior, exterior_ior } if !disperses => {
-                SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] }.simplified()
-            }
-            model => model,
-        };
+        } else if let SurfaceModel::DispersiveDielectric { ior, exterior_ior } = *model {
+            let plain = SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] };
+            *model = plain.simplified();
+        }
     }
 }
 

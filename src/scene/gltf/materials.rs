@@ -120,7 +120,7 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
-            let bsdf = extension_model(model, &body, material)?;
+            let bsdf = dispersed(extension_model(model, &body, material)?, value, label)?;
             if matches!(bsdf, Bsdf::ThinDielectric { .. }) {
                 self.warn_of_dispersion(&body);
             }
