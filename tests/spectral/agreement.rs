@@ -8,7 +8,7 @@ use sunstone::{
     Spectral, StokesImage,
 };
 
-use crate::scenes::{gray_room, tabulated_room};
+use crate::scenes::{dispersive_room, gray_room, tabulated_room};
 
 /// Images of each, and samples per pixel: few where nothing is optimized.
 const REPLICATES: u32 = if cfg!(debug_assertions) { 8 } else { 16 };
@@ -122,20 +122,29 @@ fn bands_of_a_gray_scene_are_mono() {
 /// Narrow bands of tabulated materials and light, also where the light is weak.
 #[test]
 fn bands_of_tables_are_mono_at_their_centers() {
-    let world = tabulated_room();
+    narrow_bands_are_mono(&tabulated_room(), 50_000);
+}
+
+/// The same where light is refracted in other ways at other wavelengths.
+#[test]
+fn bands_of_glass_that_disperses_are_mono_at_their_centers() {
+    narrow_bands_are_mono(&dispersive_room(), 70_000);
+}
+
+fn narrow_bands_are_mono(world: &PlacedWorld, first_seed: u32) {
     let centers = [410.0, 480.0, 590.0, 690.0];
     let some = if cfg!(debug_assertions) { &INTEGRATORS[..1] } else { &INTEGRATORS };
     for (index, &integrator) in some.iter().enumerate() {
         let mode = if integrator == Integrator::Bdpt { Mode::Scalar } else { Mode::Polarized };
-        let seed = 50_000 + 2000 * index as u32;
+        let seed = first_seed + 2000 * index as u32;
         let bands = centers.map(|nm| Band::new(nm, 0.5)).to_vec();
-        let many = images(&world, &spectral(8, bands, options(integrator, mode, seed)));
+        let many = images(world, &spectral(8, bands, options(integrator, mode, seed)));
         for (channel, wavelength_nm) in centers.into_iter().enumerate() {
             let mono = Color::Mono { wavelength_nm };
             let seed = seed + 100 * (1 + channel as u32);
             let mono = Options { color: mono, ..options(integrator, mode, seed) };
             let what = format!("{integrator:?}, {mode:?}, {wavelength_nm} nm");
-            compare((&many, channel), (&images(&world, &mono), 0), &what);
+            compare((&many, channel), (&images(world, &mono), 0), &what);
         }
     }
 }

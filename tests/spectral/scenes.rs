@@ -4,16 +4,20 @@ use sunstone::glam::{DVec3, Vec3};
 use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
 use sunstone::{Error, PlacedWorld, Spectrum, World};
 
-/// A room with a lamp, a sphere and a plate, of materials that reflect and emit so.
-pub fn room(
+/// The middle of the spheres.
+const BALL: DVec3 = DVec3::new(0.4, -0.6, 0.3);
+
+/// A room with a lamp, a plate, and a sphere of glass, of materials that reflect, emit and refract
+/// so.
+fn room(
     wall: impl Into<Spectrum>,
     glow: impl Into<Spectrum>,
     plate: [Spectrum; 2],
+    glass: &[Bsdf],
 ) -> PlacedWorld {
     let world = || -> Result<World, Error> {
         let mut world = World::new("room");
         let wall = world.add_material("wall", Material::from(Bsdf::diffuse(wall)).two_sided())?;
-        let glass = world.add_material("glass", Bsdf::dielectric(1.5))?;
         let [eta, k] = plate;
         let metal = world.add_material("plate", Bsdf::Conductor { eta, k })?;
         let glow = world.add_material("lamp", Material::emitter(glow).two_sided())?;
@@ -23,7 +27,10 @@ pub fn room(
         world.add_mesh("lamp", lamp, glow, here)?;
         let tilted = Geometry::quad(Vec3::Z * -0.8, Vec3::X * 0.6, Vec3::new(0.0, 0.6, 0.3));
         world.add_mesh("plate", tilted, metal, here)?;
-        world.add_sphere("ball", 0.3, glass, DVec3::new(0.4, -0.6, 0.3))?;
+        for (index, (bsdf, radius)) in glass.iter().zip([0.3, 0.15]).enumerate() {
+            let glass = world.add_material(&format!("glass {index}"), bsdf.clone())?;
+            world.add_sphere(&format!("ball {index}"), radius, glass, BALL)?;
+        }
         let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
         world.set_camera("eye", Lens::pinhole(1.2), place)?;
         world.set_resolution([16, 16])?;
@@ -35,18 +42,33 @@ pub fn room(
 
 /// That of materials and light that are the same at all wavelengths.
 pub fn gray_room() -> PlacedWorld {
-    room(0.6, 5.0, [0.95.into(), 6.7.into()])
+    room(0.6, 5.0, [0.95.into(), 6.7.into()], &[Bsdf::dielectric(1.5)])
 }
 
-/// That of tables that have their ends at 400 and 700 nm, and bend in between.
+/// A table that has its ends at 400 and 700 nm, and bends in between.
+fn table(values: [f32; 4]) -> Spectrum {
+    Spectrum::table(&[400.0, 480.0, 590.0, 700.0], &values).expect("a sound table")
+}
+
+/// That of such tables, with glass that is the same for all wavelengths.
 pub fn tabulated_room() -> PlacedWorld {
-    let table = |values: [f32; 4]| {
-        Spectrum::table(&[400.0, 480.0, 590.0, 700.0], &values).expect("a sound table")
-    };
+    tabulated(&[Bsdf::dielectric(1.5)])
+}
+
+/// The same with glass that disperses light more than any does, around more glass, of which the
+/// first is nested: light is refracted once, twice or four times, and reflected totally.
+pub fn dispersive_room() -> PlacedWorld {
+    let glass = |ior, exterior_ior: Spectrum| Bsdf::DispersiveDielectric { ior, exterior_ior };
+    let outer = glass(table([1.9, 1.7, 1.55, 1.4]), 1.0.into());
+    tabulated(&[outer, Bsdf::dielectric(1.33)])
+}
+
+fn tabulated(glass: &[Bsdf]) -> PlacedWorld {
     let glow = table([2.0, 8.0, 1.0, 5.0]);
     room(
         table([0.1, 0.7, 0.4, 0.6]),
         glow,
         [table([0.5, 0.6, 1.0, 1.8]), table([4.0, 5.0, 6.0, 8.0])],
+        glass,
     )
 }
