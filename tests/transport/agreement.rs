@@ -33,7 +33,7 @@ use crate::support::rendering::{
 use crate::support::scenes::{CONTRADICTORY, SCENES, two_sheets};
 use crate::support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
 
-const SIZE: [u32; 2] = [24, 24];
+const SIZE: [u32; 2] = [16, 16];
 /// Images of each; of scenes that others compare with references, too, half as many.
 const REPLICATES: u32 = 32;
 /// Of each, as a rule.
@@ -243,7 +243,7 @@ fn crossed_polarizers_are_black_for_all_integrators() {
     for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
         let intensity = |axis_deg: f32| {
             let scene = scene::<1>(&two_sheets(axis_deg), MONO, SIZE);
-            let settings = settings(integrator, Mode::Polarized, MONO, 256, 5);
+            let settings = settings(integrator, Mode::Polarized, MONO, 576, 5);
             mean_s0(&evidence::mean(&replicates(&scene, &settings, 2)))
         };
         let [parallel, diagonal, crossed] = [0.0, 45.0, 90.0].map(intensity);
