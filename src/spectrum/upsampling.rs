@@ -83,10 +83,12 @@ fn sigmoid(x: f64) -> [f64; 2] {
 /// Most colors whose fits are remembered.
 const KNOWN_MAX: usize = 1 << 16;
 
+/// Fits by the bits of colors and the white.
+type Fits = HashMap<([u64; 3], White), Sigmoid>;
+
 /// The fit of a color, which is remembered: spectral renders ask for all in every iteration.
 fn known(rgb: DVec3, white: White) -> Sigmoid {
-    static KNOWN: LazyLock<Mutex<HashMap<([u64; 3], White), Sigmoid>>> =
-        LazyLock::new(Mutex::default);
+    static KNOWN: LazyLock<Mutex<Fits>> = LazyLock::new(Mutex::default);
     let lock = || KNOWN.lock().expect("no thread panics while it holds the lock");
     let key = (rgb.to_array().map(f64::to_bits), white);
     if let Some(fit) = lock().get(&key) {
