@@ -123,8 +123,8 @@ REFUSED: list[tuple[str, Any, str]] = [
     ("glass", 1.5, r"glass: is no edit\n  help: write KIND/NAME/KEY"),
     ("materials/glass/ior", -1, r'material 5 "glass", .*ior: -1 must be greater than 0'),
     ("materials/glass/ior", "much", r"ior"),
-    ("materials/glass/ior", True, r"material 5 \"glass\", .*ior: is not a number"),
-    ("materials/glass/ior", np.array([1.5, 1.6]), r"ior: is not a number"),
+    ("materials/glass/ior", True, r"material 5 \"glass\", .*ior: is not a spectrum"),
+    ("materials/glass/ior", np.array([1.5, 1.6]), r"ior: is not a spectrum"),
     ("materials/white/reflectance", (0.5, 0.5), r"reflectance: is not a spectrum"),
     ("materials/white/reflectance", [0.5, True, 0.5], r"reflectance: is not a spectrum"),
     ("materials/light/emissiveFactor", (1, 2), r"materials/light/emissiveFactor: material .*2"),
@@ -620,7 +620,7 @@ def test_what_is_not_seen_is_checked(tmp_path: pathlib.Path) -> None:
     (tmp_path / "a.gltf").write_text(json.dumps(document))
     scene = sunstone.load(tmp_path / "a.gltf", allow_outside=True)
     for target, value, text in [
-        ("materials/spare/ior", "high", "spare.*ior: is not a number"),
+        ("materials/spare/ior", "high", "spare.*ior: `high` is no substance"),
         ("materials/spare/ior", -1, "spare.*ior: -1 must be"),
         ("cameras/other/film", {"resolution": (0, 1)}, "other.*resolution"),
         ("cameras/other/perspective.yfov", -1, "other.*yfov"),

@@ -95,7 +95,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 22
+    assert len(names) == len(set(names)) == 23
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -213,7 +213,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(max_path_length=0), r"max_path_length must be from 1 to"),
     (dict(integrator="magic"), r'integrator must be one of auto, .*path.*, not "magic"'),
     (dict(mode="Polarized"), r"mode must be one of scalar, intensity, polarized, not"),
-    (dict(color="rgb", rgb_white="e"), r"rgb_white goes with light of one wavelength"),
+    (dict(color="rgb", rgb_white="e"), r"rgb_white goes with light at wavelengths"),
     (dict(color="mono", rgb_white="d50"), r"rgb_white must be one of d65, e"),
     (dict(color="rgb", wavelength=500), r"wavelength goes with color=\"mono\""),
     (dict(color="mono", wavelength=math.nan), r"wavelength must be from 1 to 1000000 nanometers"),

@@ -252,7 +252,7 @@ fn twenty_jobs_are_done_although_ten_fail() {
     let flat = [vec![0; 15], vec![1]].concat();
     let failing = [
         (json!({"set": {"materials/glass/ior": -1.0}}), "ior"),
-        (json!({"set": {"materials/glass/ior": "x"}}), "is not a number"),
+        (json!({"set": {"materials/glass/ior": "x"}}), "no substance"),
         (json!({"set": {"materials/white/reflectance": [0.5, 2.0, 0.5]}}), "reflectance"),
         (json!({"set": {"materials/gold/metal": "Xx"}}), "Xx"),
         (json!({"set": {"nodes/pool/matrix": flat}}), "\"pool\""),
