@@ -89,9 +89,9 @@ pub struct Serum {
     pub sigma_a_water: f64,
 }
 
-/// The wavelengths in nanometers for which milk is known: those of the tables, and one step more at
-/// the red end, where the last rows hold: indices are flat there, to 0.001 a step, and water has a k
-/// of 1.25e-7 at 800 nm instead of 1.49e-7 (Hale and Querry 1973), 0.4 per meter less.
+/// The wavelengths in nanometers for which milk is known: those of the tables, and one step more
+/// at the red end, where the last rows hold: indices are flat there, to 0.001 a step, and water has
+/// a k of 1.25e-7 at 800 nm instead of 1.49e-7 (Hale and Querry 1973), 0.4 per meter less.
 pub const MILK_WAVELENGTHS_NM: [f64; 2] = [FIRST_NM, FIRST_NM + STEP_NM * ROWS as f64];
 
 impl Milk {
