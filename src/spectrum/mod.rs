@@ -74,4 +74,13 @@ impl Color {
             Color::Bands(bands) => bands.list().len(),
         }
     }
+
+    /// What one of its channels is called in words.
+    pub fn channel_name(&self, channel: usize) -> String {
+        match self {
+            Color::Rgb => ["red", "green", "blue"][channel].to_owned(),
+            Color::Mono { wavelength_nm } => format!("{wavelength_nm} nm"),
+            Color::Bands(bands) => bands.list()[channel].name.clone(),
+        }
+    }
 }

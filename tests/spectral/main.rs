@@ -2,5 +2,6 @@
 //! in all modes, whole or in parts.
 
 mod agreement;
+mod gauge;
 mod parts;
 mod scenes;
