@@ -1,6 +1,7 @@
 //! The command line as typed.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::LazyLock;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -464,9 +465,9 @@ pub struct VisualizeArguments {
     /// Exposure of intensities in stops; of a mosaic 1 then fills the well
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
-    /// Of an image of bands the one that has this wavelength, in nanometers [default: their mean]
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the image.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
     /// Scales that end at full polarization; without it they end where the image's does, so that
     /// weak polarization shows (the legend says where)
     #[arg(long, visible_alias = "no-fit")]
@@ -474,6 +475,18 @@ pub struct VisualizeArguments {
     /// The sensor.
     #[command(flatten)]
     pub sensor: SensorArguments,
+}
+
+/// Which channel is looked at, of an image that has several.
+#[derive(Debug, Args)]
+pub struct ChannelArguments {
+    /// Of bands the one that has this wavelength, in nanometers [default: all, or their mean]
+    #[arg(long, value_name = "NM", conflicts_with = "channel")]
+    pub wavelength: Option<f32>,
+    /// The channel of this name: R, G or B, or that of a band or a response [default: all, or their
+    /// mean; of responses red, green and blue these]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
 }
 
 /// The sensor of `--map mosaic`.
@@ -543,9 +556,9 @@ pub struct ViewArguments {
     /// Leave out the standard errors of values, which are as large as these
     #[arg(long)]
     pub no_variance: bool,
-    /// Of images of bands those that have this wavelength, in nanometers
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the images.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
 }
 
 /// `compare` as typed.
@@ -555,9 +568,9 @@ pub struct CompareArguments {
     pub image: PathBuf,
     /// What it is compared with
     pub reference: PathBuf,
-    /// Of images of bands those that have this wavelength, in nanometers [default: all]
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the images.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -566,12 +579,31 @@ pub struct CompareArguments {
     pub difference: Option<PathBuf>,
 }
 
+/// Two numbers of a pixel with a comma between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelText(pub [usize; 2]);
+
+impl FromStr for PixelText {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(',')
+            .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        numbers.map(Self).ok_or_else(|| "it is two numbers, as in 12,7".to_owned())
+    }
+}
+
 /// `inspect` as typed.
 #[derive(Debug, Args)]
 pub struct InspectArguments {
     /// A scene (.gltf, .glb), an image (.exr, .hdr, ...), or a part of one or a checkpoint by
     /// whatever name
     pub file: PathBuf,
+    /// Of an image the Stokes vector of every channel in a pixel, as comma-separated values; pixels
+    /// are counted from 0,0 at the upper left
+    #[arg(long, value_name = "X,Y")]
+    pub pixel: Option<PixelText>,
     /// What a scene may read.
     #[command(flatten)]
     pub files: FileArguments,

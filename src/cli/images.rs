@@ -9,7 +9,7 @@ use crate::render::{PlacedWorld, describe_part, is_part};
 use crate::scene::{self, Reading, World};
 
 use super::CliError;
-use super::args::{CompareArguments, InspectArguments, ViewArguments};
+use super::args::{ChannelArguments, CompareArguments, InspectArguments, PixelText, ViewArguments};
 use super::files::{json, print, refuse_overwriting, require_html, require_png, say};
 use super::job::PART;
 
@@ -19,7 +19,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
         std::iter::once(&arguments.image).chain(&arguments.other).map(|path| &**path).collect();
     require_html(&arguments.output)?;
     refuse_overwriting(&arguments.output, &paths)?;
-    let load = |path: &&Path| load_at(path, arguments.wavelength);
+    let load = |path: &&Path| load_at(path, &arguments.channel);
     let mut images = paths.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     if arguments.no_variance {
         images.iter_mut().for_each(|image| image.variance = None);
@@ -32,12 +32,13 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Reads an image, or that of its band which has a wavelength.
-pub(super) fn load_at(path: &Path, wavelength: Option<f32>) -> Result<StokesImage, OutputError> {
+/// Reads an image, or that of one of its channels.
+pub(super) fn load_at(path: &Path, of: &ChannelArguments) -> Result<StokesImage, OutputError> {
     let image = image::load(path)?;
-    match wavelength {
-        Some(wavelength_nm) => image.at_wavelength(wavelength_nm),
-        None => Ok(image),
+    match (of.wavelength, &of.channel) {
+        (Some(wavelength_nm), _) => image.at_wavelength(wavelength_nm),
+        (None, Some(name)) => image.at_channel(name),
+        (None, None) => Ok(image),
     }
 }
 
@@ -59,8 +60,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         require_png(path)?;
         refuse_overwriting(path, &[&arguments.image, &arguments.reference])?;
     }
-    let image = load_at(&arguments.image, arguments.wavelength)?;
-    let reference = load_at(&arguments.reference, arguments.wavelength)?;
+    let image = load_at(&arguments.image, &arguments.channel)?;
+    let reference = load_at(&arguments.reference, &arguments.channel)?;
     let comparison = comparison::compare(&image, &reference)?;
     if arguments.json {
         print(json(&comparison)?)?;
@@ -91,8 +92,21 @@ fn inspect_scene(world: World) -> String {
     }
 }
 
+/// Prints what a pixel of an image has.
+fn inspect_pixel(path: &Path, PixelText(pixel): PixelText) -> Result<(), CliError> {
+    let is_no_image = ["gltf", "glb", PART].contains(&extension(path).as_str()) || is_part(path);
+    if is_no_image {
+        let text = format!("--pixel goes with images, and {} is none", path.display());
+        return Err(CliError::Usage(text));
+    }
+    print(image_inspection::pixel(&image::load(path)?, pixel)?.trim_end())
+}
+
 /// Prints what is in a file.
 pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
+    if let Some(pixel) = arguments.pixel {
+        return inspect_pixel(&arguments.file, pixel);
+    }
     // Checkpoints are called as their users like.
     if is_part(&arguments.file) || extension(&arguments.file) == PART {
         return print(describe_part(&arguments.file)?.trim_end());

@@ -2,5 +2,6 @@
 //! in all modes, whole or in parts.
 
 mod agreement;
+mod films;
 mod parts;
 mod scenes;
