@@ -1,7 +1,6 @@
 //! The command line as typed.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::sync::LazyLock;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -10,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
+use super::images::{ChannelArguments, PixelText};
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
@@ -477,18 +477,6 @@ pub struct VisualizeArguments {
     pub sensor: SensorArguments,
 }
 
-/// Which channel is looked at, of an image that has several.
-#[derive(Debug, Args)]
-pub struct ChannelArguments {
-    /// Of bands the one that has this wavelength, in nanometers [default: all, or their mean]
-    #[arg(long, value_name = "NM", conflicts_with = "channel")]
-    pub wavelength: Option<f32>,
-    /// The channel of this name: R, G or B, or that of a band or a response [default: all, or their
-    /// mean; of responses red, green and blue these]
-    #[arg(long, value_name = "NAME")]
-    pub channel: Option<String>,
-}
-
 /// The sensor of `--map mosaic`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = MOSAIC_HEADING)]
@@ -577,21 +565,6 @@ pub struct CompareArguments {
     /// Also draw the differences as PNG
     #[arg(long, value_name = "PNG")]
     pub difference: Option<PathBuf>,
-}
-
-/// Two numbers of a pixel with a comma between.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PixelText(pub [usize; 2]);
-
-impl FromStr for PixelText {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text
-            .split_once(',')
-            .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
-        numbers.map(Self).ok_or_else(|| "it is two numbers, as in 12,7".to_owned())
-    }
 }
 
 /// `inspect` as typed.

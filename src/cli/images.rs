@@ -1,6 +1,9 @@
 //! The verbs `view`, `compare` and `inspect`.
 
 use std::path::Path;
+use std::str::FromStr;
+
+use clap::Args;
 
 use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
@@ -9,9 +12,36 @@ use crate::render::{PlacedWorld, describe_part, is_part};
 use crate::scene::{self, Reading, World};
 
 use super::CliError;
-use super::args::{ChannelArguments, CompareArguments, InspectArguments, PixelText, ViewArguments};
+use super::args::{CompareArguments, InspectArguments, ViewArguments};
 use super::files::{json, print, refuse_overwriting, require_html, require_png, say};
 use super::job::PART;
+
+/// Which channel is looked at, of an image that has several.
+#[derive(Debug, Args)]
+pub struct ChannelArguments {
+    /// Of bands the one that has this wavelength, in nanometers [default: all, or their mean]
+    #[arg(long, value_name = "NM", conflicts_with = "channel")]
+    pub wavelength: Option<f32>,
+    /// The channel of this name: R, G or B, or that of a band or a response [default: all, or their
+    /// mean; of responses red, green and blue these]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+}
+
+/// Two numbers of a pixel with a comma between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelText(pub [usize; 2]);
+
+impl FromStr for PixelText {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(',')
+            .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        numbers.map(Self).ok_or_else(|| "it is two numbers, as in 12,7".to_owned())
+    }
+}
 
 /// Writes a page to look at images in.
 pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
