@@ -252,7 +252,8 @@ impl Curves {
                 let channel = &curve.name;
                 let problem = format!(
                     "cannot be normalized in the channel {channel}: the integral of {light} with \
-                     it from {first} to {last} nm is {integral}"
+                     it from {first} to {last} nm is {}",
+                    integral as f32
                 );
                 return Err(Fault::new("", problem, "take it as it is, by raw_response"));
             }

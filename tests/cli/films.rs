@@ -136,7 +136,7 @@ fn what_is_wrong_with_a_film_is_said() {
             &["--responses", "line.csv"],
             "line.csv, line 3: `x` is not a finite number; write a line",
         ),
-        (&["--responses", "negative.csv"], "ask for raw_response"),
+        (&["--responses", "negative.csv"], "nm is -100; take it as it is, by raw_response"),
         (&["--responses", "xyz", "--range", "700:900"], "for the channel z in range 700:900"),
         (&["--responses", "xyz", "--bands", "bands.csv"], "cannot be used with"),
         (&["--responses", "xyz", "-o", "x.hdr"], "need an output that ends in .exr, .png"),
