@@ -133,7 +133,11 @@ impl FromStr for BandsText {
             return Ok(Self::File(text.to_owned()));
         }
         if text.contains('x') {
-            return Bands::from_list(text).map(Self::List).map_err(|fault| fault.to_string());
+            let told = |fault: Fault| match fault.field.as_str() {
+                "bands" => format!("the bands {}", fault.problem),
+                _ => fault.to_string(),
+            };
+            return Bands::from_list(text).map(Self::List).map_err(told);
         }
         let of = |text: &str| {
             let (ends, count) = text.rsplit_once(':')?;

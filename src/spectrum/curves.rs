@@ -22,6 +22,8 @@ const NAME_MAX: usize = 64;
 /// What wavelengths can be; those in micrometers are not taken for nanometers.
 const NANOMETERS: Range =
     Range::new("in nanometers, from 1 to 1000000", |nm| (1.0..=1e6).contains(&nm));
+/// What values can be: larger ones times light might be no finite numbers.
+const VALUES: Range = Range::new("from -1e12 to 1e12", |value| value.abs() <= 1e12);
 /// Most characters of a cell or a name that an error shows.
 const CELL: usize = 20;
 const REMEDY: &str = "write a line of names, as wavelength_nm,red,green,blue, and then a \
@@ -174,7 +176,7 @@ impl Curves {
             if values.len() != self.nm.len() {
                 return fault(name, "needs as many values as there are wavelengths".to_owned());
             }
-            values.iter().try_for_each(|value| Range::ANY.check(name, *value))?;
+            values.iter().try_for_each(|value| VALUES.check(name, *value))?;
         }
         Ok(())
     }
@@ -382,6 +384,7 @@ mod tests {
             ("nm,a\n500,1\n400,1", "line 3", "400 nm is not greater"),
             ("nm,a\n500,1\n500,1", "line 3", "500 nm is not greater"),
             ("um,a\n0.4,1\n0.7,1", "wavelength", "0.4 must be in nanometers"),
+            ("nm,a\n400,1\n500,2e12", "a", "2000000000000 must be from -1e12"),
             ("nm,a,a\n400,1,1\n500,1,1", "", "two channels that are called a"),
             ("nm,a,\n400,1,1\n500,1,1", "", "`` is no name"),
             ("nm,a.b\n400,1\n500,1", "", "`a.b` is no name"),
