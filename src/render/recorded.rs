@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
-use crate::film::{Film, Variances, recorded_values};
+use crate::film::{Film, Gauge, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
 use crate::math::text::excerpt;
@@ -39,6 +39,8 @@ const ANALYZER: &str = "image: analyzer";
 const COLOR: &str = "image: color";
 const SAMPLES: &str = "image: samples a pixel";
 const VARIANCE: &str = "image: variance";
+/// Which wavelengths light is carried at, where these change.
+const SPECTRAL: &str = "image: spectral";
 const IS_ASKED_FOR: &str = "image: variance is asked for";
 
 /// Most characters of a fact that is shown: responses have thousands.
@@ -151,7 +153,7 @@ impl Origin {
 
     /// What is the same in all parts of an image, and before and after a pause.
     fn facts(&self, settings: &Resolved) -> Vec<Fact> {
-        let spectral = settings.spectral.map(|it| ("image: spectral", spectral::in_words(it)));
+        let spectral = settings.spectral.map(|it| (SPECTRAL, spectral::in_words(it)));
         let photons = settings.passes.map(|passes| {
             let radius = settings.photons.radius.map_or("found".to_owned(), |it| it.to_string());
             [
@@ -418,18 +420,24 @@ fn film_of(part: &Record) -> Result<(Film, Option<Analyzer>, Mode), PartError> {
     let analyzer = analyzer_of(known(ANALYZER)?).ok_or_else(|| part.lacks(ANALYZER))?;
     let size = [part.number(WIDTH)?, part.number(HEIGHT)?];
     let components = components(mode, analyzer);
-    check_size(part, size, components * color.channels())?;
-    Ok((Film::new(size, color, components, variances, false), analyzer, mode))
+    let gauge = if part.fact(SPECTRAL).is_some() { Gauge::Kept } else { Gauge::None };
+    check_size(part, size, components * color.channels(), gauge)?;
+    let film = Film::new(size, color, components, (variances, gauge), false);
+    Ok((film, analyzer, mode))
 }
 
 /// Refuses a part whose head claims another film than its columns hold, before there is any.
-fn check_size(part: &Record, size: [u32; 2], values_per_pixel: usize) -> Result<(), OutputError> {
+fn check_size(
+    part: &Record,
+    size: [u32; 2],
+    values_per_pixel: usize,
+    gauge: Gauge,
+) -> Result<(), OutputError> {
     let held = recorded_values(part)?;
     let [width, height] = size;
-    let claimed = [width, height]
-        .map(u64::from)
-        .into_iter()
-        .try_fold(values_per_pixel as u64, |product, edge| product.checked_mul(edge));
+    let pixels = u64::from(width) * u64::from(height);
+    let pixels = if pixels > 0 { pixels.checked_add(gauge.pixels() as u64) } else { None };
+    let claimed = pixels.and_then(|pixels| pixels.checked_mul(values_per_pixel as u64));
     if claimed == Some(held) && held > 0 {
         return Ok(());
     }

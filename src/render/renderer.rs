@@ -354,6 +354,11 @@ impl Renderer {
         self.steps.radii()
     }
 
+    /// The channels for which no iteration has had a wavelength so far, so that they are black.
+    pub fn unmeasured(&self) -> Vec<usize> {
+        self.steps.unmeasured()
+    }
+
     /// The image of all samples so far, with variances if there are replicates, and with what is
     /// known of its making as metadata.
     pub fn finish(self) -> StokesImage {

@@ -46,6 +46,9 @@ pub enum Projection<const N: usize> {
         taken: Vec<Taken<N>>,
         /// How many channels there are.
         channels: usize,
+        /// What each adds to the gauge of the film: how often the wavelengths fall into it, over
+        /// how often they do so on the average.
+        met: Vec<f32>,
     },
 }
 
@@ -58,7 +61,8 @@ pub struct Spectra {
     white: White,
     responses: Responses,
     density: Density,
-    channels: usize,
+    /// The share of all wavelengths that fall into each channel.
+    expected: Vec<f64>,
     /// First and last wavelength, as they may be asked for.
     ends_nm: [f32; 2],
 }
@@ -116,13 +120,14 @@ impl Spectra {
         let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, white)? };
         let emitters = bake_emitters(world, shapes, &emitted.brightness(&responses, &nodes))?;
         let all = emitted.together(&emitters, shapes, nodes.len());
+        let density = Density::new(&responses, &nodes, &all);
         let spectra = Self {
             world: Arc::clone(world),
             shapes: Arc::clone(shapes),
             white,
             common: Common { lamps, suspensions: Suspensions::new(world, [first, last])? },
-            density: Density::new(&responses, &nodes, &all),
-            channels: responses.list().len(),
+            expected: density.means(responses.list().len(), |nm| responses.parts_at(nm)),
+            density,
             responses,
             ends_nm: within([first, last]),
         };
@@ -168,10 +173,26 @@ impl Spectra {
         let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");
         let taken = self.responses.taken(&wavelengths, &densities);
+        let (channels, met) = (self.expected.len(), self.met(&wavelengths));
         Iteration {
             scene: Arc::new(base.with_optics(optics)),
-            film: Projection::Shares { taken, channels: self.channels },
+            film: Projection::Shares { taken, channels, met },
         }
+    }
+
+    /// How often some wavelengths fall into each channel, over how often they do on the average.
+    fn met(&self, wavelengths_nm: &[f32]) -> Vec<f32> {
+        let mut found = vec![0.0; self.expected.len()];
+        for nm in wavelengths_nm {
+            let parts = self.responses.parts_at(f64::from(*nm));
+            found.iter_mut().zip(parts).for_each(|(found, part)| *found += part);
+        }
+        let count = wavelengths_nm.len() as f64;
+        let over = |(found, expected): (f64, &f64)| match *expected > 0.0 {
+            true => (found / (count * expected)) as f32,
+            false => 0.0,
+        };
+        found.into_iter().zip(&self.expected).map(over).collect()
     }
 }
 

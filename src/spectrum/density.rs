@@ -110,6 +110,23 @@ impl Density {
         if share < 0.0 { 0.0 } else { from * (1.0 - share) + to * share }
     }
 
+    /// The means of functions of the wavelength, so many of them, over all that is chosen: within a
+    /// segment they are taken to be cubic.
+    pub fn means(&self, count: usize, values_at: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+        // The rule of Gauss and Legendre with two points.
+        let off = 1.0 / 3.0_f64.sqrt();
+        let mut means = vec![0.0; count];
+        for segment in &self.segments {
+            for part in [0.5 - 0.5 * off, 0.5 + 0.5 * off] {
+                let [from, to] = segment.values;
+                let weight = 0.5 * segment.width() * (from * (1.0 - part) + to * part);
+                let values = values_at(segment.ends_nm[0] + segment.width() * part);
+                means.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * value);
+            }
+        }
+        means
+    }
+
     /// The wavelength in nanometers below which a share lies, within [0, 1), of all.
     pub fn inverse(&self, share: f64) -> f64 {
         let last = self.segments.len() - 1;

@@ -112,4 +112,14 @@ impl Color {
             Color::Bands(_) | Color::Responses(_) => true,
         }
     }
+
+    /// What one of its channels is called in words.
+    pub fn channel_name(&self, channel: usize) -> String {
+        match self {
+            Color::Rgb => ["red", "green", "blue"][channel].to_owned(),
+            Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => {
+                self.channel_names().swap_remove(channel)
+            }
+        }
+    }
 }

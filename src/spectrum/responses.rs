@@ -194,6 +194,14 @@ impl Responses {
         self.list.iter().map(|response| response.before(nm).abs()).sum()
     }
 
+    /// The share that each channel has in the sum of the sizes of all at a wavelength in
+    /// nanometers; zeros where there is none.
+    pub fn parts_at(&self, nm: f64) -> Vec<f64> {
+        let sizes: Vec<f64> = self.list.iter().map(|response| response.at(nm).abs()).collect();
+        let all: f64 = sizes.iter().sum();
+        sizes.into_iter().map(|size| if all > 0.0 { size / all } else { 0.0 }).collect()
+    }
+
     /// Every wavelength at which some response bends or jumps, in nanometers.
     pub fn nodes_nm(&self) -> impl Iterator<Item = f64> {
         self.list.iter().flat_map(|response| response.nodes.iter().map(|[nm, _]| *nm))

@@ -3,5 +3,6 @@
 
 mod agreement;
 mod films;
+mod gauge;
 mod parts;
 mod scenes;
