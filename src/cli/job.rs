@@ -7,11 +7,10 @@ use crate::image::format::{Format, extension, extensions, named_by};
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
-use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
-use super::color::color;
+use super::color::{color, white_balance};
 use super::white::WhiteName;
 
 /// What the files of parts end with.
@@ -40,12 +39,13 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     }
     let (color, spectral) = color(&arguments.color)?;
     let is_image = arguments.part.is_none();
-    if let (Color::Bands(bands), true) = (&color, is_image)
-        && named_by(&arguments.output, "written", Format::writes_bands).is_err()
+    if color.is_of_many()
+        && is_image
+        && named_by(&arguments.output, "written", Format::writes_many).is_err()
     {
         return Err(CliError::Usage(format!(
-            "{bands} need an output that ends in {}, and {} does not",
-            extensions(Format::writes_bands),
+            "{color} need an output that ends in {}, and {} does not",
+            extensions(Format::writes_many),
             arguments.output.display()
         )));
     }
@@ -55,6 +55,8 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         color,
         spectral,
         rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
+        white_balance: white_balance(&arguments.color)?,
+        raw_response: arguments.color.raw_response,
         width: arguments.width,
         height: arguments.height,
         samples,

@@ -3,12 +3,19 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::spectrum::Color;
+use crate::math::text::{excerpt, listed};
+use crate::spectrum::{Color, RGB_WAVELENGTHS_NM};
 
+use super::exr::WAVELENGTH_UNSTATED_NM;
 use super::rows::{Frame, Rows};
 use super::visualize::luminance;
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
+
+/// What the metadata call the channel that an image was made of.
+const CHANNEL: &str = "channel";
+/// Most characters of a name that an error shows.
+const NAME: usize = 60;
 
 /// Stokes values per pixel and channel, with what is known of their error and origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,13 +62,10 @@ impl StokesImage {
         self.variance.as_ref().map(|planes| interleaved(planes, self.shape()))
     }
 
-    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the bands.
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the bands or
+    /// responses.
     pub fn channel_names(&self) -> Vec<String> {
-        match &self.color {
-            Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
-            Color::Mono { .. } => vec![self.color.to_string()],
-            Color::Bands(bands) => bands.list().iter().map(|band| band.name.clone()).collect(),
-        }
+        self.color.channel_names()
     }
 
     /// The image of the band that has a wavelength in nanometers, as of light of one wavelength:
@@ -76,32 +80,66 @@ impl StokesImage {
                 Some(index) => (index, bands.list()[index].center_nm),
                 None => return Err(self.lacks(wavelength_nm)),
             },
-            Color::Rgb | Color::Mono { .. } => return Err(self.lacks(wavelength_nm)),
+            Color::Rgb | Color::Mono { .. } | Color::Responses(_) => {
+                return Err(self.lacks(wavelength_nm));
+            }
         };
+        Ok(self.of_channel(channel, center_nm))
+    }
+
+    /// The image of the channel that has a name, as of light of one wavelength: that which
+    /// the channel stands for, which is the center of a band, the mean of a response, and of red,
+    /// green and blue that at which indices of refraction are taken.
+    ///
+    /// # Errors
+    /// When no channel has it.
+    pub fn at_channel(&self, name: &str) -> Result<Self, OutputError> {
+        let names = self.channel_names();
+        let Some(channel) = names.iter().position(|known| known == name) else {
+            let (name, known) = (excerpt(name, NAME), listed(&names));
+            return Err(OutputError::NoChannel { name, known });
+        };
+        let colors = RGB_WAVELENGTHS_NM.get(channel).copied();
+        let wavelength_nm = self.color.wavelength_of(channel).or(colors);
+        let mut image = self.of_channel(channel, wavelength_nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
+        image.metadata.retain(|(key, _)| key != CHANNEL);
+        image.metadata.push((CHANNEL.to_owned(), name.to_owned()));
+        Ok(image)
+    }
+
+    fn of_channel(&self, channel: usize, wavelength_nm: f32) -> Self {
         let channels = self.color.channels();
         let of_channel = |planes: &Vec<Vec<f32>>| -> Vec<Vec<f32>> {
             planes.iter().skip(channel).step_by(channels).cloned().collect()
         };
-        Ok(Self {
+        Self {
             width: self.width,
             height: self.height,
-            color: Color::Mono { wavelength_nm: center_nm },
+            color: Color::Mono { wavelength_nm },
             components: self.components,
             planes: of_channel(&self.planes),
             variance: self.variance.as_ref().map(of_channel),
             metadata: self.metadata.clone(),
-        })
+        }
     }
 
     fn lacks(&self, wavelength_nm: f32) -> OutputError {
         OutputError::NoBand { what: self.color.to_string(), wavelength_nm }
     }
 
-    /// An image that can be shown in red, green and blue or in grey: of one of bands, their mean.
+    /// An image that can be shown in red, green and blue or in grey: of bands or responses, their
+    /// mean, and of three responses that are called red, green and blue, these as if they were
+    /// those of sRGB.
     pub(crate) fn shown(&self) -> Cow<'_, Self> {
-        let Color::Bands(bands) = &self.color else { return Cow::Borrowed(self) };
-        let list = bands.list();
-        let middle = 0.5 * (list[0].center_nm + list[list.len() - 1].center_nm);
+        let middle = match &self.color {
+            Color::Rgb | Color::Mono { .. } => return Cow::Borrowed(self),
+            Color::Responses(_) if self.channel_names() == ["red", "green", "blue"] => {
+                return Cow::Owned(Self { color: Color::Rgb, ..self.clone() });
+            }
+            Color::Bands(bands) => mean_of(bands.ends_nm().map(|nm| nm as f32)),
+            Color::Responses(curves) => mean_of(curves.ends_nm()),
+        };
+        let channels = self.color.channels();
         let mean = |planes: &[Vec<f32>]| -> Vec<f32> {
             let pixel = |pixel: usize| luminance(&self.color, |channel| planes[channel][pixel]);
             (0..self.width * self.height).map(pixel).collect()
@@ -111,7 +149,7 @@ impl StokesImage {
             height: self.height,
             color: Color::Mono { wavelength_nm: middle },
             components: self.components,
-            planes: self.planes.chunks(list.len()).map(mean).collect(),
+            planes: self.planes.chunks(channels).map(mean).collect(),
             variance: None,
             metadata: self.metadata.clone(),
         })
@@ -184,6 +222,10 @@ impl Rows for StokesImage {
     fn fault(&self) -> Option<&'static str> {
         check_shape(self).err()
     }
+}
+
+fn mean_of([one, two]: [f32; 2]) -> f32 {
+    0.5 * (one + two)
 }
 
 fn interleaved(planes: &[Vec<f32>], [height, width, channels, components]: [usize; 4]) -> Vec<f32> {

@@ -9,8 +9,9 @@ use crate::film::record::{self, Fact, Record};
 use crate::film::{Film, Gauge, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
+use crate::math::text::excerpt;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Bands, Color};
+use crate::spectrum::{Bands, Color, Curves, RGB_WAVELENGTHS_NM};
 
 use super::renderer::metadata;
 use super::resolved::components;
@@ -41,6 +42,9 @@ const VARIANCE: &str = "image: variance";
 /// Which wavelengths light is carried at, where these change.
 const SPECTRAL: &str = "image: spectral";
 const IS_ASKED_FOR: &str = "image: variance is asked for";
+
+/// Most characters of a fact that is shown: responses have thousands.
+const VALUE: usize = 200;
 
 /// What is wrong with a file that a render is to go on from, or with parts of an image.
 #[derive(Debug, thiserror::Error)]
@@ -167,6 +171,7 @@ impl Origin {
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, color_text(&settings.color)),
             ("image: rgb white", settings.white().name().to_owned()),
+            ("image: white balance", balance_text(settings).unwrap_or("none".to_owned())),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),
@@ -240,7 +245,8 @@ pub fn resume(
     for (name, here) in here {
         let there = record.fact(&name).ok_or_else(|| record.lacks(&name))?;
         if there != here {
-            let (path, there) = (path.to_owned(), there.to_owned());
+            let (path, there, here) =
+                (path.to_owned(), excerpt(there, VALUE), excerpt(&here, VALUE));
             return Err(PartError::Other { path, what: plain(&name), there, here });
         }
     }
@@ -300,8 +306,8 @@ fn check_alike(first: &Record, other: &Record) -> Result<(), PartError> {
                 first: first.path().to_owned(),
                 second: other.path().to_owned(),
                 what: plain(name),
-                one: one.clone(),
-                two: two.to_owned(),
+                one: excerpt(one, VALUE),
+                two: excerpt(two, VALUE),
             });
         }
     }
@@ -392,7 +398,7 @@ pub fn describe(path: &Path) -> Result<String, PartError> {
     let known = |(name, value): &Fact| {
         let is_place = [PART, FIRST, NEXT, END].contains(&name.as_str());
         let name = name.strip_prefix(OF_IMAGE).or(is_place.then_some(name))?;
-        Some(format!("  {name}: {value}\n"))
+        Some(format!("  {name}: {}\n", excerpt(value, VALUE)))
     };
     let lines: String = record.facts().iter().filter_map(known).collect();
     Ok(format!("{}: a part of an image, or a render to go on from\n{lines}", path.display()))
@@ -447,7 +453,19 @@ fn color_text(color: &Color) -> String {
         Color::Rgb => "rgb".to_owned(),
         Color::Mono { wavelength_nm } => wavelength_nm.to_string(),
         Color::Bands(bands) => bands.to_text(),
+        Color::Responses(curves) => curves.to_text(),
     }
+}
+
+/// What tells the white balance of a film of RGB from others: its name, and how the channels
+/// respond at three wavelengths, from which all else follows. None if it has none; that of
+/// responses is in these.
+fn balance_text(settings: &Resolved) -> Option<String> {
+    let white = settings.white_balance.as_ref().filter(|_| settings.color == Color::Rgb)?;
+    let responses = settings.responses()?;
+    let at = |nm: f32| responses.list().iter().map(move |it| it.at(nm.into()));
+    let values: Vec<f64> = RGB_WAVELENGTHS_NM.into_iter().flat_map(at).collect();
+    Some(format!("{white} {values:?}"))
 }
 
 /// The color of a text; nothing for any other text.
@@ -457,7 +475,10 @@ fn color_of(text: &str) -> Option<Color> {
     }
     match text.parse() {
         Ok(wavelength_nm) => Some(Color::Mono { wavelength_nm }),
-        Err(_) => Bands::from_text(text).map(|bands| Color::Bands(Arc::new(bands))),
+        Err(_) => {
+            let bands = || Some(Color::Bands(Arc::new(Bands::from_text(text)?)));
+            bands().or_else(|| Some(Color::Responses(Arc::new(Curves::from_text(text)?))))
+        }
     }
 }
 

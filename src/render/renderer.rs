@@ -439,6 +439,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
     let is_plain = settings.spectral.is_none() && settings.color == crate::spectrum::Color::Rgb;
     let white = (!is_plain).then(|| ("rgb white", settings.white().name().to_owned()));
     let spectral = settings.spectral.map(|it| ("spectral", spectral::in_words(it)));
+    let balance = spectral::balance_in_words(settings).map(|it| ("white balance", it));
     let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
@@ -451,7 +452,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts =
-        integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral);
+    let facts = facts.chain(others).chain(white).chain(balance);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -23,7 +23,7 @@ use crate::scene::{
     bake_optics_at, lamps,
 };
 use crate::spectrum::density::{Density, integral, nodes_nm};
-use crate::spectrum::{Carried, Color, Responses, Taken, White};
+use crate::spectrum::{Carried, Responses, Taken, White};
 
 /// The golden ratio's part behind the point, of 2^64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -100,7 +100,7 @@ impl<const N: usize> Sets<N> {
 }
 
 impl Spectra {
-    /// Those of a world for a film, and what emits in it.
+    /// Those of a world for a film of such responses, and what emits in it.
     ///
     /// # Errors
     /// When a spectrum does not cover the wavelengths, nothing emits, or the film responds to none
@@ -108,18 +108,14 @@ impl Spectra {
     pub fn new(
         world: &Arc<World>,
         shapes: &Arc<Shapes>,
-        (color, spectral, white): (&Color, Spectral, White),
+        (responses, spectral, white): (Responses, Spectral, White),
     ) -> Result<(Self, Emitters), super::RenderError> {
-        let without = || {
-            let rule = format!("{color} responds to no light of the range");
-            SettingsError { setting: "range", rule }
-        };
-        let responses = Responses::of(color).ok_or_else(without)?;
         let lamps = lamps(world);
         let knots = lamps.iter().flat_map(|lamp| lamp.spectrum.knots_nm());
         let nodes = nodes_nm(&responses, spectral.range_nm, knots);
         let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
-            return Err(without().into());
+            let rule = "has no light that the film responds to".to_owned();
+            return Err(SettingsError { setting: "range", rule }.into());
         };
         let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, white)? };
         let emitters = bake_emitters(world, shapes, &emitted.brightness(&responses, &nodes))?;
@@ -130,7 +126,7 @@ impl Spectra {
             shapes: Arc::clone(shapes),
             white,
             common: Common { lamps, suspensions: Suspensions::new(world, [first, last])? },
-            expected: density.means(color.channels(), |nm| responses.parts_at(nm)),
+            expected: density.means(responses.list().len(), |nm| responses.parts_at(nm)),
             density,
             responses,
             ends_nm: within([first, last]),
@@ -338,7 +334,7 @@ mod tests {
         let mut list = broad.list().to_vec();
         list.push(crate::spectrum::Band::new(700.0, 2.0));
         let bands = Bands::new(list).unwrap();
-        let responses = Responses::of(&Color::Bands(Arc::new(bands.clone()))).unwrap();
+        let responses = Responses::of_bands(&bands);
         let nodes = nodes_nm(&responses, [380.0, 780.0], std::iter::empty());
         // Another spectrum than the one that is measured.
         let emitted: Vec<f64> = nodes.iter().map(|nm| (nm - 390.0) * 0.01).collect();

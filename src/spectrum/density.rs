@@ -144,12 +144,11 @@ impl Density {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::{Band, Bands, Color, Response};
-    use std::sync::Arc;
+    use crate::spectrum::{Band, Bands, Response};
 
     fn bands(first: f32, last: f32, count: usize) -> Responses {
         let bands = Bands::evenly(first, last, count).unwrap();
-        Responses::of(&Color::Bands(Arc::new(bands))).unwrap()
+        Responses::of_bands(&bands)
     }
 
     /// A line of 2 nm on a faint floor, which has nearly all of the emission.
@@ -197,7 +196,7 @@ mod tests {
     fn nothing_is_chosen_where_no_channel_responds() {
         let list = [Band::new(450.0, 2.0), Band::new(650.0, 20.0)];
         let bands = Bands::new(list.to_vec()).unwrap();
-        let responses = Responses::of(&Color::Bands(Arc::new(bands))).unwrap();
+        let responses = Responses::of_bands(&bands);
         let nodes = nodes_nm(&responses, [380.0, 780.0], std::iter::empty());
         let density = Density::new(&responses, &nodes, &vec![0.0; nodes.len()]);
         assert_eq!(

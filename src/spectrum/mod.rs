@@ -9,8 +9,8 @@ mod bands;
 mod carried;
 pub mod cie;
 pub mod color_space;
+mod curves;
 mod data;
-mod daylight;
 pub mod density;
 mod dispersion;
 mod formula;
@@ -18,13 +18,16 @@ mod illuminants;
 mod indices;
 mod lamps;
 mod responses;
+mod rows;
 mod spd;
 mod spectra;
 pub mod upsampling;
+mod white_balance;
 
 pub use bands::{BANDS_MAX, Band, Bands};
 pub use carried::Carried;
 pub use color_space::White;
+pub use curves::{CHANNELS_MAX, Curves};
 pub use dispersion::D_NM;
 pub use formula::Formula;
 pub use illuminants::illuminant_names;
@@ -32,6 +35,7 @@ pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
+pub use white_balance::WhiteBalance;
 
 use std::sync::Arc;
 
@@ -52,6 +56,8 @@ pub enum Color {
     },
     /// Bands of wavelengths, over each of which light is averaged: per nanometer.
     Bands(Arc<Bands>),
+    /// Channels with responses of their own: each is the integral of radiance times its response.
+    Responses(Arc<Curves>),
 }
 
 impl std::fmt::Display for Color {
@@ -61,6 +67,7 @@ impl std::fmt::Display for Color {
             Self::Rgb => write!(f, "RGB"),
             Self::Mono { wavelength_nm } => write!(f, "{wavelength_nm} nm"),
             Self::Bands(bands) => write!(f, "{bands}"),
+            Self::Responses(curves) => write!(f, "{curves}"),
         }
     }
 }
@@ -72,6 +79,37 @@ impl Color {
             Color::Rgb => 3,
             Color::Mono { .. } => 1,
             Color::Bands(bands) => bands.list().len(),
+            Color::Responses(curves) => curves.channels().len(),
+        }
+    }
+
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the names of bands or
+    /// responses.
+    pub fn channel_names(&self) -> Vec<String> {
+        match self {
+            Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
+            Color::Mono { .. } => vec![self.to_string()],
+            Color::Bands(bands) => bands.list().iter().map(|band| band.name.clone()).collect(),
+            Color::Responses(curves) => curves.channels().map(String::from).collect(),
+        }
+    }
+
+    /// The vacuum wavelength in nanometers that a channel stands for: of a band its center, of a
+    /// response its mean wavelength. None of red, green and blue, which are colors.
+    pub fn wavelength_of(&self, channel: usize) -> Option<f32> {
+        match self {
+            Color::Rgb => None,
+            Color::Mono { wavelength_nm } => Some(*wavelength_nm),
+            Color::Bands(bands) => bands.list().get(channel).map(|band| band.center_nm),
+            Color::Responses(curves) => curves.center_nm(channel),
+        }
+    }
+
+    /// Whether the channels are not those of a picture: bands or responses, any number of them.
+    pub fn is_of_many(&self) -> bool {
+        match self {
+            Color::Rgb | Color::Mono { .. } => false,
+            Color::Bands(_) | Color::Responses(_) => true,
         }
     }
 
@@ -79,8 +117,9 @@ impl Color {
     pub fn channel_name(&self, channel: usize) -> String {
         match self {
             Color::Rgb => ["red", "green", "blue"][channel].to_owned(),
-            Color::Mono { wavelength_nm } => format!("{wavelength_nm} nm"),
-            Color::Bands(bands) => bands.list()[channel].name.clone(),
+            Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => {
+                self.channel_names().swap_remove(channel)
+            }
         }
     }
 }

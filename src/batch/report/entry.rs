@@ -13,7 +13,6 @@ use crate::batch::results::Record;
 use crate::batch::values::Values;
 use crate::image;
 use crate::math::text::{excerpt, printable};
-use crate::spectrum::Color;
 
 /// Most characters of a name, and of a cause.
 const NAME: usize = 1000;
@@ -161,12 +160,13 @@ impl Entry {
 
 impl Shown {
     fn read(path: &Path, edge: usize) -> Result<Self, String> {
-        let image = image::load(path).map_err(|error| error.to_string())?;
-        let channels = match &image.color {
-            Color::Rgb | Color::Mono { .. } => image.channel_names(),
-            Color::Bands(bands) => vec![format!("mean of {bands}")],
+        let whole = image::load(path).map_err(|error| error.to_string())?;
+        let image = whole.shown();
+        let is_mean = whole.color.is_of_many() && image.color.channels() == 1;
+        let channels = match is_mean {
+            true => vec![format!("mean of {}", whole.color)],
+            false => image.channel_names(),
         };
-        let image = image.shown();
         let is_finite = finite(&image);
         Ok(Self {
             width: image.width,

@@ -13,7 +13,6 @@ use std::path::Path;
 
 use super::error::OutputError;
 use super::{StokesImage, atomic, check_shape, page};
-use crate::spectrum::Color;
 
 /// What a browser is asked to hold at most: the bytes of all values of a page. Inflated they are
 /// one array a plane; beside them the page's text is as large again while it is read.
@@ -69,9 +68,9 @@ pub fn page(images: &[Named]) -> Result<String, OutputError> {
 fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
-        if let Color::Bands(_) = named.image.color {
-            let reason = "a page shows RGB or one wavelength, and it has bands; name one by \
-                          --wavelength";
+        if named.image.color.is_of_many() {
+            let reason = "a page shows RGB or one wavelength, and it has bands or responses; name \
+                          one by --channel";
             return Err(OutputError::Image { reason });
         }
     }
@@ -150,6 +149,7 @@ fn push_pixels(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::Color;
 
     #[test]
     fn every_place_of_the_page_is_filled_once() {
