@@ -39,6 +39,11 @@ pub struct ColorArguments {
     /// but for a film of RGB]
     #[arg(long, value_enum, ignore_case = true, value_name = "WHITE")]
     pub rgb_white: Option<WhiteName>,
+    /// Hold what tables and formulas of materials, media and lights say at their ends where the
+    /// wavelengths of the render reach beyond, instead of refusing it; a warning and the image's
+    /// metadata say of which
+    #[arg(long)]
+    pub hold_spectra: bool,
     /// Wavelengths that --color spectral carries together, others in every iteration: 4 or 8
     /// [default: 8]
     #[arg(long, value_name = "N")]
@@ -89,7 +94,7 @@ impl FromStr for BandsText {
 
 /// What the channels stand for, and what light is carried at.
 pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
-    let ColorArguments { color, wavelength, wavelengths, range, bands, rgb_white: _ } = arguments;
+    let ColorArguments { color, wavelength, wavelengths, range, bands, .. } = arguments;
     let usage = |text: &str| Err(CliError::Usage(text.to_owned()));
     let typed = [
         ("--wavelengths", wavelengths.is_some()),

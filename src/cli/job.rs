@@ -55,6 +55,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         color,
         spectral,
         rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
+        hold_spectra: arguments.color.hold_spectra,
         width: arguments.width,
         height: arguments.height,
         samples,

@@ -446,7 +446,9 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
+    let held = (!settings.held.is_empty()).then(|| ("held spectra", settings.held.join("; ")));
+    let last = white.into_iter().chain(held);
     let facts =
-        integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
+        integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(last);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -5,7 +5,7 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::{Color, White};
+use crate::spectrum::{Beyond, Color, White};
 use crate::transport::Sampling;
 
 use super::place::Part;
@@ -131,6 +131,10 @@ pub struct Options {
     /// The white under which red, green and blue of materials and lights have the color that they
     /// say, where channels stand for wavelengths; by default [`White::of`] the color.
     pub rgb_white: Option<White>,
+    /// Whether what tables and formulas say at their ends is held beyond them, instead of the
+    /// render being refused that asks for it. The image's metadata says of which, and over which
+    /// wavelengths.
+    pub hold_spectra: bool,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -180,6 +184,7 @@ impl Default for Options {
             color: Color::Rgb,
             spectral: None,
             rgb_white: None,
+            hold_spectra: false,
             width: None,
             height: None,
             samples: 64,
@@ -261,6 +266,11 @@ impl Options {
     /// The white under which red, green and blue have the color that they say.
     pub fn white(&self) -> White {
         self.rgb_white.unwrap_or(White::of(&self.color))
+    }
+
+    /// What tables and formulas say beyond their ends.
+    pub fn beyond(&self) -> Beyond {
+        if self.hold_spectra { Beyond::Held } else { Beyond::Refused }
     }
 
     /// What was asked for, by name.

@@ -23,7 +23,7 @@ mod spectra;
 pub mod upsampling;
 
 pub use bands::{BANDS_MAX, Band, Bands};
-pub use carried::Carried;
+pub use carried::{Beyond, Carried};
 pub use color_space::White;
 pub use dispersion::D_NM;
 pub use formula::Formula;
