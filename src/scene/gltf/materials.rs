@@ -231,11 +231,20 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
             let exterior_ior = Spectrum::Constant(exterior_ior);
             Bsdf::DispersiveDielectric { ior: of(ior)?, exterior_ior }
         }
-        Bsdf::ThinDielectric { ior: Spectrum::Constant(ior), exterior_ior } => {
-            Bsdf::ThinDielectric { ior: of(ior)?, exterior_ior }
-        }
-        // What has no index, or states that of every wavelength.
-        other => return Ok(other),
+        Bsdf::ThinDielectric { ior, exterior_ior } => match ior {
+            Spectrum::Constant(ior) => Bsdf::ThinDielectric { ior: of(ior)?, exterior_ior },
+            // It states that of every wavelength.
+            ior @ (Spectrum::Rgb(_) | Spectrum::Table(_) | Spectrum::Formula(_)) => {
+                return Ok(Bsdf::ThinDielectric { ior, exterior_ior });
+            }
+        },
+        Bsdf::Absorber
+        | Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::Polarizer { .. }
+        | Bsdf::Retarder { .. }
+        | Bsdf::Null => return Ok(bsdf),
     };
     bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_DISPERSION)))?;
     Ok(bsdf)
