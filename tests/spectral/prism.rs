@@ -1,7 +1,7 @@
 //! Sunlight through a slit and a prism: on a screen every wavelength is where Snell's law has it.
 //!
-//! All is drawn in the plane of x and y, across the edge of the prism. The beam comes along x, meets
-//! the first face at the origin, and what leaves the second falls on a screen far away.
+//! All is drawn in the plane of x and y, across the edge of the prism. The beam comes along x and
+//! meets the first face at the origin; what leaves the second falls on a screen far away.
 
 use sunstone::glam::{DVec2, DVec3, Vec3};
 use sunstone::spectra::index;
@@ -11,8 +11,7 @@ use sunstone::{Band, Error, Integrator, Mode, Options, PlacedWorld, StokesImage,
 use crate::fresnel::{bk7, n_sf11};
 use crate::measured::{images, spectral};
 
-/// Angle of incidence on the first face, and between the faces.
-const INCIDENCE_DEG: f64 = 55.0;
+/// Angle between the faces.
 const APEX_DEG: f64 = 60.0;
 /// How far from the edge of the prism the beam meets the first face; length of the faces; half the
 /// length of the prism.
@@ -23,28 +22,75 @@ const HALF: f64 = 0.15;
 const SLIT: [f64; 2] = [0.02, 0.1];
 /// How far away the screen is, and half of its picture.
 const DISTANCE: f64 = 10.0;
-const PICTURE: [f64; 2] = [1.0, 0.125];
+const PICTURE: [f64; 2] = [1.2, 0.15];
 const FILM: [u32; 2] = [256, 32];
 /// Middles of the bands in nanometers.
 const BANDS_NM: [f64; 8] = [410.0, 440.0, 480.0, 520.0, 560.0, 600.0, 650.0, 700.0];
 /// Of which the screen has the middle in the middle.
-const MIDDLE_NM: f64 = 480.0;
+const MIDDLE_NM: f64 = 500.0;
+
+/// A prism of some glass.
+struct Prism {
+    name: &'static str,
+    index_of: fn(f64) -> f64,
+    /// Angle of incidence on the first face: light goes through nearly as little turned as it can
+    /// be.
+    incidence_deg: f64,
+}
+
+const PRISMS: [Prism; 2] = [
+    Prism { name: "BK7", index_of: bk7, incidence_deg: 50.0 },
+    Prism { name: "N-SF11", index_of: n_sf11, incidence_deg: 66.0 },
+];
 
 /// The unit vector at an angle to the x axis.
 fn at(deg: f64) -> DVec2 {
     DVec2::from_angle(deg.to_radians())
 }
 
-/// The outward normals of the two faces: the beam meets the first at its angle of incidence.
-fn normals() -> [DVec2; 2] {
-    [at(180.0 - INCIDENCE_DEG), at(APEX_DEG - INCIDENCE_DEG)]
-}
+impl Prism {
+    /// The outward normals of the two faces: the beam meets the first at its angle of incidence.
+    fn normals(&self) -> [DVec2; 2] {
+        [at(180.0 - self.incidence_deg), at(APEX_DEG - self.incidence_deg)]
+    }
 
-/// The edge of the prism, and the directions in which the faces lead away from it.
-fn faces() -> (DVec2, [DVec2; 2]) {
-    let [first, second] = normals();
-    let along = [first.perp(), -second.perp()];
-    (-FROM_EDGE * along[0], along)
+    /// The edge of the prism, and the directions in which the faces lead away from it.
+    fn faces(&self) -> (DVec2, [DVec2; 2]) {
+        let [first, second] = self.normals();
+        let along = [first.perp(), -second.perp()];
+        (-FROM_EDGE * along[0], along)
+    }
+
+    /// Where the middle of the beam leaves the prism at a wavelength in nanometers, and along which
+    /// direction.
+    fn ray(&self, nm: f64) -> (DVec2, DVec2) {
+        let n = (self.index_of)(nm);
+        let [first, second] = self.normals();
+        let inside = refracted(DVec2::X, first, n);
+        let (edge, _) = self.faces();
+        let leaves = inside * (edge.dot(second) / inside.dot(second));
+        (leaves, refracted(inside, -second, 1.0 / n))
+    }
+
+    /// The middle of the screen, and the direction of the light that falls straight on it.
+    fn screen(&self) -> (DVec2, DVec2) {
+        let (leaves, light) = self.ray(MIDDLE_NM);
+        (leaves + DISTANCE * light, light)
+    }
+
+    /// Its shape, outwards.
+    fn shape(&self) -> Geometry {
+        let (edge, [first, second]) = self.faces();
+        let corners = [edge, edge + FACE * first, edge + FACE * second];
+        let at = |z: f64| corners.map(|it| it.extend(z).as_vec3());
+        let positions = [-HALF, HALF].into_iter().flat_map(at);
+        let triangles = [[0, 2, 1], [3, 4, 5]].into_iter();
+        let sides = (0..3_u32).flat_map(|corner| {
+            let next = (corner + 1) % 3;
+            [[corner, next, next + 3], [corner, next + 3, corner + 3]]
+        });
+        Geometry::new(positions.collect(), triangles.chain(sides).collect())
+    }
 }
 
 /// Snell's law in the plane: unit vectors of the light and of the normal against it, and the index
@@ -55,33 +101,17 @@ fn refracted(light: DVec2, normal: DVec2, eta: f64) -> DVec2 {
     light / eta + normal * (cos_i / eta - cos_t)
 }
 
-/// Where the middle of the beam leaves the prism, and along which direction.
-fn ray(n: f64) -> (DVec2, DVec2) {
-    let [first, second] = normals();
-    let inside = refracted(DVec2::X, first, n);
-    let (edge, _) = faces();
-    let leaves = inside * (edge.dot(second) / inside.dot(second));
-    (leaves, refracted(inside, -second, 1.0 / n))
-}
-
-/// The middle of the screen, and the direction of the light that falls straight on it.
-fn screen(index_of: fn(f64) -> f64) -> (DVec2, DVec2) {
-    let (leaves, light) = ray(index_of(MIDDLE_NM));
-    (leaves + DISTANCE * light, light)
-}
-
-fn world(glass: &str, index_of: fn(f64) -> f64) -> PlacedWorld {
+fn world(prism: &Prism) -> PlacedWorld {
     let world = || -> Result<World, Error> {
         let mut world = World::new("prism");
-        let (ior, _) = index(glass).expect("it is tabulated");
+        let (ior, _) = index(prism.name).expect("it is tabulated");
         let glass = Bsdf::DispersiveDielectric { ior, exterior_ior: 1.0.into() };
         let glass = world.add_material("glass", glass)?;
         let white = world.add_material("white", Bsdf::diffuse(0.9))?;
         let black = world.add_material("black", Material::from(Bsdf::Absorber).two_sided())?;
         let here = Transform::IDENTITY;
-        let (edge, along) = faces();
-        world.add_mesh("prism", prism(edge, along), glass, here)?;
-        let (middle, light) = screen(index_of);
+        world.add_mesh("prism", prism.shape(), glass, here)?;
+        let (middle, light) = prism.screen();
         let across = light.perp().extend(0.0).as_vec3();
         let up = Vec3::Z;
         // Its front to the light.
@@ -123,19 +153,6 @@ fn blinds() -> [(&'static str, DVec3, DVec3); 4] {
     ]
 }
 
-/// The prism of an edge and the directions of its faces, outwards.
-fn prism(edge: DVec2, [first, second]: [DVec2; 2]) -> Geometry {
-    let corners = [edge, edge + FACE * first, edge + FACE * second];
-    let positions =
-        [-HALF, HALF].into_iter().flat_map(|z| corners.map(|it| it.extend(z).as_vec3()));
-    let triangles = [[0, 2, 1], [3, 4, 5]].into_iter();
-    let sides = (0..3_u32).flat_map(|corner| {
-        let next = (corner + 1) % 3;
-        [[corner, next, next + 3], [corner, next + 3, corner + 3]]
-    });
-    Geometry::new(positions.collect(), triangles.chain(sides).collect())
-}
-
 /// Where the middle of the light is on the film, right of the middle, in units of the scene: of the
 /// columns about the brightest, no further away than the light of a band reaches.
 fn centroid(images: &[StokesImage], channel: usize) -> f64 {
@@ -156,8 +173,8 @@ fn centroid(images: &[StokesImage], channel: usize) -> f64 {
     sums[1] / sums[0]
 }
 
-fn check(glass: &str, index_of: fn(f64) -> f64) {
-    let world = world(glass, index_of);
+fn check(prism: &Prism) {
+    let world = world(prism);
     // Narrow enough that the middle of the band is that of its light.
     let bands = BANDS_NM.map(|nm| Band::new(nm as f32, 2.0)).to_vec();
     let options = Options {
@@ -168,13 +185,13 @@ fn check(glass: &str, index_of: fn(f64) -> f64) {
         ..Options::default()
     };
     let images = images(&world, &spectral(8, bands, options), 2);
-    let (middle, light) = screen(index_of);
-    let backward = -light;
+    let (middle, light) = prism.screen();
+    let (glass, backward) = (prism.name, -light);
     // The camera's right: up cross backward.
     let right = backward.perp();
     let mut places = Vec::new();
     for (channel, nm) in BANDS_NM.into_iter().enumerate() {
-        let (leaves, towards) = ray(index_of(nm));
+        let (leaves, towards) = prism.ray(nm);
         let on_screen = leaves + towards * ((middle - leaves).dot(light) / towards.dot(light));
         let expected = (on_screen - middle).dot(right);
         let found = centroid(&images, channel);
@@ -192,6 +209,5 @@ fn check(glass: &str, index_of: fn(f64) -> f64) {
 
 #[test]
 fn prisms_refract_every_wavelength_by_snells_law() {
-    check("BK7", bk7);
-    check("N-SF11", n_sf11);
+    PRISMS.iter().for_each(check);
 }

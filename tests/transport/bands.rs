@@ -1,9 +1,9 @@
-//! Bands of spectral renders are what mono renders measure at their middles: of the tank of milk, and
-//! of glass that disperses light next to, in and about everything else.
+//! Bands of spectral renders are what mono renders measure at their middles: of the tank of milk,
+//! and of glass that disperses light next to, in and about everything else.
 //!
 //! Cells of pixels of independent replicates are compared, as in `agreement`: some 2,000 numbers,
-//! of which a normal one exceeds the limit of 5.5 with a chance of 4e-8, so that noise fails them in
-//! 1 of 12,000 cases.
+//! of which a normal one exceeds the limit of 5.5 with a chance of 4e-8, so that noise fails them
+//! in 1 of 12,000 cases.
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
