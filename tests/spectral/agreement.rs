@@ -3,7 +3,7 @@
 use sunstone::{Band, Color, Integrator, Mode, Options, Photons, PlacedWorld, StokesImage};
 
 use crate::measured::{images, spectral};
-use crate::scenes::{dispersive_room, gray_room, tabulated_room};
+use crate::scenes::{dispersive_room, gray_fogs, gray_room, tabulated_fog, tabulated_room};
 
 /// Images of each, and samples per pixel: few where nothing is optimized.
 pub const REPLICATES: u32 = if cfg!(debug_assertions) { 8 } else { 16 };
@@ -75,19 +75,31 @@ const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integr
 /// Equal energy, gray materials: every band, broad or narrow, is what one wavelength measures.
 #[test]
 fn bands_of_a_gray_scene_are_mono() {
-    let world = gray_room();
+    gray_bands_are_mono(&gray_room(), 0);
+}
+
+/// Of gray media, too.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bands_of_gray_fog_are_mono() {
+    for (first_seed, world) in [20_000, 30_000].into_iter().zip(gray_fogs()) {
+        gray_bands_are_mono(&world, first_seed);
+    }
+}
+
+fn gray_bands_are_mono(world: &PlacedWorld, first_seed: u32) {
     for (index, integrator) in INTEGRATORS.into_iter().enumerate() {
         let all =
             [(Mode::Polarized, 8), (Mode::Scalar, 4), (Mode::Polarized, 4), (Mode::Intensity, 8)];
         let some = if cfg!(debug_assertions) { &all[index..=index] } else { &all };
         for &(mode, wavelengths) in some {
-            let seed = 1000 * index as u32;
+            let seed = first_seed + 1000 * index as u32;
             let mono = Color::Mono { wavelength_nm: 550.0 };
             let mono = Options { color: mono, ..options(integrator, mode, seed) };
             let bands =
                 vec![Band::new(450.0, 80.0), Band::new(550.0, 2.0), Band::new(640.0, 150.0)];
             let many = spectral(wavelengths, bands, options(integrator, mode, seed + 500));
-            let [mono, many] = [&mono, &many].map(|options| images(&world, options, REPLICATES));
+            let [mono, many] = [&mono, &many].map(|options| images(world, options, REPLICATES));
             for channel in 0..3 {
                 let what = format!("{integrator:?}, {mode:?}, {wavelengths}, band {channel}");
                 compare((&many, channel), (&mono, 0), &what);
@@ -100,6 +112,13 @@ fn bands_of_a_gray_scene_are_mono() {
 #[test]
 fn bands_of_tables_are_mono_at_their_centers() {
     narrow_bands_are_mono(&tabulated_room(), 50_000);
+}
+
+/// The same in a medium that is tabulated.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bands_of_tabulated_fog_are_mono_at_their_centers() {
+    narrow_bands_are_mono(&tabulated_fog(), 110_000);
 }
 
 /// The same where light is refracted in other ways at other wavelengths.

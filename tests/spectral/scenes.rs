@@ -1,19 +1,19 @@
 //! Small worlds with gray materials, and with tabulated ones.
 
 use sunstone::glam::{DVec3, Vec3};
-use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
+use sunstone::world::{Bsdf, Geometry, Lens, Material, Medium, Phase, Transform};
 use sunstone::{Error, PlacedWorld, Spectrum, World};
 
 /// The middle of the spheres.
 const BALL: DVec3 = DVec3::new(0.4, -0.6, 0.3);
 
 /// A room with a lamp, a plate, and a sphere of glass, of materials that reflect, emit and refract
-/// so.
+/// so; in a medium, if there is one.
 fn room(
     wall: impl Into<Spectrum>,
     glow: impl Into<Spectrum>,
     plate: [Spectrum; 2],
-    glass: &[Bsdf],
+    (glass, air): (&[Bsdf], Option<Medium>),
 ) -> PlacedWorld {
     let world = || -> Result<World, Error> {
         let mut world = World::new("room");
@@ -31,6 +31,10 @@ fn room(
             let glass = world.add_material(&format!("glass {index}"), bsdf.clone())?;
             world.add_sphere(&format!("ball {index}"), radius, glass, BALL)?;
         }
+        if let Some(air) = &air {
+            let air = world.add_medium("air", air.clone())?;
+            world.set_scene_medium(air)?;
+        }
         let place = Transform::looking(DVec3::Z * 0.9, DVec3::ZERO, DVec3::Y);
         world.set_camera("eye", Lens::pinhole(1.2), place)?;
         world.set_resolution([16, 16])?;
@@ -42,7 +46,27 @@ fn room(
 
 /// That of materials and light that are the same at all wavelengths.
 pub fn gray_room() -> PlacedWorld {
-    room(0.6, 5.0, [0.95.into(), 6.7.into()], &[Bsdf::dielectric(1.5)])
+    gray(None)
+}
+
+/// The same in fog of small particles, or of large ones.
+pub fn gray_fogs() -> [PlacedWorld; 2] {
+    let dipoles = Medium::new(0.1, 0.4, Phase::Rayleigh { depolarization: 0.02 });
+    let drops = Medium::new(0.05, 0.6, Phase::HenyeyGreenstein { g: 0.7.into() });
+    [dipoles, drops].map(|fog| gray(Some(fog)))
+}
+
+fn gray(air: Option<Medium>) -> PlacedWorld {
+    room(0.6, 5.0, [0.95.into(), 6.7.into()], (&[Bsdf::dielectric(1.5)], air))
+}
+
+/// Tabulated materials in tabulated fog.
+pub fn tabulated_fog() -> PlacedWorld {
+    let [absorbs, scatters] = [[0.3, 0.0, 0.1, 0.2], [0.8, 0.2, 0.5, 0.1]].map(table);
+    let fog =
+        Medium::new(absorbs, scatters, Phase::HenyeyGreenstein { g: table([0.8, 0.2, -0.3, 0.0]) });
+    let [wall, glow, eta, k] = TABLES.map(table);
+    room(wall, glow, [eta, k], (&[Bsdf::dielectric(1.5)], Some(fog)))
 }
 
 /// Where tables have their ends, and bend in between.
@@ -69,7 +93,7 @@ pub fn longer_tabulated_room() -> PlacedWorld {
         let nm = [&[300.0], &KNOTS_NM[..], &[900.0]].concat();
         Spectrum::table(&nm, &values).expect("a sound table")
     });
-    room(wall, glow, [eta, k], &[Bsdf::dielectric(1.5)])
+    room(wall, glow, [eta, k], (&[Bsdf::dielectric(1.5)], None))
 }
 
 /// The same with glass that disperses light more than any does, around more glass, of which the
@@ -95,5 +119,5 @@ fn tabulated(glass: &[Bsdf]) -> PlacedWorld {
 /// That of tables but for the light.
 fn tabulated_under(glow: Spectrum, glass: &[Bsdf]) -> PlacedWorld {
     let [wall, _, eta, k] = TABLES.map(table);
-    room(wall, glow, [eta, k], glass)
+    room(wall, glow, [eta, k], (glass, None))
 }
