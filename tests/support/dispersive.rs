@@ -126,6 +126,7 @@ fn metals_in_water() -> World {
     pinhole(scene).load("metals in water")
 }
 
+/// Of which light comes to flint, too.
 fn panes() -> World {
     let mut scene = room(&[]);
     add_panel(&mut scene, 0.4, 6.0);
@@ -137,5 +138,7 @@ fn panes() -> World {
     scene.quad(v(0.0, 0.0, 1.6), v(1.3, 0.0, 0.2), v(0.0, 1.3, -0.1), polarizer);
     let matte = scene.diffuse(0.7);
     scene.sphere(v(0.2, -0.6, 0.0), 0.3, matte);
+    let flint = glass(&mut scene, 1.5, 1.9);
+    scene.sphere(v(-0.5, -0.65, 0.4), 0.25, flint);
     pinhole(scene).load("panes and a polarizer")
 }
