@@ -261,7 +261,7 @@ fn bows_of_glass_are_where_snells_law_has_them_at_every_wavelength() {
     let bands = rings.iter().map(|ring| Band::new(ring.nm as f32, 0.2)).collect();
     let options = Options {
         integrator: Some(Integrator::Path),
-        mode: Mode::Scalar,
+        mode: Mode::Intensity,
         samples: 64,
         path_length_max: LENGTH,
         roulette_after: Some(LENGTH + 1),
