@@ -52,7 +52,7 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
         "thin_dielectric" => {
-            let [ior, exterior_ior] = indices(keys)?;
+            let [ior, exterior_ior] = indices(keys)?.map(Into::into);
             Bsdf::ThinDielectric { ior, exterior_ior }
         }
         model => return Err(keys.refuse("bsdf", &format!("`{model}` is not a model"), MODELS)),

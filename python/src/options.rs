@@ -36,6 +36,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         color: color(options)?,
         spectral: None,
         rgb_white: named(options, "rgb_white", &White::ALL, White::name)?,
+        hold_spectra: false,
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,

@@ -57,6 +57,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
         white_balance: white_balance(&arguments.color)?,
         raw_response: arguments.color.raw_response,
+        hold_spectra: arguments.color.hold_spectra,
         width: arguments.width,
         height: arguments.height,
         samples,
