@@ -45,15 +45,21 @@ impl Keys<'_> {
         value.map(|value| self.refraction_of(key, &value, part)).transpose()
     }
 
-    /// Takes the index of refraction of a dielectric: that at the line d holds for all wavelengths.
-    pub fn index_at_d(&self, key: &str) -> PyResult<Option<f32>> {
+    /// Takes the index of refraction of a dielectric.
+    pub fn index(&self, key: &str) -> PyResult<Option<Spectrum>> {
         let Some(value) = self.take::<Bound<PyAny>>(key)? else { return Ok(None) };
         if let Ok(name) = value.cast::<PyString>()
             && metal(&name.to_cow()?).is_some()
         {
             return Err(self.refuse(key, &format!("`{name}` is a metal"), "make it a conductor"));
         }
-        let at_d = self.refraction_of(key, &value, Part::Real)?.at(D_NM);
+        self.refraction_of(key, &value, Part::Real).map(Some)
+    }
+
+    /// Takes the index of refraction of a pane: that at the line d holds for all wavelengths.
+    pub fn index_at_d(&self, key: &str) -> PyResult<Option<f32>> {
+        let Some(index) = self.index(key)? else { return Ok(None) };
+        let at_d = index.at(D_NM);
         at_d.map(Some).map_err(|error| self.refuse(key, &error.to_string(), ""))
     }
 

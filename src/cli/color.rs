@@ -24,6 +24,20 @@ pub enum ColorName {
     Spectral,
 }
 
+impl ColorName {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Rgb, Self::Mono, Self::Spectral];
+
+    /// What the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rgb => "rgb",
+            Self::Mono => "mono",
+            Self::Spectral => "spectral",
+        }
+    }
+}
+
 /// What the channels stand for, as typed.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = LIGHT)]
@@ -96,23 +110,46 @@ pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectra
         ("--range", range.is_some()),
         ("--bands", bands.is_some()),
     ];
-    if *color == ColorName::Spectral {
-        if wavelength.is_some() {
-            return usage("--wavelength goes with --color mono; --color spectral has a --range");
+    let typed = typed.into_iter().find(|(_, is)| *is);
+    match (color, *wavelength, typed) {
+        (ColorName::Spectral, None, _) => spectral(arguments),
+        (ColorName::Spectral, Some(_), _) => {
+            usage("--wavelength goes with --color mono; --color spectral has a --range")
         }
-        let (color, ends) = match bands {
-            Some(bands) => of_bands(*bands)?,
-            None => (Color::Rgb, RANGE_NM),
-        };
-        let range_nm = range.map_or(ends, |RangeText(range)| range);
-        let default = Spectral::default();
-        let wavelengths = wavelengths.unwrap_or(default.wavelengths);
-        return Ok((color, Some(Spectral { wavelengths, range_nm })));
+        (ColorName::Rgb | ColorName::Mono, _, Some((name, _))) => {
+            usage(&format!("{name} goes with --color spectral"))
+        }
+        (ColorName::Rgb, None, None) => Ok((Color::Rgb, None)),
+        (ColorName::Rgb, Some(_), None) => {
+            usage("--wavelength goes with --color mono; RGB has three wavelengths of its own")
+        }
+        (ColorName::Mono, wavelength, None) => {
+            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
+            check_color(&color)?;
+            Ok((color, None))
+        }
     }
-    match typed.into_iter().find(|(_, is)| *is) {
-        Some((name, _)) => usage(&format!("{name} goes with --color spectral")),
-        None => Ok((plain(*color, *wavelength)?, None)),
-    }
+}
+
+/// The same for programs, which say in words of their own what is wrong.
+///
+/// # Errors
+/// The text of the command line, with its options.
+pub fn of_arguments(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), String> {
+    color(arguments).map_err(|error| match error {
+        CliError::Usage(text) => text,
+        other => other.to_string(),
+    })
+}
+
+fn spectral(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
+    let (color, ends) = match arguments.bands {
+        Some(bands) => of_bands(bands)?,
+        None => (Color::Rgb, RANGE_NM),
+    };
+    let range_nm = arguments.range.map_or(ends, |RangeText(range)| range);
+    let wavelengths = arguments.wavelengths.unwrap_or(Spectral::default().wavelengths);
+    Ok((color, Some(Spectral { wavelengths, range_nm })))
 }
 
 fn of_bands(BandsText([first, last], count): BandsText) -> Result<(Color, [f32; 2]), CliError> {
@@ -123,20 +160,15 @@ fn of_bands(BandsText([first, last], count): BandsText) -> Result<(Color, [f32; 
     Ok((Color::Bands(Arc::new(bands)), ends))
 }
 
-/// What the channels stand for where they are what light is carried at.
-pub(super) fn plain(name: ColorName, wavelength: Option<f32>) -> Result<Color, CliError> {
-    match (name, wavelength) {
-        (ColorName::Rgb, None) => Ok(Color::Rgb),
-        (ColorName::Rgb, Some(_)) => Err(CliError::Usage(
-            "--wavelength goes with --color mono; RGB has three wavelengths of its own".into(),
-        )),
-        (ColorName::Mono, wavelength) => {
-            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
-            check_color(&color)?;
-            Ok(color)
-        }
-        (ColorName::Spectral, _) => {
-            Err(CliError::Usage("--color spectral is not measured: choose rgb or mono".to_owned()))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_that_are_typed() {
+        assert_eq!(ColorName::value_variants(), ColorName::ALL);
+        for name in ColorName::ALL {
+            assert_eq!(ColorName::from_str(name.name(), false), Ok(name));
         }
     }
 }

@@ -3,10 +3,9 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::spectrum::Color;
+use crate::spectrum::{Color, rgb_of_bands};
 
 use super::rows::{Frame, Rows};
-use super::visualize::luminance;
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
 
@@ -70,13 +69,8 @@ impl StokesImage {
     /// # Errors
     /// When no band has it.
     pub fn at_wavelength(&self, wavelength_nm: f32) -> Result<Self, OutputError> {
-        let (channel, center_nm) = match &self.color {
-            Color::Mono { wavelength_nm: own } if *own == wavelength_nm => (0, *own),
-            Color::Bands(bands) => match bands.index_at(wavelength_nm) {
-                Some(index) => (index, bands.list()[index].center_nm),
-                None => return Err(self.lacks(wavelength_nm)),
-            },
-            Color::Rgb | Color::Mono { .. } => return Err(self.lacks(wavelength_nm)),
+        let Some((channel, center_nm)) = self.color.channel_at(wavelength_nm) else {
+            return Err(OutputError::NoBand { what: self.color.to_string(), wavelength_nm });
         };
         let channels = self.color.channels();
         let of_channel = |planes: &Vec<Vec<f32>>| -> Vec<Vec<f32>> {
@@ -93,25 +87,31 @@ impl StokesImage {
         })
     }
 
-    fn lacks(&self, wavelength_nm: f32) -> OutputError {
-        OutputError::NoBand { what: self.color.to_string(), wavelength_nm }
-    }
-
-    /// An image that can be shown in red, green and blue or in grey: of one of bands, their mean.
+    /// An image that can be shown in red, green and blue or in grey: of one of bands what the eye
+    /// sees of them, or their mean where they do not tell that.
     pub(crate) fn shown(&self) -> Cow<'_, Self> {
         let Color::Bands(bands) = &self.color else { return Cow::Borrowed(self) };
         let list = bands.list();
-        let middle = 0.5 * (list[0].center_nm + list[list.len() - 1].center_nm);
-        let mean = |planes: &[Vec<f32>]| -> Vec<f32> {
-            let pixel = |pixel: usize| luminance(&self.color, |channel| planes[channel][pixel]);
-            (0..self.width * self.height).map(pixel).collect()
+        let (color, weights): (Color, Vec<Vec<f32>>) = match rgb_of_bands(bands) {
+            Some(weights) => {
+                let of_channel = |i: usize| weights.iter().map(|weight| weight[i]).collect();
+                (Color::Rgb, [0, 1, 2].map(of_channel).to_vec())
+            }
+            None => {
+                let wavelength_nm = 0.5 * (list[0].center_nm + list[list.len() - 1].center_nm);
+                let mean = vec![1.0 / list.len() as f32; list.len()];
+                (Color::Mono { wavelength_nm }, vec![mean])
+            }
+        };
+        let mixed = |planes: &[Vec<f32>]| -> Vec<Vec<f32>> {
+            weights.iter().map(|weights| mix(planes, weights)).collect()
         };
         Cow::Owned(Self {
             width: self.width,
             height: self.height,
-            color: Color::Mono { wavelength_nm: middle },
+            color,
             components: self.components,
-            planes: self.planes.chunks(list.len()).map(mean).collect(),
+            planes: self.planes.chunks(list.len()).flat_map(mixed).collect(),
             variance: None,
             metadata: self.metadata.clone(),
         })
@@ -184,6 +184,15 @@ impl Rows for StokesImage {
     fn fault(&self) -> Option<&'static str> {
         check_shape(self).err()
     }
+}
+
+/// The sum of planes times weights.
+fn mix(planes: &[Vec<f32>], weights: &[f32]) -> Vec<f32> {
+    let mut sums = vec![0.0; planes.first().map_or(0, Vec::len)];
+    for (plane, weight) in planes.iter().zip(weights) {
+        sums.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
+    }
+    sums
 }
 
 fn interleaved(planes: &[Vec<f32>], [height, width, channels, components]: [usize; 4]) -> Vec<f32> {

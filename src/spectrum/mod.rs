@@ -18,6 +18,7 @@ mod illuminants;
 mod indices;
 mod lamps;
 mod responses;
+mod seen;
 mod spd;
 mod spectra;
 pub mod upsampling;
@@ -31,6 +32,7 @@ pub use illuminants::illuminant_names;
 pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
+pub use seen::rgb_of_bands;
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
 
 use std::sync::Arc;
@@ -72,6 +74,18 @@ impl Color {
             Color::Rgb => 3,
             Color::Mono { .. } => 1,
             Color::Bands(bands) => bands.list().len(),
+        }
+    }
+
+    /// The channel that has a wavelength in nanometers, and the wavelength that it stands for: the
+    /// center of its band, or its own. None of red, green and blue has one.
+    pub fn channel_at(&self, wavelength_nm: f32) -> Option<(usize, f32)> {
+        match self {
+            Color::Rgb => None,
+            Color::Mono { wavelength_nm: own } => (*own == wavelength_nm).then_some((0, *own)),
+            Color::Bands(bands) => {
+                bands.index_at(wavelength_nm).map(|index| (index, bands.list()[index].center_nm))
+            }
         }
     }
 }
