@@ -47,6 +47,8 @@ struct Shown {
     width: usize,
     height: usize,
     channels: Vec<String>,
+    /// The bands that it has, in words; what is shown is what the eye sees of them, or their mean.
+    bands: Option<String>,
     components: usize,
     #[serde(flatten)]
     figures: Figures,
@@ -162,16 +164,21 @@ impl Entry {
 impl Shown {
     fn read(path: &Path, edge: usize) -> Result<Self, String> {
         let image = image::load(path).map_err(|error| error.to_string())?;
-        let channels = match &image.color {
-            Color::Rgb | Color::Mono { .. } => image.channel_names(),
-            Color::Bands(bands) => vec![format!("mean of {bands}")],
+        let bands = match &image.color {
+            Color::Rgb | Color::Mono { .. } => None,
+            Color::Bands(bands) => Some(bands.to_string()),
         };
         let image = image.shown();
+        let channels = match &bands {
+            Some(bands) if image.color.channels() == 1 => vec![format!("mean of {bands}")],
+            Some(_) | None => image.channel_names(),
+        };
         let is_finite = finite(&image);
         Ok(Self {
             width: image.width,
             height: image.height,
             channels,
+            bands,
             components: image.components,
             figures: Figures::new(&image, &is_finite),
             thumbnail: Thumbnail::new(&image, &is_finite, edge),

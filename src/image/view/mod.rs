@@ -22,8 +22,9 @@ pub const BYTES_MAX: usize = 2 << 30;
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// The scripts behind those of all pages, in the order in which they stand there.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 5] = [
     include_str!("pixels.js"),
+    include_str!("bands.js"),
     include_str!("stage.js"),
     include_str!("controls.js"),
     include_str!("main.js"),
@@ -41,7 +42,7 @@ pub struct Named<'a> {
 /// Writes the page of one image, or of two with a divider between them, and returns its bytes.
 ///
 /// # Errors
-/// When the images do not have the same size, one is not what it promises, they are larger
+/// When the images do not have the same size and bands, one is not what it promises, they are larger
 /// together than [`BYTES_MAX`], or the file cannot be written.
 pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
     check(images)?;
@@ -58,7 +59,7 @@ pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
 /// The text of the page.
 ///
 /// # Errors
-/// When the images do not have the same size, or one is not what it promises.
+/// When the images do not have the same size and bands, or one is not what it promises.
 pub fn page(images: &[Named]) -> Result<String, OutputError> {
     check(images)?;
     let mut bytes = Vec::new();
@@ -69,16 +70,32 @@ pub fn page(images: &[Named]) -> Result<String, OutputError> {
 fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
-        if let Color::Bands(_) = named.image.color {
-            let reason = "a page shows RGB or one wavelength, and it has bands; name one by \
-                          --wavelength";
-            return Err(OutputError::Image { reason });
-        }
     }
+    let [first, second, ..] = images else { return Ok(()) };
+    let mismatch = |words: fn(&StokesImage) -> String, reason| {
+        let words = |Named { name, image }: &Named| format!("{name} ({})", words(image));
+        Err(OutputError::Mismatch { first: words(first), second: words(second), reason })
+    };
     let size = |named: &Named| (named.image.width, named.image.height);
-    match images {
-        [first, second, ..] if size(first) != size(second) => Err(mismatch(first, second)),
-        _ => Ok(()),
+    if size(first) != size(second) {
+        let words = |image: &StokesImage| format!("{} x {}", image.width, image.height);
+        return mismatch(words, "a page with a divider needs images of one size");
+    }
+    if bands_of(first.image) != bands_of(second.image) {
+        let reason = "a page with a divider needs images of the same bands, or one band of each \
+                      (--wavelength)";
+        return mismatch(|image| image.color.to_string(), reason);
+    }
+    Ok(())
+}
+
+/// Centers and widths of the bands of an image in nanometers; none if it has none.
+fn bands_of(image: &StokesImage) -> Vec<[f32; 2]> {
+    match &image.color {
+        Color::Rgb | Color::Mono { .. } => Vec::new(),
+        Color::Bands(bands) => {
+            bands.list().iter().map(|band| [band.center_nm, band.width_nm]).collect()
+        }
     }
 }
 
@@ -91,9 +108,11 @@ fn check_bytes(images: &[Named]) -> Result<(), String> {
     let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
     let has_variance = images.iter().any(|named| named.image.variance.is_some());
     let without = if has_variance { ", or leave out variances (--no-variance)" } else { "" };
+    let has_bands = images.iter().any(|named| !bands_of(named.image).is_empty());
+    let one = if has_bands { ", or one band (--wavelength)" } else { "" };
     Err(format!(
         "a browser would have to hold {:.1} GiB of values, and {:.0} are the most; view smaller \
-         images{without}",
+         images{one}{without}",
         gibibytes(bytes),
         gibibytes(BYTES_MAX)
     ))
@@ -118,20 +137,12 @@ fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
     })
 }
 
-/// What the values of an image take in memory.
+/// What the values of an image take in memory, and of bands what the page makes of them: red, green,
+/// blue and the mean of each component.
 fn bytes_of(image: &StokesImage) -> usize {
-    let planes = image.planes.len() + image.variance.as_ref().map_or(0, Vec::len);
+    let mixed = if bands_of(image).is_empty() { 0 } else { 4 * image.components };
+    let planes = image.planes.len() + mixed + image.variance.as_ref().map_or(0, Vec::len);
     planes.saturating_mul(image.width).saturating_mul(image.height).saturating_mul(size_of::<f32>())
-}
-
-fn mismatch(first: &Named, second: &Named) -> OutputError {
-    let words =
-        |Named { name, image }: &Named| format!("{name} ({} x {})", image.width, image.height);
-    OutputError::Mismatch {
-        first: words(first),
-        second: words(second),
-        reason: "a page with a divider needs images of one size",
-    }
 }
 
 /// An element for every plane, from which the page takes the values.
