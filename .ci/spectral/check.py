@@ -1,7 +1,7 @@
 """Renders bands of a lamp behind a polarizer, and has OpenImageIO and colour-science read them.
 
-Wavelengths, values and attributes are those that Sunstone reads, and what the lamp and the polarizer
-make of light: Malus in every band.
+Wavelengths, values and attributes are those that Sunstone reads, and what the lamp and the
+polarizer make of light: Malus in every band.
 
     python check.py PROGRAM       in a folder that takes the files
 """
@@ -69,9 +69,9 @@ def sunstone(*arguments):
 
 def render(name, mode):
     width, height = SIZE
-    sunstone("render", "lamp.gltf", "-o", name, "--integrator", "path", "--mode", mode, "--spp", 256,
-             "--width", width, "--height", height, "--color", "spectral", "--bands", BANDS,
-             "--variance", "--quiet")
+    sunstone("render", "lamp.gltf", "-o", name, "--integrator", "path", "--mode", mode,
+             "--spp", 256, "--width", width, "--height", height, "--color", "spectral",
+             "--bands", BANDS, "--variance", "--quiet")
 
 
 def read_by_sunstone(name, components):

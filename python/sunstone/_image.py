@@ -99,7 +99,7 @@ class Image:
     @property
     def _channels(self) -> _sunstone._Channels:
         """What the channels stand for, as the native part has it."""
-        return self._wavelength_nm if self._bands is None else [tuple(it) for it in self._bands]
+        return self._wavelength_nm if self._bands is None else list(self._bands)
 
     @property
     def stokes(self) -> Array:
@@ -250,7 +250,7 @@ class Image:
         return f"<sunstone.Image: {what} of {width} x {height} pixels, {channels}{variance}>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        rows = None if self._bands is None else [tuple(band) for band in self._bands]
+        rows = None if self._bands is None else [(*band,) for band in self._bands]
         return _image, (self._stokes, self._variance, self._wavelength_nm, self._metadata, rows)
 
 
@@ -268,7 +268,7 @@ def _image(
 
 def _bands(bands: Iterable[Band | tuple[str, float, float]]) -> tuple[Band, ...]:
     """Bands whose numbers are those that are stored."""
-    rows = _sunstone.checked_bands([tuple(band) for band in bands])
+    rows = _sunstone.checked_bands([(name, center, width) for name, center, width in bands])
     return tuple(Band(*row) for row in rows)
 
 

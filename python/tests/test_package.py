@@ -232,7 +232,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(color="spectral", range=(700, 400)), r"^range must go from a shorter .* not 700:400"),
     (dict(color="spectral", range="400"), r"^range: it is two wavelengths, .* not 400"),
     (dict(color="spectral", bands=(400, 700)), r"^bands: it is the centers .* not 400:700"),
-    (dict(color="spectral", bands=(400, 700, 3.5)), r"^bands: it is the centers .* not 400:700:3.5"),
+    (dict(color="spectral", bands=(400, 700, 3.5)), r"^bands: it is .* not 400:700:3.5"),
     (dict(color="spectral", bands=(700, 400, 3)), r"^bands go from 700 down to 400 nm; turn them"),
     (dict(color="spectral", bands=(400, math.inf, 3)), r"^bands from 400 to inf nm are no wavel"),
     (dict(color="spectral", bands=(), range=(400, 700)), r"^bands: it is the centers"),
@@ -335,7 +335,7 @@ def test_bands_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> Non
     assert one.wavelength_nm == 620 and one.wavelengths_nm is not None
     assert np.array_equal(one.stokes, image.stokes[:, :, 5:6]) and one.variance is not None
     assert np.array_equal(one.variance, image.variance[:, :, 5:6])  # type: ignore[index]
-    with pytest.raises(sunstone.Error, match="7 bands from 420 to 660 nm, and none of that has 700"):
+    with pytest.raises(sunstone.Error, match="7 bands from 420 to 660 nm, and none of that has 7"):
         image.at(700)
     image.save(tmp_path / "bands.exr")
     others = [sunstone.Image.load(tmp_path / "bands.exr"), copy.copy(image)]
@@ -409,9 +409,9 @@ def test_glass_of_worlds_disperses() -> None:
     assert not np.array_equal(scene.render(**spectral).stokes, image.stokes)
     del scene["glass"].ior
     assert np.array_equal(scene.render(**spectral).stokes, image.stokes)
-    with pytest.raises(sunstone.SceneError, match="(?s)glass.*ior.*400 to 700|glass.*covers"):
-        scene["glass"].ior = {"nm": [400, 700], "value": [1.5, 1.6]}
-        scene.render(**dict(spectral, bands=(300, 900, 3)))
+    scene["glass"].ior = {"nm": [450, 650], "value": [1.6, 1.5]}
+    with pytest.raises(sunstone.SceneError, match="`glass`.*asked for 425 nm, but it covers 450"):
+        scene.render(**spectral)
 
 
 def test_files_take_spectra_as_edits(cornell: sunstone.Scene) -> None:

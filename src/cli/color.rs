@@ -136,9 +136,11 @@ pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectra
 /// # Errors
 /// The text of the command line, with its options.
 pub fn of_arguments(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), String> {
-    color(arguments).map_err(|error| match error {
-        CliError::Usage(text) => text,
-        other => other.to_string(),
+    color(arguments).map_err(|error| {
+        if let CliError::Usage(text) = &error {
+            return text.clone();
+        }
+        error.to_string()
     })
 }
 

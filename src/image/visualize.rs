@@ -9,8 +9,8 @@
 //! 0.2126 R + 0.7152 G + 0.0722 B, those of bands by their mean, and the formulas applied to the
 //! result. The intensity of bands is a picture in color where they tell it
 //! ([`crate::spectrum::rgb_of_bands`]). Where there is no light (S0 not above 0, or not a number) a
-//! map is black; where a map asks for a direction or a type that weak polarization does not have, it
-//! fades to grey ([`View::degree_faded`]).
+//! map is black; where a map asks for a direction or a type that weak polarization does not have,
+//! it fades to grey ([`View::degree_faded`]).
 
 use std::str::FromStr;
 

@@ -1,8 +1,8 @@
 //! Bands as the CIE 1931 observer sees them: what red, green and blue are of an image of bands.
 //!
 //! Between the centers of bands a spectrum is taken to be linear, and beyond the outer two constant
-//! to the ends of these bands, where it ends. Red, green and blue of that are linear in the values of
-//! the bands, so that each has weights, as good for S1 to S3 as for S0.
+//! to the ends of these bands, where it ends. Red, green and blue of that are linear in the values
+//! of the bands, so that each has weights, as good for S1 to S3 as for S0.
 
 use super::Bands;
 use super::cie::{VISIBLE_NM, integrals};
@@ -10,18 +10,17 @@ use super::color_space::{RgbResponse, nodes_nm};
 
 /// The least share of what x, y and z take of a flat spectrum that lies within the bands.
 const SHARE: f64 = 0.9;
-/// The farthest that two centers may be apart, in nanometers: lobes of the observer are some hundred
-/// wide.
+/// The farthest that two centers may be apart, in nanometers: lobes of the observer are some
+/// hundred wide.
 const GAP_NM: f32 = 60.0;
 
-/// The weights of every band in linear red, green and blue of sRGB, so that daylight of luminance 1
-/// is about (1, 1, 1); nothing if the bands do not tell the color of light, as they miss too much of
-/// what is seen.
+/// The weights of every band in linear red, green and blue of sRGB, so that daylight of luminance
+/// 1 is about (1, 1, 1); nothing if the bands do not tell the color of light, as they miss too much
+/// of what is seen.
 pub fn rgb_of_bands(bands: &Bands) -> Option<Vec<[f32; 3]>> {
     let list = bands.list();
     let ends = [list[0].ends_nm()[0], list[list.len() - 1].ends_nm()[1]];
-    let is_close =
-        list.windows(2).all(|pair| pair[1].center_nm - pair[0].center_nm <= GAP_NM);
+    let is_close = list.windows(2).all(|pair| pair[1].center_nm - pair[0].center_nm <= GAP_NM);
     let [part, whole] = [ends, VISIBLE_NM].map(|range| integrals(range, |_| 1.0));
     let is_seen = part.iter().zip(whole).all(|(part, whole)| *part >= SHARE * whole);
     if !(is_close && is_seen) {

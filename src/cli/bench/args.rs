@@ -58,14 +58,14 @@ Ratios are medians over the rounds, with an interval that holds them whatever th
 A scene that takes milliseconds a round tells little: give more --spp.";
 
 const WAVELENGTHS_NOTES: &str = "\
-Renders each scene eight times at once with each integrator: at one wavelength, in RGB, and at four \
-and eight wavelengths together, without and with polarization. Rounds go through all of them up and \
-down, so that whatever else the machine does hits all alike; the first round, which fills tables \
-and finds the radius of the kernels, is not counted.
+Renders each scene eight times at once with each integrator: at one wavelength, in RGB, and at \
+four and eight wavelengths together, without and with polarization. Rounds go through all of them \
+up and down, so that whatever else the machine does hits all alike; the first round, which fills \
+tables and finds the radius of the kernels, is not counted.
 
-Ratios are to the seconds of RGB in the same mode and round, and of the modes to each other. --color \
-mono names the one wavelength by --wavelength; --color spectral the range and the film of four and \
-eight, which is RGB otherwise.";
+Ratios are to the seconds of RGB in the same mode and round, and of the modes to each other. \
+--color mono names the one wavelength by --wavelength; --color spectral the range and the film of \
+four and eight, which is RGB otherwise.";
 
 const SCALING_NOTES: &str = "\
 Renders a scene at several sizes of the work and fits a line to the logarithms: a slope of 1 is \

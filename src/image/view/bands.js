@@ -89,7 +89,8 @@ function makeCurve(spectrum, { x, y, kind, value, error }) {
     return `${joins ? "L" : "M"}${x(center)} ${y(value)}`;
   });
   const curve = svg("g", { class: `curve ${kind}` },
-    svg("path", { class: "line", d: line.join("") }), svg("path", { class: "bars", d: bars.join("") }));
+    svg("path", { class: "line", d: line.join("") }),
+    svg("path", { class: "bars", d: bars.join("") }));
   if (error && points.length <= ERRORS_MAX) {
     const errors = finite.filter((point) => point.error > 0 && Number.isFinite(point.error));
     const spans = errors.map(({ center, value, error }) => {
@@ -122,12 +123,16 @@ function makePanel(plot, { top, height, ends: [low, high], title, words, curves 
 
 /** Wavelengths to mark on an axis: round ones, a handful. */
 function roundWavelengths(from, to) {
-  const steps = [1, 2, 5].flatMap((step) => [0.1, 1, 10, 100, 1000, 1e4, 1e5].map((by) => step * by));
+  const powers = [0.1, 1, 10, 100, 1000, 1e4, 1e5];
+  const steps = [1, 2, 5].flatMap((step) => powers.map((by) => step * by));
   const step = steps.sort((a, b) => a - b).find((size) => (to - from) / size <= 6) ?? to - from;
   const marks = [];
   for (let mark = Math.ceil(from / step) * step; mark <= to; mark += step) marks.push(mark);
   return marks;
 }
+
+/** A number at the end of a scale. */
+const plotNumber = (value) => minus(threeDigits(value));
 
 /** The panels of a plot: S0, then S1 to S3 and the degree of polarization if there are any. */
 function panelsOf(image, spectrum, ends) {
@@ -138,18 +143,20 @@ function panelsOf(image, spectrum, ends) {
   const all = (component) => spectrum.map(({ stokes }) => stokes[component]);
   const least = Math.min(0, ...all(0).filter(Number.isFinite));
   const s0 = {
-    height: PLOT.s0, ends: [least, largest(all(0))], title: ["S0"], words: shortNumber,
+    height: PLOT.s0, ends: [least, largest(all(0))], title: ["S0"], words: plotNumber,
     curves: [of(0, "s0")],
   };
   if (!isPolarized(image)) return [s0];
   const most = largest([1, 2, 3].flatMap(all));
-  const names = [1, 2, 3].map((component) => svg("tspan", { class: `s${component}` }, `S${component} `));
+  const names = [1, 2, 3].map((component) => {
+    return svg("tspan", { class: `s${component}` }, `S${component} `);
+  });
   const degree = ({ stokes }) => (isLit(stokes) ? polarizationOf(stokes).dop : NaN);
   const largestDegree = largest(spectrum.map(degree));
   const end = ends.find((end) => largestDegree <= end) ?? 1;
   return [
     s0,
-    { height: PLOT.signed, ends: [-most, most], title: names, words: shortNumber,
+    { height: PLOT.signed, ends: [-most, most], title: names, words: plotNumber,
       curves: [1, 2, 3].map((component) => of(component, `s${component}`)) },
     { height: PLOT.degree, ends: [0, end], title: ["Degree of polarization"],
       words: (share) => percent(share), curves: [{ kind: "dop", value: degree }] },
@@ -165,7 +172,8 @@ function makeSpectrum(image, pixel, { channel, ends, onPick }) {
   const plot = { spectrum, x, left, right };
   const picture = svg("svg", { class: "spectrum", role: "img", "data-from": from, "data-to": to });
   const chosen = channel === null ? "" : `, ${bandWords(image.bands[channel])} chosen`;
-  picture.append(svg("title", {}, `Spectrum from ${threeOrMore(from)} to ${threeOrMore(to)} nm${chosen}`));
+  const range = `from ${threeOrMore(from)} to ${threeOrMore(to)} nm`;
+  picture.append(svg("title", {}, `Spectrum ${range}${chosen}`));
   let top = PLOT.gap;
   for (const panel of panelsOf(image, spectrum, ends)) {
     picture.append(makePanel(plot, { top, ...panel }));

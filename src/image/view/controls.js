@@ -74,9 +74,10 @@ class Controls {
 
   showBand(channel) {
     const { bands } = this;
-    element("band").value = String(channel ?? (bands.length - 1) >> 1);
-    element("band").setAttribute("aria-valuetext", channel === null ? "all" : bandWords(bands[channel]));
-    element("band-words").textContent = channel === null ? "all" : `${threeOrMore(bands[channel].center_nm)} nm`;
+    const [slider, words] = [element("band"), element("band-words")];
+    slider.value = String(channel ?? (bands.length - 1) >> 1);
+    slider.setAttribute("aria-valuetext", channel === null ? "all" : bandWords(bands[channel]));
+    words.textContent = channel === null ? "all" : `${threeOrMore(bands[channel].center_nm)} nm`;
     element("band-row").classList.toggle("idle", channel === null);
   }
 
@@ -144,7 +145,9 @@ class Controls {
   }
 
   bindKeys() {
-    const focus = { m: () => element("map"), e: () => element("exposure"), b: () => element("band") };
+    const focus = {
+      m: () => element("map"), e: () => element("exposure"), b: () => element("band"),
+    };
     focus.a = () => this.radios?.find((radio) => radio.checked);
     document.addEventListener("keydown", (event) => {
       const typing = event.target.matches("select, input[type=number]");

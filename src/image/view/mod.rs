@@ -42,8 +42,8 @@ pub struct Named<'a> {
 /// Writes the page of one image, or of two with a divider between them, and returns its bytes.
 ///
 /// # Errors
-/// When the images do not have the same size and bands, one is not what it promises, they are larger
-/// together than [`BYTES_MAX`], or the file cannot be written.
+/// When the images do not have the same size and bands, one is not what it promises, they are
+/// larger together than [`BYTES_MAX`], or the file cannot be written.
 pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
     check(images)?;
     check_bytes(images).map_err(|reason| OutputError::unwritable(path, reason))?;
@@ -137,8 +137,8 @@ fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
     })
 }
 
-/// What the values of an image take in memory, and of bands what the page makes of them: red, green,
-/// blue and the mean of each component.
+/// What the values of an image take in memory, and of bands what the page makes of them: red,
+/// green, blue and the mean of each component.
 fn bytes_of(image: &StokesImage) -> usize {
     let mixed = if bands_of(image).is_empty() { 0 } else { 4 * image.components };
     let planes = image.planes.len() + mixed + image.variance.as_ref().map_or(0, Vec::len);
