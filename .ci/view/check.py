@@ -465,12 +465,12 @@ def check_bands(checks):
             page.select_option("#map", name)
             expected, = checks.visualized("bands.exr", name, size, ("--full-scale", *options))
             assert abs(picture(page, size) - expected).max() <= 1, (choice, name)
-    check_spectrum(page, planes, variances)
+    look_at_spectrum(page, planes, variances)
     checks.close(page)
-    check_other_bands(checks, planes)
+    look_at_other_bands(checks, planes)
 
 
-def check_spectrum(page, planes, variances):
+def look_at_spectrum(page, planes, variances):
     """The plot and the tables under the pointer are those of the file; a click chooses a band."""
     page.select_option("#map", "intensity")
     page.evaluate("() => { document.getElementById('all-bands').open = true; }")
@@ -519,7 +519,7 @@ def check_spectrum(page, planes, variances):
     assert page.input_value("#channel") == "5" and page.text_content("#band-words") == "450 nm"
 
 
-def check_other_bands(checks, planes):
+def look_at_other_bands(checks, planes):
     """Bands that tell no color are grey; three are no red, green and blue; two sets are refused."""
     size = planes.shape[:-3:-1]
     near = np.array([800.0, 850.0, 900.0])

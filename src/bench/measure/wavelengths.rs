@@ -20,6 +20,13 @@ pub struct Carried {
     pub options: Options,
 }
 
+/// What the rounds of a number of wavelengths took.
+struct Timed {
+    carried: Carried,
+    /// Without polarization and with it.
+    modes: [Vec<clock::Taken>; 2],
+}
+
 /// Options of renders at one wavelength, in RGB, and at every number of wavelengths that can be
 /// carried together; which one it is, which range and which film are those of `options`, if these
 /// say it.
@@ -67,9 +74,8 @@ pub fn wavelengths(
             let integrator = options.integrator_name();
             watch.at(&format!("{}, {integrator}", subject.name));
             let taken = case(subject, options, rounds, threads, watch)?;
-            let all = taken.iter().flat_map(|(_, modes)| modes.iter().flatten());
-            let is_known = all.clone().all(|taken| taken.cpu_seconds.is_some());
-            cpu &= is_known;
+            let mut all = taken.iter().flat_map(|timed| timed.modes.iter().flatten());
+            cpu &= all.all(|taken| taken.cpu_seconds.is_some());
             cases.push((subject.label.clone(), options, taken));
         }
     }
@@ -77,12 +83,12 @@ pub fn wavelengths(
         (true, Some(seconds)) => seconds,
         (true, None) | (false, _) => taken.seconds,
     };
-    let case = |(scene, options, taken): (String, &Options, Vec<(Carried, [Vec<_>; 2])>)| {
-        let taken = taken.into_iter().map(|(Carried { name, wavelengths, .. }, modes)| {
-            let rounds = modes.map(|rounds| rounds.iter().map(seconds).collect());
-            Taken { name, wavelengths, rounds }
-        });
-        let taken: Vec<Taken> = taken.collect();
+    let taken_of = |Timed { carried, modes }: Timed| {
+        let rounds = modes.map(|rounds| rounds.iter().map(seconds).collect());
+        Taken { name: carried.name, wavelengths: carried.wavelengths, rounds }
+    };
+    let case = |(scene, options, taken): (String, &Options, Vec<Timed>)| {
+        let taken: Vec<Taken> = taken.into_iter().map(taken_of).collect();
         Case::new(scene, options.integrator_name().into(), options.samples, &taken)
     };
     let cases = cases.into_iter().map(case).collect();
@@ -108,7 +114,7 @@ fn case(
     rounds: u32,
     threads: &Threads,
     watch: &impl Watch,
-) -> Result<Vec<(Carried, [Vec<clock::Taken>; 2])>, MeasureError> {
+) -> Result<Vec<Timed>, MeasureError> {
     let carried = carried(options);
     let mut renderers = Vec::new();
     for Carried { options, .. } in &carried {
@@ -134,7 +140,8 @@ fn case(
     }
     let mut taken = taken.into_iter();
     let mut of_mode = || taken.next().unwrap_or_default();
-    Ok(carried.into_iter().map(|carried| (carried, [of_mode(), of_mode()])).collect())
+    let timed = |carried| Timed { carried, modes: [of_mode(), of_mode()] };
+    Ok(carried.into_iter().map(timed).collect())
 }
 
 #[cfg(test)]
