@@ -160,7 +160,10 @@ fn push_pixels(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::spectrum::Bands;
 
     #[test]
     fn every_place_of_the_page_is_filled_once() {
@@ -168,6 +171,24 @@ mod tests {
             assert_eq!(PAGE.matches(&format!("{{{{{place}}}}}")).count(), 1, "{place}");
         }
         assert_eq!(PAGE.matches("{{").count(), 5);
+    }
+
+    #[test]
+    fn two_images_have_the_same_bands() {
+        let of = |color| StokesImage::new(2, 2, color, 1);
+        let bands = |last| of(Color::Bands(Arc::new(Bands::evenly(400.0, last, 3).unwrap())));
+        let refused = |first: &StokesImage, second: &StokesImage| {
+            let named = [("a", first), ("b", second)].map(|(name, image)| Named { name, image });
+            page(&named).err().map(|error| error.to_string())
+        };
+        assert_eq!(refused(&bands(700.0), &bands(700.0)), None);
+        for other in [bands(650.0), of(Color::Rgb), of(Color::Mono { wavelength_nm: 550.0 })] {
+            for (first, second) in [(&bands(700.0), &other), (&other, &bands(700.0))] {
+                let words = refused(first, second).expect("they are shown differently");
+                assert!(words.contains("3 bands from 400 to 700 nm"), "{words}");
+                assert!(words.contains("same bands") && words.contains("--wavelength"), "{words}");
+            }
+        }
     }
 
     #[test]
@@ -186,5 +207,11 @@ mod tests {
         assert!(text.contains("3.0 GiB") && text.contains("--no-variance"), "{text}");
         image = StokesImage { width: 8192, height: 8192, variance: None, ..image };
         assert!(words(&[&image]).is_some_and(|text| !text.contains("--no-variance")));
+        // 31 bands of 1920 x 1080 are 1.1 GiB with their mixes.
+        let bands = Color::Bands(Arc::new(Bands::evenly(400.0, 700.0, 31).unwrap()));
+        image = StokesImage { width: 1920, height: 1080, ..StokesImage::new(1, 1, bands, 4) };
+        assert_eq!(words(&[&image]), None);
+        let text = words(&[&image, &image]).expect("2.2 GiB are too many");
+        assert!(text.contains("2.2 GiB") && text.contains("--wavelength"), "{text}");
     }
 }
