@@ -392,6 +392,157 @@ def check_sizes_and_names(checks):
         checks.close(page)
 
 
+CENTERS = np.linspace(400, 700, 31)
+
+
+def many(width, height, centers):
+    """Stokes planes of bands: what `sky` has, of a color and a degree that change over the image."""
+    planes = sky(width, height, channels="M")
+    x = np.linspace(0, 1, width)[None, :]
+    shape = lambda nm: 0.6 + 0.4 * np.cos((nm - 400) / 60 + 6 * x)
+    weak = lambda nm: 0.3 + 0.7 * (nm - 400) / 300 * x
+    is_polarized = np.arange(4)[:, None, None] > 0
+    of_band = lambda nm: planes[:, 0] * shape(nm) * np.where(is_polarized, weak(nm), 1)
+    return np.stack([of_band(nm) for nm in centers], axis=1).astype(np.float32)
+
+
+def save_bands(path, planes, centers, variances=None):
+    """Writes bands as Fichet et al. lay them out."""
+    parts = {}
+    for component, bands in enumerate(planes):
+        for band, nm in enumerate(centers):
+            name = f"S{component}.{nm:.6f}nm".replace(".", ",").replace(",", ".", 1)
+            parts[name] = np.ascontiguousarray(bands[band])
+            if variances is not None:
+                parts[f"variance.{name}"] = np.ascontiguousarray(variances[component, band])
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage,
+              "spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1"}
+    OpenEXR.File(header, parts).write(str(path))
+
+
+def seen(values, centers):
+    """Linear sRGB of what the CIE 1931 observer sees of bands (bands first) that lie side by side."""
+    rows = (Path(__file__).resolve().parents[2] / "src/spectrum/data/cie1931.csv").read_text()
+    rows = [line for line in rows.splitlines() if line and line[0].isdigit()]
+    table = np.array([[float(cell) for cell in line.split(",")] for line in rows])
+    nm, observer = table[:, 0], table[:, 1:]
+    half = (centers[1] - centers[0]) / 2
+    inside = (nm >= centers[0] - half) & (nm <= centers[-1] + half)
+    # Linear between the centers, constant beyond.
+    at = np.stack([np.interp(nm, centers, unit) for unit in np.eye(len(centers))])
+    weights = (at * inside) @ observer / observer[:, 1].sum()
+    # IEC 61966-2-1; its white is rounded, which is why codes are compared and not numbers.
+    matrix = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415],
+                       [0.0557, -0.2040, 1.0570]])
+    return np.einsum("bc,bhw->chw", weights @ matrix.T, values.astype(float))
+
+
+def check_bands(checks):
+    """A picture in color, maps and numbers of every band, and the spectrum under the pointer."""
+    size = (48, 36)
+    planes = many(*size, CENTERS)
+    planes[2, 7, 5, 6] = np.nan
+    variances = (planes * 0.1) ** 2
+    save_bands(checks.folder / "bands.exr", planes, CENTERS, variances)
+    page = checks.open("bands.exr")
+    worst = 0
+    for kind, angle in (("none", None), ("right", None), ("linear", 30)):
+        turn(page, kind, angle)
+        light = np.stack([analyzed(planes[:, [band]], kind, angle or 0)[0]
+                          for band in range(len(CENTERS))])
+        error = abs(picture(page, size) - srgb(seen(light, CENTERS)).transpose(1, 2, 0)).max()
+        assert error <= 1.5, (kind, error)
+        worst = max(worst, error)
+    turn(page, "none")
+    expected, = checks.visualized("bands.exr", "intensity", size)
+    assert abs(picture(page, size) - expected).max() <= 1
+    print(f"  {len(CENTERS)} bands in color: at most {worst:.2f} codes from the observer")
+    page.select_option("#map", "dop")
+    page.select_option("#end", "9")
+    for choice, options in (("", ()), ("20", ("--wavelength", "600"))):
+        page.select_option("#channel", choice)
+        for name in ("dop", "aolp", "chirality") + (("intensity",) if choice else ()):
+            page.select_option("#map", name)
+            expected, = checks.visualized("bands.exr", name, size, ("--full-scale", *options))
+            assert abs(picture(page, size) - expected).max() <= 1, (choice, name)
+    look_at_spectrum(page, planes, variances)
+    checks.close(page)
+    look_at_other_bands(checks, planes)
+
+
+def look_at_spectrum(page, planes, variances):
+    """The plot and the tables under the pointer are those of the file; a click chooses a band."""
+    page.select_option("#map", "intensity")
+    page.evaluate("() => { document.getElementById('all-bands').open = true; }")
+    for x, y in ((0, 0), (47, 35), (20, 9), (6, 5)):
+        hover(page, x, y)
+        assert page.text_content("#place") == f"{x}, {y}"
+        found = page.evaluate("""() => [...document.querySelectorAll("#band-values tr")].slice(1)
+            .map((row) => [...row.cells].map((cell) => cell.dataset.value ?? cell.textContent))""")
+        assert [float(row[0]) for row in found] == list(CENTERS)
+        for band, row in enumerate(found):
+            values = planes[:, band, y, x]
+            same = [number(a).tobytes() == b.tobytes() or np.isnan(b) for a, b in zip(row[1:], values)]
+            assert all(same), (band, row)
+            if values[0] > 0 and np.isfinite(values).all():
+                degree = np.linalg.norm(values[1:].astype(float)) / float(values[0])
+                assert np.isclose(float(row[5]), degree, rtol=1e-5, atol=1e-7)
+        (table,) = rows(page)
+        column = [number(table[f"S{i}"][0][0]) for i in range(4)]
+        assert np.array_equal(column, planes[:, 20, y, x], equal_nan=True)
+        mean = [float(table[f"S{i}"][1][0]) for i in range(4)]
+        assert np.allclose(mean, planes[:, :, y, x].mean(axis=1), rtol=1e-5, atol=1e-6,
+                           equal_nan=True)
+    hover(page, 20, 9)
+    panels = page.evaluate("""() => [...document.querySelectorAll(".spectrum .panel")].map((panel) => ({
+        ...panel.dataset,
+        lines: [...panel.querySelectorAll(".line")].map((line) => line.getAttribute("d")),
+    }))""")
+    assert [len(panel["lines"]) for panel in panels] == [1, 3, 1]
+    values = planes[:, :, 9, 20].astype(float)
+    expected = [[values[0]], values[1:], [np.linalg.norm(values[1:], axis=0) / values[0]]]
+    for panel, curves in zip(panels, expected):
+        top, height, low, high = (float(panel[key]) for key in ("top", "height", "low", "high"))
+        for line, curve in zip(panel["lines"], curves):
+            points = [part.split(" ") for part in line.replace("M", "L").split("L")[1:]]
+            drawn = low + (high - low) * (1 - (np.array([float(y) for _, y in points]) - top) / height)
+            assert abs(drawn - curve).max() <= 0.006 / height * (high - low) + 1e-9
+            steps = np.diff([float(x) for x, _ in points])
+            assert (abs(steps - steps[0]) < 0.03).all()
+    page.locator(".spectrum").scroll_into_view_if_needed()
+    box = page.locator(".spectrum").bounding_box()
+    # The band at 440 nm, between ends at 395 and 705.
+    page.mouse.click(box["x"] + box["width"] * (4 + 318 * (440 - 395) / 310) / 326, box["y"] + 40)
+    assert page.input_value("#channel") == "4"
+    page.focus("#band")
+    page.keyboard.press("ArrowRight")
+    assert page.input_value("#channel") == "5" and page.text_content("#band-words") == "450 nm"
+
+
+def look_at_other_bands(checks, planes):
+    """Bands that tell no color are grey; three are no red, green and blue; two sets are refused."""
+    size = planes.shape[:-3:-1]
+    near = np.array([800.0, 850.0, 900.0])
+    save_bands(checks.folder / "near.exr", planes[:, :3], near)
+    page = checks.open("near.exr")
+    grey = srgb(planes[0, :3].astype(float).mean(axis=0))[..., None]
+    assert abs(picture(page, size) - grey).max() <= 1
+    page.select_option("#channel", "1")
+    assert abs(picture(page, size) - srgb(planes[0, 1])[..., None]).max() <= 1
+    checks.close(page)
+    save_bands(checks.folder / "scalar.exr", planes[:1], CENTERS)
+    save_bands(checks.folder / "bands.exr", planes, CENTERS)
+    page = checks.open("bands.exr", "scalar.exr")
+    page.select_option("#map", "dop")
+    assert len(rows(page)) == 2 and page.locator(".spectrum").count() == 2
+    assert page.locator(".spectrum").nth(1).locator(".panel").count() == 1
+    checks.close(page)
+    words = subprocess.run([checks.program, "view", "bands.exr", "near.exr", "-o", "no.html"],
+                           cwd=checks.folder, capture_output=True, text=True)
+    assert words.returncode == 1 and "--wavelength" in words.stderr, words.stderr
+    assert not (checks.folder / "no.html").exists()
+
+
 def run(names):
     """Runs the checks among these, in an empty folder."""
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:

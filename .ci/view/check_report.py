@@ -19,7 +19,7 @@ from urllib.parse import unquote, urlparse
 import numpy as np
 import OpenEXR
 
-from check import run, save, settle, sky, srgb
+from check import CENTERS, many, run, save, save_bands, seen, settle, sky, srgb
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -447,6 +447,32 @@ def check_a_thousand_jobs(checks):
         print(f"  {count} jobs: {size:.1f} MB, made in {made:.1f} s, opened in {opened:.1f} s, "
               f"filtered in {filtered:.1f} s")
         assert size < megabytes
+
+
+def check_images_of_bands(checks):
+    """They are shown as what is seen of them, or as their mean."""
+    folder = checks.folder / "bands"
+    (folder / "out").mkdir(parents=True)
+    planes = many(24, 18, CENTERS)
+    save_bands(folder / "out/0.exr", planes, CENTERS)
+    near = np.array([800.0, 850.0, 900.0])
+    save_bands(folder / "out/1.exr", planes[:, :3], near)
+    page = report(checks, folder, [record(index, f"out/{index}.exr", folder) for index in (0, 1)])
+    found = {card["job"]: card["figures"] for card in cards(page)}
+    means = planes.astype(np.float64).mean(axis=(2, 3))
+    colors = np.stack([seen(mean[:, None, None], CENTERS)[:, 0, 0] for mean in means])
+    expected = {0: colors @ LUMINANCE, 1: means[:, :3].mean(axis=1)}
+    for job, stokes in expected.items():
+        # The matrix of the standard, by which colors are computed here, has four digits.
+        assert np.isclose(found[job]["s0"], stokes[0], rtol=1e-3), (job, found[job], stokes)
+        degree = np.linalg.norm(stokes[1:]) / stokes[0]
+        assert np.isclose(found[job]["dop"], degree, atol=2e-3), (job, found[job], degree)
+    for job, words in enumerate(("31 bands from 400 to 700 nm", "mean of 3 bands")):
+        page.locator(f".card[data-job='{job}'] button, .card[data-job='{job}'] h2").first.click()
+        settle(page)
+        assert words in page.text_content("dialog"), page.text_content("dialog")
+        page.keyboard.press("Escape")
+    checks.close(page)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 //! Images: the library's planes, and arrays of shape (height, width, channels, components).
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use numpy::{PyArray4, PyArrayMethods, PyReadonlyArray4, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use sunstone::internals::image::png;
 use sunstone::internals::image::visualize::{Map, View, panels, visualize};
-use sunstone::{Color, StokesImage, Stop};
+use sunstone::{Band, Bands, Color, Curves, ImageError, StokesImage, Stop};
 
 use crate::errors::{ERROR, of_image};
 use crate::wait::wait_for;
@@ -17,9 +18,66 @@ const CHUNK: usize = 1024;
 
 /// The array of the values of an image.
 pub type Array<'py> = Bound<'py, PyArray4<f32>>;
-/// What an image is to Python: values, variances, wavelength in nanometers if there is one, and
-/// metadata.
-pub type Parts<'py> = (Array<'py>, Option<Array<'py>>, Option<f32>, Vec<(String, String)>);
+/// A band as Python has it: its name, and its center and width in nanometers.
+pub type Row = (String, f32, f32);
+/// What an image is to Python: values, variances, what the channels stand for, and metadata.
+pub type Parts<'py> = (Array<'py>, Option<Array<'py>>, Option<Channels>, Vec<(String, String)>);
+
+/// What the channels of an image stand for; of red, green and blue Python has None.
+#[derive(Clone, FromPyObject, IntoPyObject)]
+pub enum Channels {
+    /// One wavelength in nanometers.
+    Wavelength(f32),
+    /// Bands.
+    Bands(Vec<Row>),
+    /// The curves of responses, as [`Curves::to_text`] has them.
+    Responses(String),
+}
+
+impl Channels {
+    fn of(color: &Color) -> Option<Self> {
+        match color {
+            Color::Rgb => None,
+            Color::Mono { wavelength_nm } => Some(Self::Wavelength(*wavelength_nm)),
+            Color::Bands(bands) => {
+                let row = |band: &Band| (band.name.clone(), band.center_nm, band.width_nm);
+                Some(Self::Bands(bands.list().iter().map(row).collect()))
+            }
+            Color::Responses(curves) => Some(Self::Responses(curves.to_text())),
+        }
+    }
+}
+
+fn color_of(channels: Option<Channels>) -> PyResult<Color> {
+    Ok(match channels {
+        None => Color::Rgb,
+        Some(Channels::Wavelength(wavelength_nm)) => Color::Mono { wavelength_nm },
+        Some(Channels::Bands(rows)) => {
+            let band = |(name, center_nm, width_nm)| Band { name, center_nm, width_nm };
+            let bands = Bands::new(rows.into_iter().map(band).collect());
+            Color::Bands(Arc::new(bands.map_err(|fault| ERROR.says(fault))?))
+        }
+        Some(Channels::Responses(text)) => {
+            let curves = Curves::from_text(&text);
+            let curves = curves.ok_or_else(|| ERROR.says("these are no curves of responses"))?;
+            Color::Responses(Arc::new(curves))
+        }
+    })
+}
+
+/// Bands with their numbers as they are stored, if an image can have them.
+#[pyfunction]
+pub fn checked_bands(rows: Vec<Row>) -> PyResult<Option<Channels>> {
+    color_of(Some(Channels::Bands(rows))).map(|color| Channels::of(&color))
+}
+
+/// The channel that has a wavelength in nanometers, and the wavelength that it stands for.
+#[pyfunction]
+pub fn channel_at(channels: Option<Channels>, wavelength_nm: f32) -> PyResult<(usize, f32)> {
+    let color = color_of(channels)?;
+    let none = || of_image(ImageError::NoBand { what: color.to_string(), wavelength_nm });
+    color.channel_at(wavelength_nm).ok_or_else(none)
+}
 
 /// The parts of an image; its planes are copied once, into arrays of Python's own.
 pub fn parts(py: Python<'_>, image: StokesImage) -> PyResult<Parts<'_>> {
@@ -28,18 +86,7 @@ pub fn parts(py: Python<'_>, image: StokesImage) -> PyResult<Parts<'_>> {
         Some(planes) => Some(array(py, planes, image.shape())?),
         None => None,
     };
-    let wavelength_nm = match &image.color {
-        Color::Rgb => None,
-        Color::Mono { wavelength_nm } => Some(*wavelength_nm),
-        Color::Bands(bands) => {
-            return Err(ERROR.says(format!(
-                "the image has {bands}, and Image holds RGB or one wavelength: colour-science's \
-                 read_spectral_image_Fichet2021 reads them all, and `sunstone visualize \
-                 --wavelength` shows one"
-            )));
-        }
-    };
-    Ok((stokes, variance, wavelength_nm, image.metadata))
+    Ok((stokes, variance, Channels::of(&image.color), image.metadata))
 }
 
 fn array<'py>(
@@ -77,16 +124,13 @@ fn planes(array: &PyReadonlyArray4<f32>) -> PyResult<Vec<Vec<f32>>> {
 fn image(
     stokes: &PyReadonlyArray4<f32>,
     variance: Option<&PyReadonlyArray4<f32>>,
-    wavelength_nm: Option<f32>,
+    channels_of: Option<Channels>,
     metadata: Vec<(String, String)>,
 ) -> PyResult<StokesImage> {
     let &[height, width, channels, components] = stokes.shape() else {
         return Err(ERROR.says("an image has four axes: height, width, channels, components"));
     };
-    let color = match wavelength_nm {
-        Some(wavelength_nm) => Color::Mono { wavelength_nm },
-        None => Color::Rgb,
-    };
+    let color = color_of(channels_of)?;
     if channels != color.channels() {
         let expected = color.channels();
         return Err(
@@ -105,10 +149,10 @@ pub fn save_image(
     path: PathBuf,
     stokes: PyReadonlyArray4<f32>,
     variance: Option<PyReadonlyArray4<f32>>,
-    wavelength_nm: Option<f32>,
+    channels: Option<Channels>,
     metadata: Vec<(String, String)>,
 ) -> PyResult<()> {
-    let image = image(&stokes, variance.as_ref(), wavelength_nm, metadata)?;
+    let image = image(&stokes, variance.as_ref(), channels, metadata)?;
     let saved = wait_for(
         py,
         None,
@@ -133,14 +177,14 @@ pub fn load_image(py: Python<'_>, path: PathBuf) -> PyResult<Parts<'_>> {
 pub fn picture<'py>(
     py: Python<'py>,
     stokes: PyReadonlyArray4<f32>,
-    wavelength_nm: Option<f32>,
+    channels: Option<Channels>,
     map: Option<&str>,
     exposure: f32,
     full_scale: bool,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let map: Option<Map> =
         map.map(str::parse).transpose().map_err(|text: String| ERROR.says(text))?;
-    let image = image(&stokes, None, wavelength_nm, Vec::new())?;
+    let image = image(&stokes, None, channels, Vec::new())?;
     let bytes = py.detach(move || {
         let mut view = if full_scale { View::default() } else { View::fitted(&image) };
         view.exposure_ev = exposure;

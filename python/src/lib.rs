@@ -51,7 +51,7 @@ mod _sunstone {
     #[pymodule_export]
     use super::geometry::Geometry;
     #[pymodule_export]
-    use super::image::{load_image, picture, save_image};
+    use super::image::{channel_at, checked_bands, load_image, picture, save_image};
 
     #[pymodule_export]
     use super::scene::{Scene, keys_of, load};

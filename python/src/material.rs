@@ -37,8 +37,8 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "absorber" => Bsdf::Absorber,
         "conductor" => conductor(keys)?,
         "dielectric" => {
-            let [ior, exterior_ior] = indices(keys)?;
-            Bsdf::Dielectric { ior, exterior_ior }
+            let exterior_ior = keys.index("exterior_ior")?.unwrap_or(1.0.into());
+            Bsdf::boundary(keys.index("ior")?.unwrap_or(IOR.into()), exterior_ior)
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
@@ -51,17 +51,12 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
             retardance_deg: keys
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
-        "thin_dielectric" => {
-            let [ior, exterior_ior] = indices(keys)?.map(Into::into);
-            Bsdf::ThinDielectric { ior, exterior_ior }
-        }
+        "thin_dielectric" => Bsdf::ThinDielectric {
+            ior: keys.index("ior")?.unwrap_or(IOR.into()),
+            exterior_ior: keys.index("exterior_ior")?.unwrap_or(1.0.into()),
+        },
         model => return Err(keys.refuse("bsdf", &format!("`{model}` is not a model"), MODELS)),
     })
-}
-
-fn indices(keys: &Keys) -> PyResult<[f32; 2]> {
-    let [ior, exterior_ior] = [keys.index_at_d("ior")?, keys.index_at_d("exterior_ior")?];
-    Ok([ior.unwrap_or(IOR), exterior_ior.unwrap_or(1.0)])
 }
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {

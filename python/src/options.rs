@@ -1,13 +1,16 @@
 //! What `render` is asked for: the command line's options by name, as Python's values.
 
 use std::fmt::Display;
+use std::str::FromStr;
 use std::time::Duration;
 
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX, WAVELENGTH_NM};
-use sunstone::{Color, Integrator, Mode, Options, Photons, Sampling, Settings, White};
+use pyo3::types::{PyDict, PyString};
+use sunstone::internals::cli::color::{ColorArguments, ColorName, of_arguments};
+use sunstone::internals::cli::white::WhiteName;
+use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX};
+use sunstone::{Integrator, Mode, Options, Photons, Sampling, Settings, White};
 
 use crate::errors::{RENDER_ERROR, of_settings};
 use crate::keys::{extract, flag};
@@ -28,15 +31,20 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         Some(value) => flag("variance", &value)?,
         None => default.variance,
     };
+    let light = light(options)?;
+    let ((color, spectral), white_balance) =
+        of_arguments(&light).map_err(|text| RENDER_ERROR.says(text))?;
     let of_photons = photons.samples.unwrap_or(1).max(1);
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
     let options = Options {
         integrator,
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
-        color: color(options)?,
-        spectral: None,
-        rgb_white: named(options, "rgb_white", &White::ALL, White::name)?,
-        hold_spectra: false,
+        color,
+        spectral,
+        rgb_white: light.rgb_white.map(|WhiteName(white)| white),
+        white_balance,
+        raw_response: light.raw_response,
+        hold_spectra: light.hold_spectra,
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,
@@ -97,17 +105,46 @@ fn named<T: Copy>(
     }
 }
 
-fn color(options: &Bound<PyDict>) -> PyResult<Color> {
-    let wavelength = option(options, "wavelength")?;
-    let is_mono = named(options, "color", &[false, true], |it| if it { "mono" } else { "rgb" })?;
-    match (is_mono.unwrap_or(false), wavelength) {
-        (false, None) => Ok(Color::Rgb),
-        (false, Some(_)) => Err(RENDER_ERROR
-            .says("wavelength goes with color=\"mono\"; RGB has three wavelengths of its own")),
-        (true, wavelength) => {
-            Ok(Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) })
-        }
+/// What the channels stand for and what light is carried at, as the command line has it.
+fn light(options: &Bound<PyDict>) -> PyResult<ColorArguments> {
+    Ok(ColorArguments {
+        color: named(options, "color", &ColorName::ALL, ColorName::name)?.unwrap_or(ColorName::Rgb),
+        wavelength: option(options, "wavelength")?,
+        rgb_white: named(options, "rgb_white", &White::ALL, White::name)?.map(WhiteName),
+        wavelengths: option(options, "wavelengths")?,
+        range: parsed(options, "range")?,
+        bands: parsed(options, "bands")?,
+        responses: option(options, "responses")?,
+        raw_response: switch(options, "raw_response")?,
+        white_balance: option(options, "white_balance")?,
+        hold_spectra: switch(options, "hold_spectra")?,
+    })
+}
+
+/// An option that is on or off, and off where it is not there.
+fn switch(options: &Bound<PyDict>, name: &str) -> PyResult<bool> {
+    match options.get_item(name)?.filter(|value| !value.is_none()) {
+        Some(value) => flag(name, &value),
+        None => Ok(false),
     }
+}
+
+/// An option that the command line has as numbers with colons between, or as a name: such a text,
+/// or the numbers.
+fn parsed<T: FromStr<Err = String>>(options: &Bound<PyDict>, name: &str) -> PyResult<Option<T>> {
+    let Some(value) = options.get_item(name)?.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    let text = match value.cast::<PyString>() {
+        Ok(text) => text.to_cow()?.into_owned(),
+        Err(_) => {
+            let numbers: Vec<f64> = extract(name, &value)?;
+            let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+            numbers.join(":")
+        }
+    };
+    let wrong = |rule: String| RENDER_ERROR.says(format!("{name}: {rule}, not {text}"));
+    text.parse().map(Some).map_err(wrong)
 }
 
 fn photons(options: &Bound<PyDict>, integrator: Option<Integrator>) -> PyResult<Photons> {

@@ -4,7 +4,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sunstone::Spectrum;
-use sunstone::spectra::{D_NM, Line, LineShape, illuminant_names, index, index_names, metal};
+use sunstone::spectra::{Line, LineShape, illuminant_names, index, index_names, metal};
 
 use crate::errors::SCENE_ERROR;
 use crate::keys::{Keys, holds_truth};
@@ -45,16 +45,15 @@ impl Keys<'_> {
         value.map(|value| self.refraction_of(key, &value, part)).transpose()
     }
 
-    /// Takes the index of refraction of a dielectric: that at the line d holds for all wavelengths.
-    pub fn index_at_d(&self, key: &str) -> PyResult<Option<f32>> {
+    /// Takes the index of refraction of a dielectric.
+    pub fn index(&self, key: &str) -> PyResult<Option<Spectrum>> {
         let Some(value) = self.take::<Bound<PyAny>>(key)? else { return Ok(None) };
         if let Ok(name) = value.cast::<PyString>()
             && metal(&name.to_cow()?).is_some()
         {
             return Err(self.refuse(key, &format!("`{name}` is a metal"), "make it a conductor"));
         }
-        let at_d = self.refraction_of(key, &value, Part::Real)?.at(D_NM);
-        at_d.map(Some).map_err(|error| self.refuse(key, &error.to_string(), ""))
+        self.refraction_of(key, &value, Part::Real).map(Some)
     }
 
     fn refraction_of(&self, key: &str, value: &Bound<PyAny>, part: Part) -> PyResult<Spectrum> {

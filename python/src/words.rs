@@ -1,12 +1,14 @@
 //! The library's texts in the words of Python: options of the command line as keyword arguments.
 
+use sunstone::internals::cli::color::ColorName;
 use sunstone::internals::render::settings::AUTO;
 use sunstone::{Integrator, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 21] = [
+const OPTIONS: [(&str, &str); 25] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
+    ("bands", ""),
     ("camera", ""),
     ("color", ""),
     ("height", ""),
@@ -16,6 +18,7 @@ const OPTIONS: [(&str, &str); 21] = [
     ("mode", ""),
     ("photons", ""),
     ("radius", ""),
+    ("range", ""),
     ("replicates", ""),
     ("results", ""),
     ("rgb-white", ""),
@@ -25,6 +28,8 @@ const OPTIONS: [(&str, &str); 21] = [
     ("spp", ""),
     ("threads", ""),
     ("variance", "=True"),
+    ("wavelength", ""),
+    ("wavelengths", ""),
     ("width", ""),
 ];
 
@@ -69,7 +74,7 @@ fn values(name: &str) -> Box<dyn Iterator<Item = &'static str>> {
         "mode" => Box::new(Mode::ALL.into_iter().map(Mode::name)),
         "sampling" => Box::new(Sampling::ALL.into_iter().map(Sampling::name)),
         "rgb-white" => Box::new(White::ALL.into_iter().map(White::name)),
-        "color" => Box::new(["mono", "rgb"].into_iter()),
+        "color" => Box::new(ColorName::ALL.into_iter().map(ColorName::name)),
         _ => Box::new(std::iter::empty()),
     }
 }

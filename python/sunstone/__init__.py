@@ -36,12 +36,13 @@ from ._errors import (  # noqa: E402
     SceneError,
     SceneWarning,
 )
-from ._image import Image  # noqa: E402
+from ._image import Band, Image  # noqa: E402
 from ._scene import Scene, load  # noqa: E402
 from ._sunstone import Geometry, __version__  # noqa: E402
 from ._world import World  # noqa: E402
 
 __all__ = [
+    "Band",
     "Batch",
     "Error",
     "Geometry",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,19 @@ from . import _sunstone
 from ._errors import Error
 
 Array = npt.NDArray[np.float32]
+#: Channels that `__repr__` names one by one, at most.
+FEW = 4
+
+
+class Band(NamedTuple):
+    """A range of wavelengths over which light is averaged: a channel of an `Image`."""
+
+    #: What it is called.
+    name: str
+    #: Vacuum wavelength of its middle in nanometers.
+    center_nm: float
+    #: From its one end to the other in nanometers.
+    width_nm: float
 
 
 class Image:
@@ -24,7 +38,7 @@ class Image:
     Images pickle and copy with all that they hold.
     """
 
-    __slots__ = ("_metadata", "_stokes", "_variance", "_wavelength_nm")
+    __slots__ = ("_bands", "_metadata", "_stokes", "_variance", "_wavelength_nm")
 
     def __init__(
         self,
@@ -32,21 +46,29 @@ class Image:
         *,
         variance: npt.ArrayLike | None = None,
         wavelength_nm: float | None = None,
+        bands: Iterable[Band | tuple[str, float, float]] | None = None,
         metadata: Mapping[str, str] | None = None,
     ) -> None:
         """An image of arrays, which are copied only where they have to be.
 
         Args:
             stokes: values of shape (height, width, channels, components): 3 channels, or 1 with
-                `wavelength_nm`; 4 Stokes components, or 1 for the intensity alone.
+                `wavelength_nm`, or those of `bands`; 4 Stokes components, or 1 for the intensity
+                alone.
             variance: squared standard errors of the same shape.
             wavelength_nm: wavelength in vacuum in nanometers of an image of one channel.
+            bands: what the channels stand for in place of it, in the order of their centers: name,
+                center and width in nanometers of each.
             metadata: facts about the image, names to texts.
         """
-        self._stokes = _checked("stokes", stokes, 1 if wavelength_nm is not None else 3)
+        if bands is not None and wavelength_nm is not None:
+            raise Error("bands and wavelength_nm cannot both be given: leave one out")
+        self._bands = None if bands is None else _bands(bands)
+        count = len(self._bands) if self._bands is not None else 3 if wavelength_nm is None else 1
+        self._stokes = _checked("stokes", stokes, count, self._bands is not None)
         self._variance = None
         if variance is not None:
-            self._variance = _checked("variance", variance, self._stokes.shape[2])
+            self._variance = _checked("variance", variance, count, self._bands is not None)
             if self._variance.shape != self._stokes.shape:
                 shapes = f"{self._variance.shape}, and the values {self._stokes.shape}"
                 raise Error(f"variance has the shape {shapes}: give one to each value")
@@ -64,13 +86,20 @@ class Image:
         return cls._of(_sunstone.load_image(os.fspath(path)))
 
     @classmethod
-    def _of(
-        cls, parts: tuple[Array, Array | None, float | None, list[tuple[str, str]]]
-    ) -> Image:
-        stokes, variance, wavelength_nm, metadata = parts
+    def _of(cls, parts: _sunstone._Parts) -> Image:
+        stokes, variance, channels, metadata = parts
         return cls(
-            stokes, variance=variance, wavelength_nm=wavelength_nm, metadata=dict(metadata)
+            stokes,
+            variance=variance,
+            wavelength_nm=None if isinstance(channels, list) else channels,
+            bands=channels if isinstance(channels, list) else None,
+            metadata=dict(metadata),
         )
+
+    @property
+    def _channels(self) -> _sunstone._Channels:
+        """What the channels stand for, as the native part has it."""
+        return self._wavelength_nm if self._bands is None else list(self._bands)
 
     @property
     def stokes(self) -> Array:
@@ -116,15 +145,55 @@ class Image:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What the channels are called: ("R", "G", "B"), or the wavelength, as ("550 nm",)."""
+        """What the channels are called.
+
+        ("R", "G", "B"), or the wavelength, as ("550 nm",), or the names of the bands.
+        """
+        if self._bands is not None:
+            return tuple(band.name for band in self._bands)
         if self._wavelength_nm is None:
             return ("R", "G", "B")
         return (f"{self._wavelength_nm:g} nm",)
 
     @property
     def wavelength_nm(self) -> float | None:
-        """Wavelength in vacuum in nanometers, if there is one channel."""
+        """Wavelength in vacuum in nanometers of an image of one wavelength."""
         return self._wavelength_nm
+
+    @property
+    def bands(self) -> tuple[Band, ...] | None:
+        """The bands that the channels are, in the order of their centers, if they are bands.
+
+        Values of a band are means over its width, per nanometer.
+        """
+        return self._bands
+
+    @property
+    def wavelengths_nm(self) -> Array | None:
+        """The wavelength of every channel in nanometers, of bands their centers; None in RGB.
+
+        >>> plt.plot(image.wavelengths_nm, image.stokes[y, x, :, 0])
+        """
+        if self._bands is not None:
+            return np.array([band.center_nm for band in self._bands], np.float32)
+        if self._wavelength_nm is None:
+            return None
+        return np.array([self._wavelength_nm], np.float32)
+
+    def at(self, wavelength_nm: float) -> Image:
+        """The band that has a wavelength in nanometers, as an image of the one of its center.
+
+        Raises:
+            Error: if none has it.
+        """
+        channel, center_nm = _sunstone.channel_at(self._channels, wavelength_nm)
+        one = slice(channel, channel + 1)
+        return Image(
+            self._stokes[:, :, one].copy(),
+            variance=None if self._variance is None else self._variance[:, :, one].copy(),
+            wavelength_nm=center_nm,
+            metadata=self._metadata,
+        )
 
     @property
     def metadata(self) -> dict[str, str]:
@@ -144,7 +213,7 @@ class Image:
             os.fspath(path),
             self._stokes,
             self._variance,
-            self._wavelength_nm,
+            self._channels,
             [(str(name), str(text)) for name, text in self._metadata.items()],
         )
 
@@ -164,7 +233,7 @@ class Image:
         if map is None:
             map = "panels" if self._stokes.shape[3] == 4 else "intensity"
         which = None if map == "panels" else map
-        return _sunstone.picture(self._stokes, self._wavelength_nm, which, exposure, full_scale)
+        return _sunstone.picture(self._stokes, self._channels, which, exposure, full_scale)
 
     def _repr_png_(self) -> bytes:
         return self.png()
@@ -172,25 +241,43 @@ class Image:
     def __repr__(self) -> str:
         height, width, _, components = self._stokes.shape
         what = "Stokes vectors" if components == 4 else "intensities"
-        channels = ", ".join(self.channels)
+        names = self.channels
+        channels = ", ".join(names)
+        if self._bands is not None and len(names) > FEW:
+            ends = f"{self._bands[0].center_nm:g} to {self._bands[-1].center_nm:g} nm"
+            channels = f"{len(names)} bands from {ends}"
         variance = ", with variances" if self._variance is not None else ""
         return f"<sunstone.Image: {what} of {width} x {height} pixels, {channels}{variance}>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _image, (self._stokes, self._variance, self._wavelength_nm, self._metadata)
+        rows = None if self._bands is None else [(*band,) for band in self._bands]
+        return _image, (self._stokes, self._variance, self._wavelength_nm, self._metadata, rows)
 
 
 def _image(
-    stokes: Array, variance: Array | None, wavelength_nm: float | None, metadata: dict[str, str]
+    stokes: Array,
+    variance: Array | None,
+    wavelength_nm: float | None,
+    metadata: dict[str, str],
+    bands: list[tuple[str, float, float]] | None = None,
 ) -> Image:
-    return Image(stokes, variance=variance, wavelength_nm=wavelength_nm, metadata=metadata)
+    return Image(
+        stokes, variance=variance, wavelength_nm=wavelength_nm, bands=bands, metadata=metadata
+    )
 
 
-def _checked(name: str, values: npt.ArrayLike, channels: int) -> Array:
+def _bands(bands: Iterable[Band | tuple[str, float, float]]) -> tuple[Band, ...]:
+    """Bands whose numbers are those that are stored."""
+    rows = _sunstone.checked_bands([(name, center, width) for name, center, width in bands])
+    return tuple(Band(*row) for row in rows)
+
+
+def _checked(name: str, values: npt.ArrayLike, channels: int, are_bands: bool) -> Array:
     array = np.require(values, np.float32, ("C", "W", "A"))
     if array.ndim != 4 or array.shape[2] != channels or array.shape[3] not in (1, 4):
+        what = f"{channels} bands" if are_bands else "one wavelength" if channels == 1 else "RGB"
         raise Error(
             f"{name} has the shape {array.shape}: must be (height, width, {channels}, 1 or 4), as "
-            f"an image {'of one wavelength' if channels == 1 else 'in RGB'} has"
+            f"an image {'in' if what == 'RGB' else 'of'} {what} has"
         )
     return array

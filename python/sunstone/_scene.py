@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, Union
 
 from . import _sunstone
@@ -14,7 +14,7 @@ from ._image import Image
 
 Integrator = Literal["auto", "path", "light", "bdpt", "ppm"]
 Mode = Literal["polarized", "intensity", "scalar"]
-Color = Literal["rgb", "mono"]
+Color = Literal["rgb", "mono", "spectral"]
 Sampling = Literal["stokes", "intensity"]
 RgbWhite = Literal["d65", "e"]
 
@@ -210,6 +210,9 @@ class Scene(Editable):
         color: Color = "rgb",
         wavelength: float | None = None,
         rgb_white: RgbWhite | None = None,
+        wavelengths: Literal[4, 8] | None = None,
+        range: Sequence[float] | str | None = None,
+        bands: Sequence[float] | str | None = None,
         iterations: int | None = None,
         max_path_length: int | None = None,
         roulette_after: int | None = None,
@@ -237,10 +240,19 @@ class Scene(Editable):
             seed: seed of all randomness, from 0 to 2^32 - 1.
             width: width in pixels; by default the scene's, or 512.
             height: height in pixels; by default what follows from the width and the camera.
-            color: "rgb" is linear in sRGB primaries, "mono" one wavelength.
+            color: "rgb" is linear in sRGB primaries, "mono" one wavelength, "spectral" carries
+                light at several wavelengths, others in every iteration, and measures `bands`, or
+                red, green and blue as the CIE 1931 observer sees them.
             wavelength: of "mono", in nanometers, 550 by default.
-            rgb_white: the white under which red, green and blue have the color that they say, of
-                "mono": "e", equal energy, by default, or "d65".
+            rgb_white: the white under which red, green and blue of materials and lights have the
+                color that they say, of "mono" and "spectral": "e", equal energy, by default, or
+                "d65", which is the default of "spectral" without `bands`.
+            wavelengths: of "spectral", how many are carried together: 4 or 8, which is the default.
+            range: of "spectral", the first and the last that light may have, in nanometers, as
+                (380, 780); by default those of the bands.
+            bands: of "spectral", what is measured: the centers of the first and the last in
+                nanometers and how many there are, as (400, 700, 31); each as wide as these are
+                apart. A text is what the command line takes: "400:700:31".
             iterations: in place of `spp`: of one sample in every pixel, or, by "ppm", of a pass of
                 photons with its samples.
             max_path_length: most segments of a path: 1 shows emitters only, 2 adds direct light; no

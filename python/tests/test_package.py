@@ -38,6 +38,9 @@ CASES: list[dict[str, Any]] = [
     dict(integrator="ppm", photons=2000, samples_per_iteration=2, spp=4, alpha=0.5, radius=0.1),
     dict(integrator="ppm", photons=1000, iterations=3, samples_per_iteration=3),
     dict(color="mono", wavelength=633.5, variance=True, replicates=2, spp=4),
+    dict(color="spectral", wavelengths=4),
+    dict(color="spectral", bands=(420, 660, 7), variance=True),
+    dict(color="spectral", bands="450:650:3", range=(400, 700), rgb_white="d65", mode="scalar"),
     dict(sampling="intensity", replicates=2, threads=1),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
@@ -60,7 +63,8 @@ def test_bits_are_the_program_s(
     words = []
     for name, value in options.items():
         words.append("--" + name.replace("_", "-"))
-        words += [] if value is True else [value]
+        numbers = ":".join(map(str, value)) if isinstance(value, tuple) else value
+        words += [] if value is True else [numbers]
     program("render", CORNELL, "-o", tmp_path / "a.exr", *words)
     image.save(tmp_path / "b.exr")
     channels = {}
@@ -71,12 +75,16 @@ def test_bits_are_the_program_s(
     for key, pixels in channels["a"].items():
         assert np.array_equal(pixels, channels["b"][key]), key
     # And where they stand in the arrays, by a stranger's reading of the file.
-    mono, components = len(image.channels) == 1, image.stokes.shape[3]
+    rgb, components = image.channels == ("R", "G", "B"), image.stokes.shape[3]
+    colors = [".R", ".G", ".B"] if rgb else [""]
+    if image.bands is not None:
+        colors = [f".{band.center_nm:.6f}nm".replace(".", ",") for band in image.bands]
+        colors = ["." + color[1:] for color in colors]
     for array, prefix in (image.stokes, ""), (image.variance, "variance."):
-        for channel, color in enumerate([""] if mono else [".R", ".G", ".B"]):
+        for channel, color in enumerate(colors):
             for component in range(components):
                 key = f"{prefix}S{component}{color}"
-                if components == 1 and not mono and not prefix:
+                if components == 1 and rgb and not prefix:
                     key = color[1:]
                 if array is None:
                     assert key not in channels["a"]
@@ -95,7 +103,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 23
+    assert len(names) == len(set(names)) == 26
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -217,6 +225,21 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(color="mono", rgb_white="d50"), r"rgb_white must be one of d65, e"),
     (dict(color="rgb", wavelength=500), r"wavelength goes with color=\"mono\""),
     (dict(color="mono", wavelength=math.nan), r"wavelength must be from 1 to 1000000 nanometers"),
+    (dict(bands=(400, 700, 31)), r"^bands goes with color=\"spectral\""),
+    (dict(color="mono", wavelengths=4), r"^wavelengths goes with color=\"spectral\""),
+    (dict(color="spectral", wavelength=500), r"^wavelength goes with color=\"mono\"; color=\"spec"),
+    (dict(color="spectral", wavelengths=5), r"^wavelengths must be 4 or 8, not 5"),
+    (dict(color="spectral", range=(700, 400)), r"^range must go from a shorter .* not 700:400"),
+    (dict(color="spectral", range="400"), r"^range: it is two wavelengths, .* not 400"),
+    (dict(color="spectral", bands=(400, 700)), r"^bands: it is the centers .* not 400:700"),
+    (dict(color="spectral", bands=(400, 700, 3.5)), r"^bands: it is .* not 400:700:3.5"),
+    (dict(color="spectral", bands=(700, 400, 3)), r"^bands go from 700 down to 400 nm; turn them"),
+    (dict(color="spectral", bands=(400, math.inf, 3)), r"^bands from 400 to inf nm are no wavel"),
+    (dict(color="spectral", bands=(), range=(400, 700)), r"^bands: it is the centers"),
+    (
+        dict(color="spectral", bands=(400, 700, 31), range=(400, 700)),
+        r"^bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
+    ),
     (dict(integrator="path", photons=10), r"photons goes with integrator=\"ppm\""),
     (dict(integrator="ppm", alpha=0), r"alpha must be greater than 0 and at most 1, not 0"),
     (dict(spp=4, iterations=4), r"spp and iterations cannot both be given"),
@@ -246,6 +269,10 @@ def test_what_is_no_option_is_a_type_error(cornell: sunstone.Scene) -> None:
         cornell.render(spp="many")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="spp"):
         cornell.render(spp=1.5)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="range"):
+        cornell.render(color="spectral", range=380)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="bands: must be a number, not True or False"):
+        cornell.render(color="spectral", bands=(400, 700, True))
     assert cornell.render(**{**SMALL, "spp": np.int64(2)}).stokes.shape == (16, 16, 3, 4)
 
 
@@ -291,6 +318,113 @@ def test_worlds_go_on_after_a_render(room: sunstone.World) -> None:
     assert not np.array_equal(after.stokes, before.stokes)
     scene = room.place()
     assert np.array_equal(scene.render(**SMALL).stokes, after.stokes)
+
+
+def test_bands_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> None:
+    options = dict(**SMALL, color="spectral", variance=True)
+    image = room.render(**options, bands=np.array([420, 660, 7]))
+    assert image.stokes.shape == (16, 16, 7, 4) and image.wavelength_nm is None
+    assert image.bands is not None and image.wavelengths_nm is not None
+    assert image.bands[2] == ("500 nm", 500.0, 40.0) and image.bands[2].width_nm == 40
+    assert image.wavelengths_nm.dtype == np.float32
+    assert image.wavelengths_nm.tolist() == [420, 460, 500, 540, 580, 620, 660]
+    assert image.channels == tuple(f"{nm} nm" for nm in (420, 460, 500, 540, 580, 620, 660))
+    assert "7 bands from 420 to 660 nm, with variances" in repr(image)
+    assert image.dop.shape == image.aolp.shape == (16, 16, 7)
+    one = image.at(612)
+    assert one.wavelength_nm == 620 and one.wavelengths_nm is not None
+    assert np.array_equal(one.stokes, image.stokes[:, :, 5:6]) and one.variance is not None
+    assert np.array_equal(one.variance, image.variance[:, :, 5:6])  # type: ignore[index]
+    with pytest.raises(sunstone.Error, match="7 bands from 420 to 660 nm, and none of that has 7"):
+        image.at(700)
+    image.save(tmp_path / "bands.exr")
+    others = [sunstone.Image.load(tmp_path / "bands.exr"), copy.copy(image)]
+    others += [pickle.loads(pickle.dumps(image)), copy.deepcopy(image)]
+    for other in others:
+        assert np.array_equal(other.stokes, image.stokes) and other.bands == image.bands
+        assert np.array_equal(other.variance, image.variance)  # type: ignore[arg-type]
+        assert other.metadata == image.metadata
+    with pytest.raises(sunstone.Error, match="7 bands"):
+        image.save(tmp_path / "bands.hdr")
+    for picture in image._repr_png_(), image.png("aolp"), one.png("intensity"):
+        assert picture.startswith(b"\x89PNG")
+    plain = room.render(**options)
+    assert plain.bands is None and plain.wavelengths_nm is None and plain.channels[0] == "R"
+    with pytest.raises(sunstone.Error, match="the image has RGB, and none of that has 550 nm"):
+        plain.at(550)
+
+
+def test_bands_are_named_by_who_makes_an_image(tmp_path: pathlib.Path) -> None:
+    values = np.random.default_rng(1).random((2, 3, 2, 1), np.float32)
+    image = sunstone.Image(values, bands=[("NIR", 850, 40), sunstone.Band("SWIR", 1600.1, 90)])
+    assert image.channels == ("NIR", "SWIR") and image.bands is not None
+    assert image.bands[1].center_nm == np.float32(1600.1)
+    assert "NIR, SWIR" in repr(image) and image._repr_png_().startswith(b"\x89PNG")
+    image.save(tmp_path / "a.exr")
+    again = sunstone.Image.load(tmp_path / "a.exr")
+    assert again.bands == image.bands and np.array_equal(again.stokes, values)
+    for bands, text in (
+        ([("a", 500, 10)], r"must be \(height, width, 1, 1 or 4\), as an image of 1 bands has"),
+        ([("b", 600, 10), ("a", 500, 10)], r"at 600 nm and then at 500 nm; sort them"),
+        ([("a", 500, 10), ("a", 600, 10)], r'called "a" twice'),
+        ([("a", 500, 0), ("b", 600, 1)], r"bands\[0\].width"),
+        ([("a", math.nan, 1), ("b", 600, 1)], r"bands\[0\].center"),
+        ([], r"bands: are 0, and there must be"),
+    ):
+        with pytest.raises(sunstone.Error, match=text):
+            sunstone.Image(values, bands=bands)
+    with pytest.raises(sunstone.Error, match="bands and wavelength_nm cannot both be given"):
+        sunstone.Image(values, bands=[("a", 1, 1), ("b", 2, 1)], wavelength_nm=550)
+
+
+def test_glass_of_worlds_disperses() -> None:
+    """One wavelength and another are refracted otherwise, and only where an index depends on it."""
+    world = sunstone.World("prism")
+    world.add_material("glass", "dielectric", ior="SF10")
+    world.add_material("sky", "diffuse", reflectance=0.5, emission=1.0, two_sided=True)
+    world.add_sphere("ball", 0.5, "glass")
+    world.add_mesh("floor", sunstone.Geometry.quad((0, 0, -2), (1, 0, 0), (0, 1, 0)), "sky")
+    world.set_camera(yfov=0.8, position=(0, 0, 2), target=(0, 0, 0))
+    options = dict(integrator="path", color="mono", spp=1, width=24, height=24, seed=3)
+
+    def at(nm: float) -> Any:
+        return world.render(wavelength=nm, **options).stokes
+
+    assert not np.array_equal(at(450), at(650))
+    world["glass"].ior = {"cauchy": {"a": 1.5, "b_um2": 0.01, "range_nm": [350, 900]}}
+    assert not np.array_equal(at(450), at(650))
+    world["glass"].ior = 1.7
+    assert np.array_equal(at(450), at(650))
+    with pytest.raises(sunstone.SceneError, match="material `glass`, ior: `BK77` is no substance"):
+        world["glass"].ior = "BK77"
+    world["glass"].ior = "BK7"
+    # Spectra of edits are those of what was made so.
+    world["sky"].emission = {"illuminant": "D65"}
+    spectral = dict(options, color="spectral", bands=(450, 650, 5))
+    image = world.render(**spectral)
+    assert np.isfinite(image.stokes).all() and image.stokes[..., 0].max() > 0
+    scene = world.place()
+    assert np.array_equal(scene.render(**spectral).stokes, image.stokes)
+    scene["glass"].ior = "SF10"
+    assert not np.array_equal(scene.render(**spectral).stokes, image.stokes)
+    del scene["glass"].ior
+    assert np.array_equal(scene.render(**spectral).stokes, image.stokes)
+    scene["glass"].ior = {"nm": [450, 650], "value": [1.6, 1.5]}
+    with pytest.raises(sunstone.SceneError, match="`glass`.*asked for 425 nm, but it covers 450"):
+        scene.render(**spectral)
+
+
+def test_files_take_spectra_as_edits(cornell: sunstone.Scene) -> None:
+    scene = copy.copy(cornell)
+    spectral = dict(**SMALL, color="spectral", bands=(450, 650, 5))
+    before = scene.render(**spectral)
+    scene["materials/glass/ior"] = "SF10"
+    other = scene.render(**spectral)
+    assert not np.array_equal(before.stokes, other.stokes)
+    with pytest.raises(sunstone.SceneError, match="glass.*ior"):
+        scene["materials/glass/ior"] = "N-BK77"
+    del scene["glass"].ior
+    assert np.array_equal(scene.render(**spectral).stokes, before.stokes)
 
 
 def test_worlds_know_names_of_spectra() -> None:

@@ -1,4 +1,4 @@
-"""A tour of Sunstone in twelve examples, each of which runs as a test.
+"""A tour of Sunstone in thirteen examples, each of which runs as a test.
 
 They render small and noisy, to be quick; give more `spp`.
 """
@@ -189,3 +189,24 @@ def test_12_batches(tmp_path: pathlib.Path) -> None:
         assert result.error is None and result.values["ior"] in (1.33, 1.5)
         assert sunstone.Image.load(result.output).stokes.shape == (8, 8, 3, 4)
     assert all(result.was_done for result in sunstone.batch(tmp_path / "jobs.toml"))
+
+
+def test_13_spectra(tmp_path: pathlib.Path) -> None:
+    """Light at all wavelengths, measured in bands: the spectrum of a pixel."""
+    world = sunstone.World("shop")
+    world.add_material("gold", "conductor", metal="Au")
+    world.add_sphere("ball", 1.0, "gold")
+    world.set_environment({"illuminant": "D65"})
+    world.set_camera(yfov=0.6, position=(0, 0, 3), target=(0, 0, 0))
+    options = dict(integrator="path", color="spectral", spp=64, width=8, height=8)
+    image = world.render(bands=(400, 700, 7), **options)  # seven of 50 nm
+    assert image.stokes.shape == (8, 8, 7, 4) and image.wavelengths_nm is not None
+    for nm, (s0, s1, s2, s3) in zip(image.wavelengths_nm, image.stokes[4, 4]):
+        print(f"{nm:.0f} nm: {s0:.3f} W/(m^2 sr nm), {np.hypot(s1, s2) / s0:.1%} linear")
+    blue, red = image.at(450).stokes[4, 4, 0, 0], image.at(650).stokes[4, 4, 0, 0]
+    assert red > 1.5 * blue  # under daylight, which has more of blue
+    image.save(tmp_path / "bands.exr")  # as Fichet et al. 2021 lay spectra out
+    again = sunstone.Image.load(tmp_path / "bands.exr")
+    assert again.bands == image.bands and np.array_equal(again.stokes, image.stokes)
+    color = world.render(**options)  # red, green and blue, as the eye sees these spectra
+    assert color.stokes[4, 4, 0, 0] > color.stokes[4, 4, 2, 0]

@@ -6,6 +6,7 @@
 //! | [`costs`] | scalar against polarized in rounds that alternate, stage by stage |
 //! | [`table1`] | that, as the paper's Table 1 reports it |
 //! | [`overhead`] | that, for any scenes and integrators |
+//! | [`wavelengths`] | one, three, four and eight wavelengths, in both modes |
 //! | [`scaling`] | time over threads, samples, photons, pixels and wavelengths |
 //! | [`convergence`] | error over time |
 //! | [`record`], [`figures`] | one line a measurement in a file that grows |
@@ -22,6 +23,7 @@ pub mod plot;
 pub mod record;
 pub mod scaling;
 pub mod table1;
+pub mod wavelengths;
 
 use std::fmt;
 

@@ -204,7 +204,8 @@ impl fmt::Display for Series {
     }
 }
 
-fn fit_in_words(fit: Fit) -> String {
+/// A slope with its standard error.
+pub(super) fn fit_in_words(fit: Fit) -> String {
     match fit.standard_error {
         Some(error) => format!("{:.3} +- {error:.3}", fit.slope),
         None => format!("{:.3}", fit.slope),

@@ -528,7 +528,9 @@ Safari 16.4 or newer; it asks the network for nothing. Maps have the colors and 
 'sunstone visualize'. The analyzer is an ideal one before the sensor: linear at an angle a from \
 the right of the image, counterclockwise, (S0 + S1 cos 2a + S2 sin 2a) / 2; circular, \
 (S0 + S3) / 2 and (S0 - S3) / 2. The page is about as large as the values of the images, 12 to \
-16 MB for a million pixels of one wavelength; of more than 2 GiB none is written.";
+16 MB for a million pixels of one wavelength; of more than 2 GiB none is written. Bands are shown \
+in color, as the CIE 1931 observer sees them, or one by one, with the spectrum of the pixel under \
+the pointer; maps of all of them are of their mean.";
 
 /// `view` as typed.
 #[derive(Debug, Args)]
@@ -536,7 +538,7 @@ the right of the image, counterclockwise, (S0 + S1 cos 2a + S2 sin 2a) / 2; circ
 pub struct ViewArguments {
     /// The image, in a format that keeps what was rendered (.exr, .hdr, ...)
     pub image: PathBuf,
-    /// A second one of the same size, beyond a divider
+    /// A second one of the same size and bands, beyond a divider
     pub other: Option<PathBuf>,
     /// Where to write the page
     #[arg(short, long, value_name = "HTML", allow_hyphen_values = true)]

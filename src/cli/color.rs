@@ -29,6 +29,20 @@ pub enum ColorName {
     Spectral,
 }
 
+impl ColorName {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Rgb, Self::Mono, Self::Spectral];
+
+    /// What the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rgb => "rgb",
+            Self::Mono => "mono",
+            Self::Spectral => "spectral",
+        }
+    }
+}
+
 /// What the channels stand for, as typed.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = LIGHT)]
@@ -166,28 +180,55 @@ pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectra
         ("--responses", responses.is_some()),
         ("--raw-response", arguments.raw_response),
     ];
-    if *color == ColorName::Spectral {
-        if wavelength.is_some() {
-            return usage("--wavelength goes with --color mono; --color spectral has a --range");
+    let typed = typed.into_iter().find(|(_, is)| *is);
+    match (color, *wavelength, typed) {
+        (ColorName::Spectral, None, _) => spectral(arguments),
+        (ColorName::Spectral, Some(_), _) => {
+            usage("--wavelength goes with --color mono; --color spectral has a --range")
         }
-        let (color, ends) = match (bands, responses) {
-            (Some(bands), _) => of_bands(bands)?,
-            (None, Some(name)) => {
-                let curves = curves(name)?;
-                let ends = curves.ends_nm();
-                (Color::Responses(Arc::new(curves)), ends)
-            }
-            (None, None) => (Color::Rgb, RANGE_NM),
-        };
-        let range_nm = range.map_or(ends, |RangeText(range)| range);
-        let default = Spectral::default();
-        let wavelengths = wavelengths.unwrap_or(default.wavelengths);
-        return Ok((color, Some(Spectral { wavelengths, range_nm })));
+        (ColorName::Rgb | ColorName::Mono, _, Some((name, _))) => {
+            usage(&format!("{name} goes with --color spectral"))
+        }
+        (ColorName::Rgb, None, None) => Ok((Color::Rgb, None)),
+        (ColorName::Rgb, Some(_), None) => {
+            usage("--wavelength goes with --color mono; RGB has three wavelengths of its own")
+        }
+        (ColorName::Mono, wavelength, None) => {
+            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
+            check_color(&color)?;
+            Ok((color, None))
+        }
     }
-    match typed.into_iter().find(|(_, is)| *is) {
-        Some((name, _)) => usage(&format!("{name} goes with --color spectral")),
-        None => Ok((plain(*color, *wavelength)?, None)),
-    }
+}
+
+/// The same for programs, which say in words of their own what is wrong, and the light that is to
+/// be white.
+///
+/// # Errors
+/// The text of the command line, with its options.
+pub fn of_arguments(
+    arguments: &ColorArguments,
+) -> Result<((Color, Option<Spectral>), Option<WhiteBalance>), String> {
+    let both = color(arguments).and_then(|color| Ok((color, white_balance(arguments)?)));
+    both.map_err(|error| match error {
+        CliError::Usage(text) => text,
+        error => error.to_string(),
+    })
+}
+
+fn spectral(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
+    let (color, ends) = match (&arguments.bands, &arguments.responses) {
+        (Some(bands), _) => of_bands(bands)?,
+        (None, Some(name)) => {
+            let curves = curves(name)?;
+            let ends = curves.ends_nm();
+            (Color::Responses(Arc::new(curves)), ends)
+        }
+        (None, None) => (Color::Rgb, RANGE_NM),
+    };
+    let range_nm = arguments.range.map_or(ends, |RangeText(range)| range);
+    let wavelengths = arguments.wavelengths.unwrap_or(Spectral::default().wavelengths);
+    Ok((color, Some(Spectral { wavelengths, range_nm })))
 }
 
 fn of_bands(bands: &BandsText) -> Result<(Color, [f32; 2]), CliError> {
@@ -256,20 +297,15 @@ fn of_file(path: &str, Fault { field, problem, remedy }: &Fault) -> CliError {
     CliError::Refused(format!("{}{place}: {problem}{end}{remedy}", printable(path)))
 }
 
-/// What the channels stand for where they are what light is carried at.
-pub(super) fn plain(name: ColorName, wavelength: Option<f32>) -> Result<Color, CliError> {
-    match (name, wavelength) {
-        (ColorName::Rgb, None) => Ok(Color::Rgb),
-        (ColorName::Rgb, Some(_)) => Err(CliError::Usage(
-            "--wavelength goes with --color mono; RGB has three wavelengths of its own".into(),
-        )),
-        (ColorName::Mono, wavelength) => {
-            let color = Color::Mono { wavelength_nm: wavelength.unwrap_or(WAVELENGTH_NM) };
-            check_color(&color)?;
-            Ok(color)
-        }
-        (ColorName::Spectral, _) => {
-            Err(CliError::Usage("--color spectral is not measured: choose rgb or mono".to_owned()))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_that_are_typed() {
+        assert_eq!(ColorName::value_variants(), ColorName::ALL);
+        for name in ColorName::ALL {
+            assert_eq!(ColorName::from_str(name.name(), false), Ok(name));
         }
     }
 }

@@ -4,7 +4,7 @@ mod args;
 pub mod batch;
 mod bench;
 mod checkpoint;
-mod color;
+pub mod color;
 mod files;
 mod images;
 mod interrupt;
@@ -17,7 +17,7 @@ mod report;
 mod rescue;
 mod tev;
 mod visualize;
-mod white;
+pub mod white;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -4,11 +4,10 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::math::text::{excerpt, listed};
-use crate::spectrum::{Color, RGB_WAVELENGTHS_NM};
+use crate::spectrum::{Color, RGB_WAVELENGTHS_NM, rgb_of_bands};
 
 use super::exr::WAVELENGTH_UNSTATED_NM;
 use super::rows::{Frame, Rows};
-use super::visualize::luminance;
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
 
@@ -74,15 +73,8 @@ impl StokesImage {
     /// # Errors
     /// When no band has it.
     pub fn at_wavelength(&self, wavelength_nm: f32) -> Result<Self, OutputError> {
-        let (channel, center_nm) = match &self.color {
-            Color::Mono { wavelength_nm: own } if *own == wavelength_nm => (0, *own),
-            Color::Bands(bands) => match bands.index_at(wavelength_nm) {
-                Some(index) => (index, bands.list()[index].center_nm),
-                None => return Err(self.lacks(wavelength_nm)),
-            },
-            Color::Rgb | Color::Mono { .. } | Color::Responses(_) => {
-                return Err(self.lacks(wavelength_nm));
-            }
+        let Some((channel, center_nm)) = self.color.channel_at(wavelength_nm) else {
+            return Err(OutputError::NoBand { what: self.color.to_string(), wavelength_nm });
         };
         Ok(self.of_channel(channel, center_nm))
     }
@@ -123,33 +115,40 @@ impl StokesImage {
         }
     }
 
-    fn lacks(&self, wavelength_nm: f32) -> OutputError {
-        OutputError::NoBand { what: self.color.to_string(), wavelength_nm }
-    }
-
-    /// An image that can be shown in red, green and blue or in grey: of bands or responses, their
-    /// mean, and of three responses that are called red, green and blue, these as if they were
-    /// those of sRGB.
+    /// An image that can be shown in red, green and blue or in grey: of bands what the eye sees of
+    /// them, of three responses that are called red, green and blue these as if they were those of
+    /// sRGB, and else the mean of all channels.
     pub(crate) fn shown(&self) -> Cow<'_, Self> {
-        let middle = match &self.color {
+        let colors = match &self.color {
             Color::Rgb | Color::Mono { .. } => return Cow::Borrowed(self),
             Color::Responses(_) if self.channel_names() == ["red", "green", "blue"] => {
                 return Cow::Owned(Self { color: Color::Rgb, ..self.clone() });
             }
-            Color::Bands(bands) => mean_of(bands.ends_nm().map(|nm| nm as f32)),
-            Color::Responses(curves) => mean_of(curves.ends_nm()),
+            Color::Bands(bands) => rgb_of_bands(bands),
+            Color::Responses(_) => None,
         };
         let channels = self.color.channels();
-        let mean = |planes: &[Vec<f32>]| -> Vec<f32> {
-            let pixel = |pixel: usize| luminance(&self.color, |channel| planes[channel][pixel]);
-            (0..self.width * self.height).map(pixel).collect()
+        let (color, weights): (Color, Vec<Vec<f32>>) = match colors {
+            Some(weights) => {
+                let of_channel = |i: usize| weights.iter().map(|weight| weight[i]).collect();
+                (Color::Rgb, [0, 1, 2].map(of_channel).to_vec())
+            }
+            None => {
+                let ends = [0, channels - 1].map(|channel| self.color.wavelength_of(channel));
+                let [first, last] = ends.map(|nm| nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
+                let mean = vec![1.0 / channels as f32; channels];
+                (Color::Mono { wavelength_nm: 0.5 * (first + last) }, vec![mean])
+            }
+        };
+        let mixed = |planes: &[Vec<f32>]| -> Vec<Vec<f32>> {
+            weights.iter().map(|weights| mix(planes, weights)).collect()
         };
         Cow::Owned(Self {
             width: self.width,
             height: self.height,
-            color: Color::Mono { wavelength_nm: middle },
+            color,
             components: self.components,
-            planes: self.planes.chunks(channels).map(mean).collect(),
+            planes: self.planes.chunks(channels).flat_map(mixed).collect(),
             variance: None,
             metadata: self.metadata.clone(),
         })
@@ -224,8 +223,13 @@ impl Rows for StokesImage {
     }
 }
 
-fn mean_of([one, two]: [f32; 2]) -> f32 {
-    0.5 * (one + two)
+/// The sum of planes times weights.
+fn mix(planes: &[Vec<f32>], weights: &[f32]) -> Vec<f32> {
+    let mut sums = vec![0.0; planes.first().map_or(0, Vec::len)];
+    for (plane, weight) in planes.iter().zip(weights) {
+        sums.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
+    }
+    sums
 }
 
 fn interleaved(planes: &[Vec<f32>], [height, width, channels, components]: [usize; 4]) -> Vec<f32> {

@@ -7,9 +7,10 @@
 //!
 //! The channels of RGB images are combined by luminance first, each Stokes component as
 //! 0.2126 R + 0.7152 G + 0.0722 B, those of bands and responses by their mean, and the formulas
-//! applied to the result. Where there is no light
-//! (S0 not above 0, or not a number) a map is black; where a map asks for a direction or a type
-//! that weak polarization does not have, it fades to grey ([`View::degree_faded`]).
+//! applied to the result. The intensity of bands is a picture in color where they tell it
+//! ([`crate::spectrum::rgb_of_bands`]). Where there is no light (S0 not above 0, or not a number) a
+//! map is black; where a map asks for a direction or a type that weak polarization does not have,
+//! it fades to grey ([`View::degree_faded`]).
 
 use std::str::FromStr;
 

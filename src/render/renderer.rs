@@ -165,7 +165,8 @@ impl Renderer {
     }
 
     /// A render of a scene that has been baked, for tests that look into its tables; the film is
-    /// the scene's, which has the wavelengths of a color.
+    /// the scene's, which has the wavelengths of a color. None of four or eight: these are others
+    /// in every iteration, for which the renderer bakes the scene itself ([`Renderer::new`]).
     #[doc(hidden)]
     pub fn of<const N: usize>(scene: Arc<Scene<N>>, settings: &Settings) -> Self {
         Self::of_any(scene, settings)
@@ -178,7 +179,7 @@ impl Renderer {
             Ok(scene) => Self::whole(scene, settings),
             Err(scene) => match scene.downcast::<Scene<3>>() {
                 Ok(scene) => Self::whole(scene, settings),
-                Err(_) => panic!("no color has so many wavelengths"),
+                Err(_) => panic!("no channels stand for so many wavelengths"),
             },
         }
     }

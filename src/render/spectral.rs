@@ -15,7 +15,7 @@ pub struct Spectral {
 }
 
 /// What numbers of wavelengths can be carried together.
-const WAVELENGTHS: [u32; 2] = [4, 8];
+pub const WAVELENGTHS: [u32; 2] = [4, 8];
 /// The range where none is named, in nanometers.
 pub const RANGE_NM: [f32; 2] = [380.0, 780.0];
 /// What rounding may make of the ends of bands, in nanometers.

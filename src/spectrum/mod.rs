@@ -19,6 +19,7 @@ mod indices;
 mod lamps;
 mod responses;
 mod rows;
+mod seen;
 mod spd;
 mod spectra;
 pub mod upsampling;
@@ -34,6 +35,7 @@ pub use illuminants::illuminant_names;
 pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
+pub use seen::rgb_of_bands;
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
 pub use white_balance::WhiteBalance;
 
@@ -120,6 +122,20 @@ impl Color {
             Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => {
                 self.channel_names().swap_remove(channel)
             }
+        }
+    }
+
+    /// The channel that has a wavelength in nanometers, and the wavelength that it stands for: the
+    /// center of its band, or its own. None of red, green and blue has one, nor of responses, which
+    /// are told by name.
+    pub fn channel_at(&self, wavelength_nm: f32) -> Option<(usize, f32)> {
+        match self {
+            Color::Rgb => None,
+            Color::Mono { wavelength_nm: own } => (*own == wavelength_nm).then_some((0, *own)),
+            Color::Bands(bands) => {
+                bands.index_at(wavelength_nm).map(|index| (index, bands.list()[index].center_nm))
+            }
+            Color::Responses(_) => None,
         }
     }
 }

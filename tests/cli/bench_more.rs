@@ -30,6 +30,8 @@ fn assert_near(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1e-9), "{a} {b}");
 }
 
+/// The least film that can be measured.
+const TINY_FILM: &str = "--width 24 --height 16";
 /// The least that can be measured.
 const TINY: &str = "--width 24 --height 16 --photons 500";
 
@@ -155,6 +157,80 @@ fn overhead_is_printed_drawn_and_recorded() {
     assert_eq!(record["bench"], "overhead");
 }
 
+/// Polarization is measured at several wavelengths, too, and in bands; figures tell them apart.
+#[test]
+fn overhead_of_wavelengths_has_a_name_of_its_own() {
+    let here = folder("overhead-spectral");
+    fs::copy(scene("mirror"), here.join("mirror.gltf")).unwrap();
+    let line = "overhead mirror.gltf --integrator path --rounds 1 --spp 1 --color spectral";
+    for (more, color, name) in [
+        ("", "RGB of 8 wavelengths", "rgb_of_8_wavelengths"),
+        ("--wavelengths 4", "RGB of 4 wavelengths", "rgb_of_4_wavelengths"),
+        (
+            "--bands 450:650:3 --wavelengths 4",
+            "3 bands from 450 to 650 nm of 4 wavelengths",
+            "3_bands_from_450_to_650_nm_of_4_wavelengths",
+        ),
+    ] {
+        let report = json(&here, &format!("{line} {more} {TINY_FILM} --record a.ndjson"));
+        assert_eq!(report["conditions"]["color"], color);
+        assert_eq!(report["cases"][0]["same_paths"], true, "{color}");
+        let record = fs::read_to_string(here.join("a.ndjson")).unwrap();
+        let record: Value = serde_json::from_str(record.lines().last().unwrap()).unwrap();
+        let figure = &record["figures"][format!("overhead.mirror.path.{name}.ratio")];
+        assert!(number(figure) > 0.0, "{record}");
+    }
+}
+
+/// Ratios and slopes of `bench wavelengths` are those of the rounds.
+#[test]
+fn wavelengths_are_compared_with_rgb() {
+    let here = folder("bench-wavelengths");
+    fs::copy(scene("cornell"), here.join("cornell.gltf")).unwrap();
+    let line = "wavelengths cornell.gltf --integrator path --rounds 2 --spp 1 --threads 1";
+    let files = "--record a.ndjson --plot a.svg";
+    let report = json(&here, &format!("{line} {TINY_FILM} {files}"));
+    let case = &report["cases"][0];
+    let rows = list(&case["rows"]);
+    let counts: Vec<u64> = rows.iter().map(|row| row["wavelengths"].as_u64().unwrap()).collect();
+    assert_eq!(counts, [1, 3, 4, 8]);
+    let names: Vec<&str> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["550 nm", "RGB", "4 wavelengths", "8 wavelengths"]);
+    let rounds = |row: &Value, mode: &str| {
+        list(&row[mode]["rounds"]).iter().map(number).collect::<Vec<f64>>()
+    };
+    let mean_ratio = |over: &[f64], under: &[f64]| {
+        over.iter().zip(under).map(|(over, under)| over / under).sum::<f64>() / 2.0
+    };
+    for (index, mode) in ["scalar", "polarized"].into_iter().enumerate() {
+        let rgb = rounds(&rows[1], mode);
+        for row in rows {
+            let of_row = rounds(row, mode);
+            assert!(of_row.len() == 2 && of_row.iter().all(|seconds| *seconds > 0.0));
+            assert_near(number(&row[mode]["ratio"]["median"]), mean_ratio(&of_row, &rgb));
+            let modes = mean_ratio(&rounds(row, "polarized"), &rounds(row, "scalar"));
+            assert_near(number(&row["modes"]["median"]), modes);
+        }
+        let logarithms = rows
+            .iter()
+            .map(|row| (number(&row["wavelengths"]).ln(), number(&row[mode]["seconds"]).ln()));
+        let slope = slope_of(&logarithms.collect::<Vec<_>>());
+        assert_near(number(&case["slopes"][index]["slope"]), slope);
+    }
+    let record = fs::read_to_string(here.join("a.ndjson")).unwrap();
+    let record: Value = serde_json::from_str(&record).unwrap();
+    let figure = |name: &str| &record["figures"][format!("wavelengths.cornell.path.{name}")];
+    assert_eq!(figure("polarized.8.ratio"), &rows[3]["polarized"]["ratio"]["median"]);
+    assert_eq!(figure("4.ratio"), &rows[2]["modes"]["median"]);
+    assert_eq!(figure("scalar.slope"), &case["slopes"][0]["slope"]);
+    assert!(fs::read_to_string(here.join("a.svg")).unwrap().contains("cornell path"));
+    let run = bench(&here, &format!("{line} {TINY_FILM} --color mono --wavelength 633")).done();
+    for words in ["\n633 nm        |", "\n8 wavelengths |", "log-log slope: "] {
+        assert!(run.stdout.contains(words), "{words:?}: {}", run.stdout);
+    }
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);
+}
+
 #[test]
 fn scaling_fits_lines_to_its_points() {
     let here = folder("scaling");
@@ -168,7 +244,7 @@ fn scaling_fits_lines_to_its_points() {
         vec![1.0, 2.0, 4.0],
         vec![1e4, 3e4, 1e5],
         vec![4096.0, 16384.0, 65536.0],
-        vec![1.0, 3.0],
+        vec![1.0, 3.0, 4.0],
     ];
     for (series, sizes) in series.iter().zip(sizes) {
         let points = list(&series["points"]);
@@ -340,6 +416,10 @@ fn what_cannot_be_measured_is_refused() {
         ("overhead --integrator path,vcm", 2, "vcm"),
         ("overhead --integrator path,path", 2, "twice"),
         ("overhead --wavelength 500", 2, "--wavelength goes with --color mono"),
+        ("overhead --wavelengths 4", 2, "--wavelengths goes with --color spectral"),
+        ("overhead --color spectral --wavelengths 5", 2, "--wavelengths must be 4 or 8, not 5"),
+        ("wavelengths --color spectral --wavelengths 4", 2, "every number of them is measured"),
+        ("wavelengths --rounds 0", 2, "--rounds must be from 1"),
         ("overhead --width 70000", 2, "--width must be from 1"),
         ("overhead --max-path-length 0", 2, "--max-path-length must be from 1"),
         ("overhead --threads 0", 2, "--threads must be from 1"),

@@ -2,12 +2,13 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::image::picture::Picture;
 use sunstone::internals::image::visualize::{self, Map, View, aolp, colorize, dop};
 use sunstone::internals::image::{palette, png};
-use sunstone::internals::spectrum::Color;
+use sunstone::internals::spectrum::{Bands, Color};
 
 const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
 
@@ -65,6 +66,27 @@ fn srgb_codes_are_the_standard_ones() {
     }
     assert_eq!(palette::encode_srgb(f32::INFINITY), 255);
     assert!((0..=255).all(|code| palette::encode_srgb(palette::decode_srgb(code)) == code));
+}
+
+/// Equal energy is pinkish beside daylight: by IEC 61966-2-1, half of it has the codes 204, 183 and
+/// 180. Bands that miss what is seen of it, and bands beyond, are the grey of their mean.
+#[test]
+fn bands_are_seen_in_color_or_grey() {
+    for (first, last, count, codes) in [
+        (400.0, 700.0, 31, [204, 183, 180]),
+        (400.0, 720.0, 8, [204, 183, 180]),
+        (460.0, 640.0, 10, [188; 3]),
+        (800.0, 2000.0, 5, [188; 3]),
+    ] {
+        let bands = Bands::evenly(first, last, count).unwrap();
+        let mut image = StokesImage::new(1, 1, Color::Bands(Arc::new(bands)), 1);
+        image.planes.iter_mut().for_each(|plane| plane[0] = 0.5);
+        let [found] = png::preview(&image, 0.0).pixels[..] else { panic!("one pixel") };
+        let is_near = found.iter().zip(codes).all(|(found, code): (&u8, u8)| {
+            found.abs_diff(code) <= if codes == [188; 3] { 0 } else { 2 }
+        });
+        assert!(is_near, "{count} bands from {first} to {last} nm: {found:?} and not {codes:?}");
+    }
 }
 
 #[test]

@@ -159,8 +159,9 @@ class Cards {
       ["seconds", job.seconds],
     ];
     if (job.image) {
-      const { width, height, channels, components } = job.image;
+      const { width, height, channels, components, bands } = job.image;
       facts.push(["size", `${width} × ${height}`], ["channels", channels.join(", ")]);
+      if (bands) facts.push(["bands", bands]);
       facts.push(["components", components === 4 ? "S0 to S3" : "S0 alone"]);
     }
     const list = facts.flatMap(([key, value]) => [
@@ -182,7 +183,8 @@ class Cards {
   makeMeans(job) {
     if (!job.image?.mean) return "";
     const values = job.image.mean.map((channels) => channels.map((mean) => [mean]));
-    const table = makeTable({ ...job.image, values, variances: null }, 0, this.data.luminance);
+    const image = { ...job.image, values, variances: null };
+    const table = makeTable(image, 0, columnsOf(image, this.data.luminance));
     table.prepend(make("caption", { textContent: "Means of the whole image" }));
     return table;
   }

@@ -46,6 +46,8 @@ struct Shown {
     width: usize,
     height: usize,
     channels: Vec<String>,
+    /// The bands that it has, in words; what is shown is what the eye sees of them, or their mean.
+    bands: Option<String>,
     components: usize,
     #[serde(flatten)]
     figures: Figures,
@@ -161,17 +163,18 @@ impl Entry {
 impl Shown {
     fn read(path: &Path, edge: usize) -> Result<Self, String> {
         let whole = image::load(path).map_err(|error| error.to_string())?;
+        let bands = whole.color.is_of_many().then(|| whole.color.to_string());
         let image = whole.shown();
-        let is_mean = whole.color.is_of_many() && image.color.channels() == 1;
-        let channels = match is_mean {
-            true => vec![format!("mean of {}", whole.color)],
-            false => image.channel_names(),
+        let channels = match &bands {
+            Some(bands) if image.color.channels() == 1 => vec![format!("mean of {bands}")],
+            Some(_) | None => image.channel_names(),
         };
         let is_finite = finite(&image);
         Ok(Self {
             width: image.width,
             height: image.height,
             channels,
+            bands,
             components: image.components,
             figures: Figures::new(&image, &is_finite),
             thumbnail: Thumbnail::new(&image, &is_finite, edge),

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::clock::{Taken, machine, timed};
-use super::{MeasureError, Subject, Watch};
+use super::{MeasureError, Subject, Watch, color_in_words};
 use crate::bench::convergence::{
     ComponentError, Conditions, Convergence, ErrorReport, Reference, Step,
 };
@@ -151,7 +151,7 @@ fn conditions(task: &Task, threads: &Threads) -> Conditions {
         machine: machine(threads),
         scene: task.subject.label.clone(),
         mode: options.mode.name().into(),
-        color: options.color.to_string(),
+        color: color_in_words(options),
         width,
         height,
         photons_shot: options.photons.light_paths([width, height]),

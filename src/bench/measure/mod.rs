@@ -6,13 +6,14 @@ pub mod overhead;
 pub mod scaling;
 pub mod subject;
 pub mod table1;
+pub mod wavelengths;
 
 pub use clock::processors;
 pub use subject::Subject;
 
 use crate::image::OutputError;
 use crate::render::threads::ThreadsError;
-use crate::render::{RenderError, SettingsError};
+use crate::render::{Options, RenderError, SettingsError};
 use crate::scene::SceneError;
 
 /// What ends a measurement early.
@@ -38,6 +39,14 @@ impl From<SettingsError> for MeasureError {
 impl From<SceneError> for MeasureError {
     fn from(error: SceneError) -> Self {
         Self::Render(RenderError::Scene(error))
+    }
+}
+
+/// What the channels of a render stand for, and what light is carried at if it is not that.
+fn color_in_words(options: &Options) -> String {
+    match options.spectral {
+        Some(spectral) => format!("{} of {} wavelengths", options.color, spectral.wavelengths),
+        None => options.color.to_string(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Scalar against polarized, for any scenes and integrators.
 
 use super::clock::{compare_modes, machine};
-use super::{MeasureError, Subject, Watch};
+use super::{MeasureError, Subject, Watch, color_in_words};
 use crate::bench::costs::Costs;
 use crate::bench::overhead::{Case, Conditions, Overhead};
 use crate::render::threads::Threads;
@@ -32,7 +32,7 @@ pub fn overhead(
     let [width, height] = [options.width, options.height].map(|edge| edge.unwrap_or(0));
     let conditions = Conditions {
         machine: machine(threads),
-        color: options.color.to_string(),
+        color: color_in_words(&options),
         width,
         height,
         rounds,

@@ -4,12 +4,12 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 
 use super::clock::{Taken, machine, timed};
-use super::{MeasureError, Subject, Watch};
+use super::wavelengths::{Carried, carried};
+use super::{MeasureError, Subject, Watch, color_in_words};
 use crate::bench::scaling::{Conditions, Sample, Scaling, Series, Time};
 use crate::integrators::Integrator;
 use crate::render::threads::Threads;
 use crate::render::{Options, Photons, PlacedWorld, RenderError, Renderer, Settings};
-use crate::spectrum::Color;
 
 /// Samples per pixel that are rendered one after another.
 const SAMPLES: [u32; 6] = [1, 2, 4, 8, 16, 32];
@@ -35,7 +35,7 @@ pub enum SeriesKind {
     Photons,
     /// Pixels of the film.
     Pixels,
-    /// Wavelengths or channels.
+    /// Wavelengths that light is carried at.
     Wavelengths,
 }
 
@@ -66,8 +66,6 @@ pub struct Base {
     pub samples: Option<u32>,
     /// The film on which photons are merged: small, else, for their time to be that of photons.
     pub film: [Option<u32>; 2],
-    /// The color of one wavelength.
-    pub mono: Color,
     /// Most points of a series, the smallest first.
     pub points_max: usize,
     /// Rounds that are measured.
@@ -117,7 +115,7 @@ pub fn scaling(
         scene: subject.label.clone(),
         integrator: options.integrator_name().into(),
         mode: options.mode.name().into(),
-        color: options.color.to_string(),
+        color: color_in_words(options),
         rounds: base.rounds,
         path_length_max: options.path_length_max,
         roulette_after: options.roulette_after,
@@ -127,7 +125,7 @@ pub fn scaling(
 }
 
 fn points(name: SeriesKind, base: &Base) -> Vec<Point> {
-    let Base { threads, options, samples, film, mono, .. } = base;
+    let Base { threads, options, samples, film, .. } = base;
     let threads = *threads;
     let samples = |default| samples.unwrap_or(default);
     let at = |size: f64, samples| {
@@ -158,13 +156,13 @@ fn points(name: SeriesKind, base: &Base) -> Vec<Point> {
                 point
             })
             .into(),
-        SeriesKind::Wavelengths => [mono.clone(), Color::Rgb]
-            .map(|color| {
-                let mut point = at(color.channels() as f64, samples(16));
-                point.options.color = color;
-                point
+        SeriesKind::Wavelengths => carried(options)
+            .into_iter()
+            .map(|Carried { wavelengths, options, .. }| {
+                let options = Options { samples: samples(16), ..options };
+                Point { size: wavelengths as f64, options, threads }
             })
-            .into(),
+            .collect(),
     }
 }
 
@@ -253,7 +251,7 @@ fn in_words(name: SeriesKind, point: &Point) -> String {
     let [width, height] = film_of(options);
     let mut words = vec![options.integrator_name().to_owned()];
     if name != SeriesKind::Wavelengths {
-        words.push(options.color.to_string());
+        words.push(color_in_words(options));
     }
     if name != SeriesKind::Pixels {
         words.push(format!("{width} x {height} pixels"));

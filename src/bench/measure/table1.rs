@@ -1,7 +1,7 @@
 //! The paper's Table 1.
 
 use super::clock::{compare_modes, machine};
-use super::{MeasureError, Subject, Watch};
+use super::{MeasureError, Subject, Watch, color_in_words};
 use crate::bench::table1::{Conditions, SceneReport, Table1};
 use crate::render::threads::Threads;
 use crate::render::{Mode, Options, Settings};
@@ -31,7 +31,7 @@ pub fn table1(
     let conditions = Conditions {
         machine: machine(threads),
         integrator: options.integrator_name().into(),
-        color: options.color.to_string(),
+        color: color_in_words(options),
         width,
         height,
         iterations,

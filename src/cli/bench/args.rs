@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use crate::bench::measure::scaling::SeriesKind;
 use crate::cli::args::{FileArguments, IntegratorName, ModeName, StatsFormat};
-use crate::cli::color::ColorName;
+use crate::cli::color::ColorArguments;
 
 /// Most segments of a path where no number is given: what measurements have always had, so that
 /// they compare.
@@ -28,6 +28,9 @@ pub enum Bench {
     Table1(Table1Arguments),
     /// What polarization costs in any scenes, by any integrators, stage by stage
     Overhead(OverheadArguments),
+    /// What wavelengths cost: one, three, four and eight of them, in both modes
+    #[command(after_long_help = WAVELENGTHS_NOTES)]
+    Wavelengths(OverheadArguments),
     /// How time grows with threads, samples, photons, pixels and wavelengths
     Scaling(ScalingArguments),
     /// How errors fall with time: integrators against each other
@@ -54,6 +57,16 @@ finds the radius of the kernels, is not counted.
 Ratios are medians over the rounds, with an interval that holds them whatever their distribution. \
 A scene that takes milliseconds a round tells little: give more --spp.";
 
+const WAVELENGTHS_NOTES: &str = "\
+Renders each scene eight times at once with each integrator: at one wavelength, in RGB, and at \
+four and eight wavelengths together, without and with polarization. Rounds go through all of them \
+up and down, so that whatever else the machine does hits all alike; the first round, which fills \
+tables and finds the radius of the kernels, is not counted.
+
+Ratios are to the seconds of RGB in the same mode and round, and of the modes to each other. \
+--color mono names the one wavelength by --wavelength; --color spectral the range and the film of \
+four and eight, which is RGB otherwise.";
+
 const SCALING_NOTES: &str = "\
 Renders a scene at several sizes of the work and fits a line to the logarithms: a slope of 1 is \
 time in proportion, 0 is time that does not depend on it, and -1, for threads and the clock on the \
@@ -63,8 +76,8 @@ repeated until they take a tenth of a second. Times are of everything that a ren
 scene is baked.
 
 threads: from 1 to all processors. samples: 1 to 32 per pixel. photons: 10 thousand to 4 million, \
-with ppm on a film of 16 x 16. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, and \
-RGB. Each series takes a minute or so.";
+with ppm on a film of 16 x 16. pixels: 64 x 64 to 1024 x 1024, of 4 samples. wavelengths: one, \
+RGB, four and eight. Each series takes a minute or so.";
 
 const ERROR_NOTES: &str = "\
 Renders a scene with each integrator, and compares its image with a reference after 1, 2, 4, 8, \
@@ -114,12 +127,9 @@ pub struct RecordedReportArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = WORK)]
 pub struct WorkArguments {
-    /// What the channels stand for
-    #[arg(long, value_enum, default_value = "rgb")]
-    pub color: ColorName,
-    /// Wavelength of --color mono, in nanometers [default: 550]
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// What the channels stand for, and what light is carried at.
+    #[command(flatten)]
+    pub color: ColorArguments,
     /// Width in pixels [default: that of a --reference, or 256]
     #[arg(long, value_name = "PIXELS")]
     pub width: Option<u32>,
@@ -182,7 +192,7 @@ pub struct Table1Arguments {
     pub output: RecordedReportArguments,
 }
 
-/// `bench overhead` as typed.
+/// `bench overhead` and `bench wavelengths` as typed.
 #[derive(Debug, Args)]
 #[command(after_long_help = OVERHEAD_NOTES, args_override_self = true)]
 pub struct OverheadArguments {

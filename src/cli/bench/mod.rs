@@ -7,6 +7,7 @@ mod overhead;
 mod report;
 mod scaling;
 mod table1;
+mod wavelengths;
 mod work;
 
 use self::args::{Bench, BenchArguments};
@@ -23,6 +24,7 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<(), CliError> {
     match &arguments.what {
         Bench::Table1(arguments) => table1::table1(arguments),
         Bench::Overhead(arguments) => overhead::overhead(arguments),
+        Bench::Wavelengths(arguments) => wavelengths::wavelengths(arguments),
         Bench::Scaling(arguments) => scaling::scaling(arguments),
         Bench::Error(arguments) => error::error(arguments),
         Bench::History(arguments) => history::history(arguments),

@@ -15,7 +15,7 @@ use crate::render::threads::Threads;
 const SAMPLES: u32 = 16;
 
 /// What is to be done with each scene: options, polarized, with the samples of a round.
-type Plan = Vec<Options>;
+pub(super) type Plan = Vec<Options>;
 
 /// Scalar against polarized.
 pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
@@ -35,7 +35,7 @@ pub fn overhead(arguments: &OverheadArguments) -> Result<(), CliError> {
 }
 
 /// Checks what was typed.
-fn plan(arguments: &OverheadArguments, size: [u32; 2]) -> Result<Plan, CliError> {
+pub(super) fn plan(arguments: &OverheadArguments, size: [u32; 2]) -> Result<Plan, CliError> {
     let OverheadArguments { integrator, work, samples_per_iteration, .. } = arguments;
     let typed = [
         ("--photons", work.photons.is_some()),

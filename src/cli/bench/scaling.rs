@@ -5,7 +5,6 @@ use super::report::{check_outputs, deliver};
 use super::{progress_of, work};
 use crate::bench::measure::processors;
 use crate::bench::measure::scaling::{self as measure, Base, Plan, film_of};
-use crate::cli::color::{ColorName, plain};
 use crate::cli::{CliError, job};
 use crate::render::Options;
 use crate::render::memory::check_memory;
@@ -48,8 +47,6 @@ fn base(arguments: &ScalingArguments) -> Result<Base, CliError> {
         threads: work.threads.or_else(processors).unwrap_or(1),
         samples: arguments.spp,
         film: [work.width, work.height],
-        // Whether `--wavelength` goes with the color has been checked.
-        mono: plain(ColorName::Mono, work.wavelength)?,
         points_max: arguments.points.map_or(usize::MAX, |points| points as usize),
         rounds: *rounds,
     })

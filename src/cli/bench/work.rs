@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use super::args::WorkArguments;
 use crate::bench::measure::{Subject, subject};
 use crate::cli::args::{FileArguments, IntegratorName};
-use crate::cli::color::plain;
+use crate::cli::color::color;
 use crate::cli::files::say;
+use crate::cli::white::WhiteName;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
 use crate::render::{Options, Photons, Settings};
 use crate::scene::Reading;
-use crate::spectrum::Color;
 
 /// Edge of the film where none is typed, in pixels.
 const EDGE: u32 = 256;
@@ -53,11 +53,6 @@ pub fn size(work: &WorkArguments, default: Option<[u32; 2]>) -> Result<[u32; 2],
     Ok([width, height])
 }
 
-/// What the channels stand for.
-pub fn color(work: &WorkArguments) -> Result<Color, CliError> {
-    plain(work.color, work.wavelength)
-}
-
 /// All options, polarized, for `samples` per pixel an iteration of photons.
 pub fn options(
     work: &WorkArguments,
@@ -69,9 +64,12 @@ pub fn options(
     let per_iteration = Some(work.photons.unwrap_or(PHOTONS));
     let photons = Photons { per_iteration, samples: Some(samples), ..Photons::default() };
     check_photons(&photons)?;
+    let (color, spectral) = color(&work.color)?;
     let options = Options {
         integrator: Some(integrator),
-        color: color(work)?,
+        color,
+        spectral,
+        rgb_white: work.color.rgb_white.map(|WhiteName(white)| white),
         width: Some(width),
         height: Some(height),
         samples,

@@ -1,13 +1,19 @@
 // The readout: Stokes vector, degrees, angles and the ellipse of a pixel, or of the mean of an image.
 
-/** The columns of the table: channels, and with three of them their luminance. */
-function columnsOf(image, luminance) {
-  const channels = image.channels.map((name, channel) => ({
-    name,
-    kind: image.channels.length === 3 ? name.toLowerCase() : "mono",
+/** The column of a channel. */
+function channelColumn(image, channel, kind) {
+  return {
+    name: image.channels[channel],
+    kind,
     stokes: (pixel) => image.values.map((planes) => planes[channel][pixel]),
     errors: (pixel) => image.variances?.map((planes) => Math.sqrt(planes[channel][pixel])),
-  }));
+  };
+}
+
+/** The columns of the table: channels, and with red, green and blue their luminance. */
+function columnsOf(image, luminance) {
+  const kind = (name) => (image.channels.length === 3 ? name.toLowerCase() : "mono");
+  const channels = image.channels.map((name, at) => channelColumn(image, at, kind(name)));
   if (channels.length === 1) return channels;
   const read = isPolarized(image) ? stokesReader(image, null, luminance) : null;
   const of = (pixel) => {
@@ -56,8 +62,7 @@ function figureCell(light, figure, words, needed) {
 }
 
 /** The table of one image at a pixel. */
-function makeTable(image, pixel, luminance) {
-  const columns = columnsOf(image, luminance);
+function makeTable(image, pixel, columns) {
   const vectors = columns.map((column) => column.stokes(pixel));
   const errors = columns.map((column) => column.errors(pixel));
   const heads = columns.map(({ name, kind }) => {

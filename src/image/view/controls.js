@@ -37,20 +37,48 @@ class Controls {
   }
 
   fillChannels() {
-    const most = this.data.images.find((image) => image.channels.length === 3);
+    const most = this.data.images.find((image) => image.channels.length > 1);
+    this.bindBand(most?.bands);
     if (!most) {
       element("channel-row").remove();
       return;
     }
     const select = element("channel");
-    const all = make("option", { value: "", textContent: "All (maps: luminance)" });
+    const all = make("option", { value: "", textContent: this.wordsOfAll(most) });
     const rest = most.channels.map((name, index) => {
-      return make("option", { value: String(index), textContent: name });
+      const textContent = most.bands ? bandName(most, index) : name;
+      return make("option", { value: String(index), textContent });
     });
     select.append(all, ...rest);
     select.addEventListener("change", () => {
       this.set({ channel: select.value === "" ? null : Number(select.value) });
     });
+  }
+
+  wordsOfAll({ bands, weights }) {
+    if (!bands) return "All (maps: luminance)";
+    return weights ? "All, in color (maps: mean)" : "All, their mean";
+  }
+
+  /** The slider of bands. */
+  bindBand(bands) {
+    this.bands = bands;
+    if (!bands) {
+      element("band-row").remove();
+      return;
+    }
+    const slider = element("band");
+    slider.max = String(bands.length - 1);
+    slider.addEventListener("input", () => this.set({ channel: slider.valueAsNumber }));
+  }
+
+  showBand(channel) {
+    const { bands } = this;
+    const [slider, words] = [element("band"), element("band-words")];
+    slider.value = String(channel ?? (bands.length - 1) >> 1);
+    slider.setAttribute("aria-valuetext", channel === null ? "all" : bandWords(bands[channel]));
+    words.textContent = channel === null ? "all" : `${threeOrMore(bands[channel].center_nm)} nm`;
+    element("band-row").classList.toggle("idle", channel === null);
   }
 
   fillEnds() {
@@ -117,7 +145,9 @@ class Controls {
   }
 
   bindKeys() {
-    const focus = { m: () => element("map"), e: () => element("exposure") };
+    const focus = {
+      m: () => element("map"), e: () => element("exposure"), b: () => element("band"),
+    };
     focus.a = () => this.radios?.find((radio) => radio.checked);
     document.addEventListener("keydown", (event) => {
       const typing = event.target.matches("select, input[type=number]");
@@ -134,6 +164,7 @@ class Controls {
     const { map, channel, end, exposure, analyzer, angle } = this.state;
     element("map").value = map.id;
     if (element("channel")) element("channel").value = channel === null ? "" : String(channel);
+    if (this.bands) this.showBand(channel);
     element("end").value = String(end);
     element("end-row").hidden = map.legends.length < 2;
     element("exposure-row").hidden = map.quantity !== "intensity";

@@ -6,6 +6,7 @@ use super::super::page::{self, Colors};
 use super::super::visualize::{View, signed_range};
 use super::Named;
 use crate::math::text::printable;
+use crate::spectrum::{Band, Color, rgb_of_bands};
 
 /// All of it, as text that may stand in a script element.
 pub fn json(images: &[Named]) -> String {
@@ -26,8 +27,18 @@ struct ImageData {
     height: usize,
     channels: Vec<String>,
     components: usize,
+    /// Those that the channels are, if they are bands.
+    bands: Option<Vec<BandData>>,
+    /// What red, green and blue take of every band, where bands tell these.
+    weights: Option<Vec<[f32; 3]>>,
     variance: bool,
     metadata: Vec<(String, String)>,
+}
+
+#[derive(Serialize)]
+struct BandData {
+    center_nm: f32,
+    width_nm: f32,
 }
 
 impl Data {
@@ -44,12 +55,19 @@ impl Data {
 
 impl ImageData {
     fn new(Named { name, image }: &Named) -> Self {
+        let bands = match &image.color {
+            Color::Rgb | Color::Mono { .. } | Color::Responses(_) => None,
+            Color::Bands(bands) => Some(bands),
+        };
+        let data = |band: &Band| BandData { center_nm: band.center_nm, width_nm: band.width_nm };
         Self {
             name: printable(name),
             width: image.width,
             height: image.height,
             channels: image.channel_names(),
             components: image.components,
+            bands: bands.map(|bands| bands.list().iter().map(data).collect()),
+            weights: bands.and_then(|bands| rgb_of_bands(bands)),
             variance: image.variance.is_some(),
             metadata: image.metadata.clone(),
         }

@@ -50,6 +50,7 @@ async function loadImages(data) {
   const images = [];
   for (const [index, about] of data.images.entries()) {
     images.push(await loadImage(about, index, progress));
+    if (about.bands) addMixes(images[index]);
   }
   return images;
 }
@@ -76,23 +77,38 @@ function savePicture(images, painterFor, name) {
   }, "image/png");
 }
 
-/** Shows a pixel of all images. */
-function showPixel(images, [x, y], luminance) {
-  document.getElementById("place").textContent = `${x}, ${y}`;
-  const blocks = images.map((image) => {
-    const table = makeTable(image, y * image.width + x, luminance);
-    if (images.length === 1) return table;
-    return make("figure", {}, make("figcaption", { textContent: labelOf(image) }), table);
+/** Shows a pixel of all images; a band that is clicked in its spectrum is chosen. */
+function showPixel(images, [x, y], { data, state, onPick }) {
+  element("place").textContent = `${x}, ${y}`;
+  const labeled = (image, ...parts) => {
+    if (images.length === 1) return parts;
+    return [make("figure", {}, make("figcaption", { textContent: labelOf(image) }), ...parts)];
+  };
+  const at = (image) => y * image.width + x;
+  const blocks = images.flatMap((image) => {
+    if (!image.bands) {
+      return labeled(image, makeTable(image, at(image), columnsOf(image, data.luminance)));
+    }
+    const view = { channel: state.channel, ends: data.ends.map(Math.fround), onPick };
+    const table = makeTable(image, at(image), bandColumns(image, state.channel));
+    return labeled(image, makeSpectrum(image, at(image), view), table);
   });
-  document.getElementById("vectors").replaceChildren(...blocks);
+  element("vectors").replaceChildren(...blocks);
+  // Tables of all bands are large, and few look at them.
+  const isOpen = element("all-bands").open;
+  const tables = images.filter((image) => isOpen && image.bands);
+  element("band-values").replaceChildren(
+    ...tables.flatMap((image) => labeled(image, makeBandTable(image, at(image)))),
+  );
 }
 
 function start(data, images) {
   const palette = new Palette(data);
+  const hasBands = images.some((image) => image.bands);
   const state = {
     map: data.maps[0], channel: null, end: data.end, exposure: 0, analyzer: "none", angle: 0,
   };
-  const painterFor = (image) => painterOf(image, {
+  const painterFor = (image) => painterOf(paintedOf(image, state), {
     map: state.map,
     channel: state.channel,
     end: data.ends[state.end],
@@ -101,17 +117,27 @@ function start(data, images) {
     weights: analyzerWeights(state.analyzer, state.angle),
     luminance: data.luminance,
   }, palette);
+  let place = [0, 0];
+  let controls = null;
+  const onPick = (channel) => controls.set({ channel });
+  const showPlace = () => showPixel(images, place, { data, state, onPick });
   const stage = new Stage(images, {
     painterFor,
-    onPixel: (pixel) => showPixel(images, pixel, data.luminance),
+    onPixel: (pixel) => {
+      place = pixel;
+      showPlace();
+    },
   });
   const changed = () => {
     showLegend(element("legend"), state, data, palette);
     stage.change();
+    if (hasBands) showPlace();
   };
-  new Controls(data, state, { onChange: changed });
+  controls = new Controls(data, state, { onChange: changed });
   changed();
   stage.onPixel(stage.size.map((length) => Math.floor(length / 2)));
+  element("all-bands").hidden = !hasBands;
+  element("all-bands").addEventListener("toggle", showPlace);
   element("zoom-in").addEventListener("click", () => stage.zoomBy(2));
   element("zoom-out").addEventListener("click", () => stage.zoomBy(0.5));
   element("zoom-fit").addEventListener("click", () => stage.fit());

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use super::error::OutputError;
 use super::{StokesImage, atomic, check_shape, page};
+use crate::spectrum::Color;
 
 /// What a browser is asked to hold at most: the bytes of all values of a page. Inflated they are
 /// one array a plane; beside them the page's text is as large again while it is read.
@@ -21,8 +22,9 @@ pub const BYTES_MAX: usize = 2 << 30;
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// The scripts behind those of all pages, in the order in which they stand there.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 5] = [
     include_str!("pixels.js"),
+    include_str!("bands.js"),
     include_str!("stage.js"),
     include_str!("controls.js"),
     include_str!("main.js"),
@@ -40,8 +42,8 @@ pub struct Named<'a> {
 /// Writes the page of one image, or of two with a divider between them, and returns its bytes.
 ///
 /// # Errors
-/// When the images do not have the same size, one is not what it promises, they are larger
-/// together than [`BYTES_MAX`], or the file cannot be written.
+/// When the images do not have the same size and bands, one is not what it promises, they are
+/// larger together than [`BYTES_MAX`], or the file cannot be written.
 pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
     check(images)?;
     check_bytes(images).map_err(|reason| OutputError::unwritable(path, reason))?;
@@ -57,7 +59,7 @@ pub fn write(images: &[Named], path: &Path) -> Result<u64, OutputError> {
 /// The text of the page.
 ///
 /// # Errors
-/// When the images do not have the same size, or one is not what it promises.
+/// When the images do not have the same size and bands, or one is not what it promises.
 pub fn page(images: &[Named]) -> Result<String, OutputError> {
     check(images)?;
     let mut bytes = Vec::new();
@@ -68,16 +70,37 @@ pub fn page(images: &[Named]) -> Result<String, OutputError> {
 fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
-        if named.image.color.is_of_many() {
-            let reason = "a page shows RGB or one wavelength, and it has bands or responses; name \
-                          one by --channel";
+        if matches!(named.image.color, Color::Responses(_)) {
+            let reason = "a page shows RGB, bands or one wavelength, and it has responses; name one \
+                          by --channel";
             return Err(OutputError::Image { reason });
         }
     }
+    let [first, second, ..] = images else { return Ok(()) };
+    let mismatch = |words: fn(&StokesImage) -> String, reason| {
+        let words = |Named { name, image }: &Named| format!("{name} ({})", words(image));
+        Err(OutputError::Mismatch { first: words(first), second: words(second), reason })
+    };
     let size = |named: &Named| (named.image.width, named.image.height);
-    match images {
-        [first, second, ..] if size(first) != size(second) => Err(mismatch(first, second)),
-        _ => Ok(()),
+    if size(first) != size(second) {
+        let words = |image: &StokesImage| format!("{} x {}", image.width, image.height);
+        return mismatch(words, "a page with a divider needs images of one size");
+    }
+    if bands_of(first.image) != bands_of(second.image) {
+        let reason = "a page with a divider needs images of the same bands, or one band of each \
+                      (--wavelength)";
+        return mismatch(|image| image.color.to_string(), reason);
+    }
+    Ok(())
+}
+
+/// Centers and widths of the bands of an image in nanometers; none if it has none.
+fn bands_of(image: &StokesImage) -> Vec<[f32; 2]> {
+    match &image.color {
+        Color::Rgb | Color::Mono { .. } | Color::Responses(_) => Vec::new(),
+        Color::Bands(bands) => {
+            bands.list().iter().map(|band| [band.center_nm, band.width_nm]).collect()
+        }
     }
 }
 
@@ -90,9 +113,11 @@ fn check_bytes(images: &[Named]) -> Result<(), String> {
     let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
     let has_variance = images.iter().any(|named| named.image.variance.is_some());
     let without = if has_variance { ", or leave out variances (--no-variance)" } else { "" };
+    let has_bands = images.iter().any(|named| !bands_of(named.image).is_empty());
+    let one = if has_bands { ", or one band (--wavelength)" } else { "" };
     Err(format!(
         "a browser would have to hold {:.1} GiB of values, and {:.0} are the most; view smaller \
-         images{without}",
+         images{one}{without}",
         gibibytes(bytes),
         gibibytes(BYTES_MAX)
     ))
@@ -117,20 +142,12 @@ fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
     })
 }
 
-/// What the values of an image take in memory.
+/// What the values of an image take in memory, and of bands what the page makes of them: red,
+/// green, blue and the mean of each component.
 fn bytes_of(image: &StokesImage) -> usize {
-    let planes = image.planes.len() + image.variance.as_ref().map_or(0, Vec::len);
+    let mixed = if bands_of(image).is_empty() { 0 } else { 4 * image.components };
+    let planes = image.planes.len() + mixed + image.variance.as_ref().map_or(0, Vec::len);
     planes.saturating_mul(image.width).saturating_mul(image.height).saturating_mul(size_of::<f32>())
-}
-
-fn mismatch(first: &Named, second: &Named) -> OutputError {
-    let words =
-        |Named { name, image }: &Named| format!("{name} ({} x {})", image.width, image.height);
-    OutputError::Mismatch {
-        first: words(first),
-        second: words(second),
-        reason: "a page with a divider needs images of one size",
-    }
 }
 
 /// An element for every plane, from which the page takes the values.
@@ -148,8 +165,10 @@ fn push_pixels(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::spectrum::Color;
+    use crate::spectrum::Bands;
 
     #[test]
     fn every_place_of_the_page_is_filled_once() {
@@ -157,6 +176,24 @@ mod tests {
             assert_eq!(PAGE.matches(&format!("{{{{{place}}}}}")).count(), 1, "{place}");
         }
         assert_eq!(PAGE.matches("{{").count(), 5);
+    }
+
+    #[test]
+    fn two_images_have_the_same_bands() {
+        let of = |color| StokesImage::new(2, 2, color, 1);
+        let bands = |last| of(Color::Bands(Arc::new(Bands::evenly(400.0, last, 3).unwrap())));
+        let refused = |first: &StokesImage, second: &StokesImage| {
+            let named = [("a", first), ("b", second)].map(|(name, image)| Named { name, image });
+            page(&named).err().map(|error| error.to_string())
+        };
+        assert_eq!(refused(&bands(700.0), &bands(700.0)), None);
+        for other in [bands(650.0), of(Color::Rgb), of(Color::Mono { wavelength_nm: 550.0 })] {
+            for (first, second) in [(&bands(700.0), &other), (&other, &bands(700.0))] {
+                let words = refused(first, second).expect("they are shown differently");
+                assert!(words.contains("3 bands from 400 to 700 nm"), "{words}");
+                assert!(words.contains("same bands") && words.contains("--wavelength"), "{words}");
+            }
+        }
     }
 
     #[test]
@@ -175,5 +212,11 @@ mod tests {
         assert!(text.contains("3.0 GiB") && text.contains("--no-variance"), "{text}");
         image = StokesImage { width: 8192, height: 8192, variance: None, ..image };
         assert!(words(&[&image]).is_some_and(|text| !text.contains("--no-variance")));
+        // 31 bands of 1920 x 1080 are 1.1 GiB with their mixes.
+        let bands = Color::Bands(Arc::new(Bands::evenly(400.0, 700.0, 31).unwrap()));
+        image = StokesImage { width: 1920, height: 1080, ..StokesImage::new(1, 1, bands, 4) };
+        assert_eq!(words(&[&image]), None);
+        let text = words(&[&image, &image]).expect("2.2 GiB are too many");
+        assert!(text.contains("2.2 GiB") && text.contains("--wavelength"), "{text}");
     }
 }

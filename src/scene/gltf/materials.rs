@@ -287,19 +287,8 @@ fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
 }
 
 fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
-    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(Spectrum::Constant(1.0));
-    match (refraction(body, "ior")?, exterior_ior) {
-        (None, Spectrum::Constant(exterior_ior)) => {
-            Ok(Bsdf::Dielectric { ior: khr_ior(material), exterior_ior })
-        }
-        (Some(Spectrum::Constant(ior)), Spectrum::Constant(exterior_ior)) => {
-            Ok(Bsdf::Dielectric { ior, exterior_ior })
-        }
-        (ior, exterior_ior) => {
-            let ior = ior.unwrap_or_else(|| Spectrum::Constant(khr_ior(material)));
-            Ok(Bsdf::DispersiveDielectric { ior, exterior_ior })
-        }
-    }
+    let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
+    Ok(Bsdf::boundary(ior, refraction(body, "exterior_ior")?.unwrap_or(1.0.into())))
 }
 
 fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {

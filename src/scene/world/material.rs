@@ -81,6 +81,17 @@ impl Bsdf {
         Self::tabulated(symbol).map_err(|fault| SceneError::at("material", fault))
     }
 
+    /// A smooth boundary between dielectrics of some indices of refraction, behind the front and
+    /// before it; it disperses light if one of them depends on the wavelength.
+    pub fn boundary(ior: impl Into<Spectrum>, exterior_ior: impl Into<Spectrum>) -> Self {
+        match (ior.into(), exterior_ior.into()) {
+            (Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
+                Self::Dielectric { ior, exterior_ior }
+            }
+            (ior, exterior_ior) => Self::DispersiveDielectric { ior, exterior_ior },
+        }
+    }
+
     /// A smooth boundary to a dielectric of an index of refraction, in vacuum.
     pub fn dielectric(ior: f32) -> Self {
         Self::Dielectric { ior, exterior_ior: 1.0 }
