@@ -145,7 +145,8 @@ impl<'a> Developed<'a> {
         };
         let stride = film.values_per_pixel();
         let of_plane = |plane: usize| {
-            let index_of = |pixel: usize| pixel * stride + plane;
+            let place = film.place(plane);
+            let index_of = |pixel: usize| pixel * stride + place;
             let variance_of = |pixel: usize| self.variance_at(index_of(pixel));
             let size = [film.width, film.height];
             halves.shares(size, (mean, film.iterations), variance_of, index_of)
@@ -207,7 +208,8 @@ impl<'a> Developed<'a> {
             Gauge::None => None,
             Gauge::Kept => {
                 let mut found = [0.0];
-                let index = film.width * film.height * film.values_per_pixel() + channel;
+                let first = film.width * film.height * film.values_per_pixel();
+                let index = first + film.place(channel);
                 self.values(std::iter::once(index), &mut found);
                 Some(found[0])
             }
@@ -235,7 +237,8 @@ impl<'a> Developed<'a> {
         (left, y): (usize, usize),
     ) -> impl Iterator<Item = usize> + use<> {
         let (width, stride) = (self.film.width, self.film.values_per_pixel());
-        (left..width).map(move |x| (y * width + x) * stride + plane)
+        let place = self.film.place(plane);
+        (left..width).map(move |x| (y * width + x) * stride + place)
     }
 
     /// The numbers that one plane of the image has of a row, from the pixel `left` on: values, or

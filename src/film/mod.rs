@@ -33,8 +33,8 @@ pub struct Film {
     components: usize,
     variances: Variances,
     gauge: Gauge,
-    /// Sums, pixel by pixel, `component * channels + channel` within: of the current block if
-    /// variances are wanted, else of all.
+    /// Sums, pixel by pixel, with the planes of a pixel in the order of [`Film::place`]: of the
+    /// current block if variances are wanted, else of all.
     sums: ExactSums,
     finished: Finished,
     /// Finished blocks.
@@ -146,13 +146,25 @@ impl Film {
         self.components
     }
 
+    /// Where a plane, `component * channels + channel`, is among the values of a pixel. With a gauge
+    /// the components of a channel stand together, as few channels are added to at a time.
+    #[inline(always)]
+    fn place(&self, plane: usize) -> usize {
+        let channels = self.color.channels();
+        match self.gauge {
+            Gauge::None => plane,
+            Gauge::Kept => plane % channels * self.components + plane / channels,
+        }
+    }
+
     /// Adds to one value of a pixel.
     #[inline(always)]
     pub fn add_value(&mut self, pixel: usize, plane: usize, value: f32) {
-        self.sums.add(pixel * self.values_per_pixel() + plane, &[value]);
+        self.sums.add(pixel * self.values_per_pixel() + self.place(plane), &[value]);
     }
 
-    /// Adds to the values of a pixel; the first are those of S0.
+    /// Adds to the values of a pixel, in the order that they are kept in; the first are those of S0
+    /// if there is no gauge.
     #[inline(always)]
     pub fn add(&mut self, pixel: usize, values: &[f32]) {
         self.sums.add(pixel * self.values_per_pixel(), values);
@@ -161,7 +173,8 @@ impl Film {
     /// Adds to the gauge, which is kept: a value for every channel.
     pub fn add_to_gauge(&mut self, values: &[f32]) {
         assert_eq!(self.gauge, Gauge::Kept, "a film has the gauge that it was made with");
-        self.add(self.width * self.height, values);
+        let pixel = self.width * self.height;
+        values.iter().enumerate().for_each(|(channel, met)| self.add_value(pixel, channel, *met));
     }
 
     /// Adds sums of neighbors in a row, from the one at `first` on, to the pixels from `pixel` on.
@@ -268,11 +281,14 @@ mod tests {
         for variances in [Variances::None, Variances::Replicates, Variances::Blocks] {
             for later in [false, true] {
                 let kinds = (variances, Gauge::Kept);
-                let mut film = Film::new([2, 1], Color::Rgb, 1, kinds, later);
+                let mut film = Film::new([2, 1], Color::Rgb, 4, kinds, later);
                 for iteration in 0..6 {
                     let met = [1.0, (iteration % 2) as f32 * 0.5, 0.0];
-                    film.add(0, &met.map(|met| 3.0 * met));
-                    film.add(1, &met);
+                    for (channel, met) in met.into_iter().enumerate() {
+                        film.add_value(0, channel, 3.0 * met);
+                        film.add_value(1, channel, met);
+                        film.add_value(1, 3 * 2 + channel, 0.5 * met);
+                    }
                     film.add_to_gauge(&met);
                     let so_far = of(&film.so_far(1));
                     assert_eq!(so_far.planes[0], [3.0, 1.0]);
@@ -280,7 +296,8 @@ mod tests {
                 }
                 assert_eq!(film.unmeasured(), [2]);
                 let image = of(&film.developed());
-                assert_eq!(image.planes, [[3.0, 1.0], [3.0, 1.0], [0.0, 0.0]]);
+                assert_eq!(image.planes[..3], [[3.0, 1.0], [3.0, 1.0], [0.0, 0.0]]);
+                assert_eq!(image.planes[6..9], [[0.0, 0.5], [0.0, 0.5], [0.0, 0.0]]);
             }
         }
     }

@@ -269,24 +269,47 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
     profile.not_finite += not_finite;
 }
 
-/// Adds what channels take of slots to the pixels of these; returns how many slots are left out as
-/// not finite.
+/// Adds what channels take of slots to the pixels of these, channel by channel as films with a
+/// gauge have them; returns how many slots are left out as not finite.
 fn sum_shares<const N: usize>(
     sums: &mut ExactSums,
     slots: &[f32],
     (taken, components, channels): (&[Taken<N>], usize, usize),
     pixels: usize,
 ) -> u64 {
-    let stride = components * channels;
+    match components {
+        4 => sum_shares_of::<N, 4>(sums, slots, (taken, channels), pixels),
+        1 => sum_shares_of::<N, 1>(sums, slots, (taken, channels), pixels),
+        other => unreachable!("films have one or four Stokes components, not {other}"),
+    }
+}
+
+/// The same of `C` Stokes components, which are added together.
+fn sum_shares_of<const N: usize, const C: usize>(
+    sums: &mut ExactSums,
+    slots: &[f32],
+    (taken, channels): (&[Taken<N>], usize),
+    pixels: usize,
+) -> u64 {
+    let stride = C * channels;
     sums.resize(pixels * stride);
-    let (columns, _) = slots.as_chunks::<N>();
+    let (slots, _) = slots.as_chunks::<N>().0.as_chunks::<C>();
     let mut not_finite = 0;
-    for (slot, values) in columns.chunks_exact(components).enumerate() {
-        let first = slot % pixels * stride;
-        let is_added = add_shares(taken, channels, values, |plane, value| {
-            sums.add(first + plane, &[value]);
-        });
-        not_finite += u64::from(!is_added);
+    for (index, slot) in slots.iter().enumerate() {
+        if !are_finite(slot.as_flattened()) {
+            not_finite += 1;
+            continue;
+        }
+        let columns: [[f32; C]; N] =
+            std::array::from_fn(|column| std::array::from_fn(|component| slot[component][column]));
+        let first = index % pixels * stride;
+        for Taken { channel, shares } in taken {
+            let mut stokes = [0.0; C];
+            for (share, column) in shares.iter().zip(&columns) {
+                stokes.iter_mut().zip(column).for_each(|(sum, value)| *sum += share * value);
+            }
+            sums.add(first + channel * C, &stokes);
+        }
     }
     not_finite
 }
