@@ -178,6 +178,23 @@ mod tests {
         }
     }
 
+    /// What is not seen in its host at one wavelength is seen at others (Christiansen 1884).
+    #[test]
+    fn indices_may_cross() {
+        let eta = Spectrum::table(&[400.0, 600.0], &[1.5, 1.25]).unwrap();
+        let sizes = Sizes::monodisperse(0.3).unwrap();
+        let component = Component { sizes, eta, k: 0.0.into(), volume_fraction: 1e-3 };
+        let (host_eta, host_k) = (1.375.into(), 0.0.into());
+        let beads = Spheres { components: vec![component], host_eta, host_k };
+        let beads = world::Phase::Spheres(beads);
+        let grid = Grid::new(&beads, ([490.0, 510.0], Beyond::Refused), "beads").unwrap();
+        let nodes = &grid.expect("particles").nodes;
+        assert!(nodes[2].sigma_s < 1e-6 * nodes[0].sigma_s, "{nodes:?}");
+        assert!(nodes[2].sigma_s > 0.0 && nodes[4].sigma_s > 0.0);
+        let finite = |m: &Elements| [m.m00, m.m01, m.m22, m.m23].iter().all(|it| it.is_finite());
+        assert!(nodes.iter().all(|node| node.matrix.iter().all(finite)));
+    }
+
     #[test]
     fn wavelengths_at_which_nothing_is_known_are_refused() {
         let grid = |ends, beyond| Grid::new(&drops(), (ends, beyond), "drops");

@@ -15,6 +15,9 @@ use crate::scene::error::SceneError;
 use crate::scene::world::{self, Spheres};
 use crate::spectrum::{Beyond, Carried, OutsideTable, Role, Spectrum};
 
+/// How far from the index of their host, relative to it, that of particles is taken where the two
+/// are one, so that there is a phase function: they scatter some 1e-12 of what others do.
+const CROSSING: f64 = 1e-6;
 /// Greatest size parameter of particles: more takes too long, and no table could hold its peak.
 const SIZE_PARAMETER_MAX: f64 = 2000.0;
 
@@ -249,14 +252,18 @@ fn suspensions<'a, const N: usize>(
     });
     for component in &spheres.components {
         let (n, k) = (sample(&component.eta)?, sample(&component.k)?);
+        let is_host = component.eta == spheres.host_eta && component.k == Spectrum::Constant(0.0);
+        if is_host {
+            let problem = "particles of the host's own index do not scatter";
+            return Err(SceneError::new(name, problem, "check `eta` of both"));
+        }
         for (channel, suspension) in suspensions.iter_mut().enumerate() {
-            if n[channel] == host_n[channel] && k[channel] == 0.0 {
-                let problem = "particles of the host's own index do not scatter";
-                return Err(SceneError::new(name, problem, "check `eta` of both"));
-            }
+            // At a wavelength where the two indices cross, hardly anything is scattered.
+            let crosses = n[channel] == host_n[channel] && k[channel] == 0.0;
+            let n = f64::from(n[channel]) * if crosses { 1.0 + CROSSING } else { 1.0 };
             suspension.particles.push(Particles {
                 sizes: &component.sizes,
-                n: f64::from(n[channel]),
+                n,
                 k: f64::from(k[channel]),
                 volume_fraction: component.volume_fraction,
             });
