@@ -15,8 +15,8 @@ use sunstone::{
 
 /// Independent renders of each.
 const REPLICATES: u32 = 12;
-/// Samples per pixel of each: so many that the bias of what is divided by how often wavelengths were
-/// met, which falls faster than noise, is lost in that.
+/// Samples per pixel of each: so many that the bias of what is divided by how often wavelengths
+/// were met, which falls faster than noise, is lost in that.
 const SAMPLES: u32 = 64;
 /// What no score exceeds, of Student's distribution with 11 degrees of freedom or, of differences,
 /// more: 40 scores or so are looked at, and one of some 2,000 runs is told without a cause.

@@ -196,7 +196,7 @@ fn settings_that_would_be_black_are_refused() {
                 rgb_white: Some(White::D65),
                 ..options()
             },
-            "rgb_white d65 is known from 360 to 830 nanometers, not at 900",
+            "rgb_white d65 is known from 300 to 830 nanometers, not at 900",
         ),
         (Options { samples: 46, ..ppm.clone() }, "samples must be a multiple of the 4"),
         (Options { replicates: 13, ..ppm.clone() }, "replicates must be from 1 to 12"),
