@@ -61,7 +61,8 @@ pub enum Variances {
 /// average. The image is divided by that, so that bands of one spectrum are alike after a few
 /// iterations (a ratio estimator: Cochran 1977, "Sampling Techniques", chapter 6). Its bias falls
 /// as one over the iterations, and is zero where what a channel measures follows the density that
-/// wavelengths are chosen by.
+/// wavelengths are chosen by. Channels whose responses have both signs, as those of RGB, always add
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
     /// All iterations have the same wavelengths.
@@ -146,8 +147,8 @@ impl Film {
         self.components
     }
 
-    /// Where a plane, `component * channels + channel`, is among the values of a pixel. With a gauge
-    /// the components of a channel stand together, as few channels are added to at a time.
+    /// Where a plane, `component * channels + channel`, is among the values of a pixel. With a
+    /// gauge the components of a channel stand together, as few channels are added to at a time.
     #[inline(always)]
     fn place(&self, plane: usize) -> usize {
         let channels = self.color.channels();

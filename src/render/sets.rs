@@ -65,7 +65,7 @@ pub struct Spectra {
     responses: Responses,
     density: Density,
     /// The share of all wavelengths that fall into each channel.
-    expected: Vec<f64>,
+    expected: Vec<Option<f64>>,
     /// First and last wavelength, as they may be asked for.
     ends_nm: [f32; 2],
 }
@@ -132,7 +132,7 @@ impl Spectra {
             by,
             held,
             common: Common { lamps, suspensions: Suspensions::new(world, [first, last], by.1)? },
-            expected: density.means(responses.list().len(), |nm| responses.parts_at(nm)),
+            expected: expected(&responses, &density),
             density,
             responses,
             ends_nm,
@@ -194,12 +194,22 @@ impl Spectra {
             found.iter_mut().zip(parts).for_each(|(found, part)| *found += part);
         }
         let count = wavelengths_nm.len() as f64;
-        let over = |(found, expected): (f64, &f64)| match *expected > 0.0 {
-            true => (found / (count * expected)) as f32,
-            false => 0.0,
+        let over = |(found, expected): (f64, &Option<f64>)| match expected {
+            Some(expected) if *expected > 0.0 => (found / (count * expected)) as f32,
+            Some(_) => 0.0,
+            None => 1.0,
         };
         found.into_iter().zip(&self.expected).map(over).collect()
     }
+}
+
+/// The share of all wavelengths that fall into each channel; nothing is asked of one whose response
+/// has both signs, as what it measures does not follow how often it is met.
+fn expected(responses: &Responses, density: &Density) -> Vec<Option<f64>> {
+    let list = responses.list();
+    let shares = density.means(list.len(), |nm| responses.parts_at(nm));
+    let pairs = list.iter().zip(shares);
+    pairs.map(|(response, share)| (!response.is_signed()).then_some(share)).collect()
 }
 
 /// One of many sets of wavelengths in nanometers.

@@ -65,6 +65,11 @@ impl Response {
         Self { nodes: vec![[first, 0.0], [first, value], [last, value], [last, 0.0]] }
     }
 
+    /// Whether it is below zero somewhere.
+    pub fn is_signed(&self) -> bool {
+        self.nodes.iter().any(|[_, value]| *value < 0.0)
+    }
+
     /// The value at a wavelength in nanometers; where it jumps, the second.
     pub fn at(&self, nm: f64) -> f64 {
         self.between(self.nodes.partition_point(|[at, _]| *at <= nm), nm)
