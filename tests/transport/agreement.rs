@@ -57,11 +57,14 @@ struct Rendered {
     mask: Vec<bool>,
 }
 
+/// The images of some options.
+type ImagesOf<'a> = &'a dyn Fn(&Options) -> Vec<StokesImage>;
+
 /// All integrators that apply.
 fn render_all<const N: usize>(
     scene: &Arc<Scene<N>>,
     (mode, color): (Mode, Color),
-    (iterations, images_of): (u32, &dyn Fn(&Options) -> Vec<StokesImage>),
+    (iterations, images_of): (u32, ImagesOf),
     photons_reach_media: bool,
 ) -> Vec<Rendered> {
     let everywhere = vec![true; (SIZE[0] * SIZE[1]) as usize];
@@ -129,7 +132,7 @@ fn all_pairs<const N: usize>(
     name: &str,
     scene: &Arc<Scene<N>>,
     (mode, color): (Mode, Color),
-    (iterations, images_of): (u32, &dyn Fn(&Options) -> Vec<StokesImage>),
+    (iterations, images_of): (u32, ImagesOf),
 ) -> Vec<String> {
     let is_small = !name.contains(".gltf");
     let all = render_all(scene, (mode, color), (iterations, images_of), is_small);
