@@ -138,7 +138,7 @@ fn bands_are_mono_where_glass_disperses() {
 #[ignore = "minutes"]
 fn bands_are_mono_where_glass_disperses_closely() {
     check(
-        64,
+        16,
         &[
             (Integrator::Path, Mode::Polarized, 4),
             (Integrator::Bdpt, Mode::Scalar, 8),
