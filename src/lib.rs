@@ -103,7 +103,7 @@ pub use crate::render::{
 pub use crate::scene::{
     Edit, EditedFile, Reading, SceneError, SceneFile, World, load, load_with, world,
 };
-pub use crate::spectrum::{Band, Bands, Color, Spectrum, White};
+pub use crate::spectrum::{Band, Bands, Color, Curves, Spectrum, White, WhiteBalance};
 pub use crate::transport::Sampling;
 pub use {glam, hecs};
 

@@ -167,7 +167,9 @@ def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
     return float(np.median(ordered)), ordered[rank], ordered[n - 1 - rank]
 
 
-def ratio_figure(name: str, theirs: Sequence[float], ours: Sequence[float], goal: Goal) -> Figure:
+def ratio_figure(
+    name: str, theirs: Sequence[float], ours: Sequence[float], goal: Optional[Goal]
+) -> Figure:
     """How many times their time ours is: the median over pairs of the same round."""
     value, low, high = median_interval([a / b for a, b in zip(theirs, ours)])
     return Figure(name, value, low, high, "x", goal)

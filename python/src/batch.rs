@@ -93,7 +93,7 @@ impl Batch {
             return Err(of_system(&jobs, &error, text));
         }
         let asked = Asked { jobs, results, allow_outside, work: Work::All };
-        let read = move || Prepared::read(asked, &mut reader());
+        let read = move || Prepared::read(asked, &mut reader(allow_outside));
         let nothing = Stop::default();
         let prepared = wait_for(py, None, &nothing, |_| Ok(()), move |_, _| read())?;
         let prepared = prepared.map_err(|refused| ERROR.says(refused))?;

@@ -98,6 +98,8 @@ pub fn of_image(error: ImageError) -> PyErr {
         | ImageError::OneWay { .. }
         | ImageError::Image { .. }
         | ImageError::NoBand { .. }
+        | ImageError::NoChannel { .. }
+        | ImageError::NoPixel { .. }
         | ImageError::Sensor(_)
         | ImageError::Mismatch { .. } => ERROR.says(text),
     }

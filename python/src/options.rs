@@ -31,16 +31,12 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         Some(value) => flag("variance", &value)?,
         None => default.variance,
     };
-    let light = light(options)?;
-    let (color, spectral) = of_arguments(&light).map_err(|text| RENDER_ERROR.says(text))?;
+    let light = of_arguments(&light(options)?).map_err(|text| RENDER_ERROR.says(text))?;
     let of_photons = photons.samples.unwrap_or(1).max(1);
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
     let options = Options {
         integrator,
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
-        color,
-        spectral,
-        rgb_white: light.rgb_white.map(|WhiteName(white)| white),
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,
@@ -55,6 +51,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         photons,
         time_limit: time_limit(options)?,
         part: None,
+        ..light
     };
     Settings::new(options).map_err(of_settings)
 }
@@ -103,13 +100,23 @@ fn named<T: Copy>(
 
 /// What the channels stand for and what light is carried at, as the command line has it.
 fn light(options: &Bound<PyDict>) -> PyResult<ColorArguments> {
+    let (bands, responses) = (parsed(options, "bands")?, option(options, "responses")?);
+    if bands.is_some() && responses.is_some() {
+        return Err(RENDER_ERROR.says("bands and responses cannot both be given: leave one out"));
+    }
     Ok(ColorArguments {
         color: named(options, "color", &ColorName::ALL, ColorName::name)?.unwrap_or(ColorName::Rgb),
         wavelength: option(options, "wavelength")?,
         rgb_white: named(options, "rgb_white", &White::ALL, White::name)?.map(WhiteName),
         wavelengths: option(options, "wavelengths")?,
         range: parsed(options, "range")?,
-        bands: parsed(options, "bands")?,
+        bands,
+        responses,
+        raw_response: options
+            .get_item("raw_response")?
+            .filter(|value| !value.is_none())
+            .map_or(Ok(false), |value| flag("raw_response", &value))?,
+        white_balance: option(options, "white_balance")?,
     })
 }
 

@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
+use super::images::{ChannelArguments, PixelText};
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
@@ -464,10 +465,9 @@ pub struct VisualizeArguments {
     /// Exposure of intensities in stops; of a mosaic 1 then fills the well
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f32,
-    /// Of an image of bands the one that has this wavelength, in nanometers [default: all: their
-    /// intensity in color, if they tell it, and maps of their mean]
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the image.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
     /// Scales that end at full polarization; without it they end where the image's does, so that
     /// weak polarization shows (the legend says where)
     #[arg(long, visible_alias = "no-fit")]
@@ -546,9 +546,9 @@ pub struct ViewArguments {
     /// Leave out the standard errors of values, which are as large as these
     #[arg(long)]
     pub no_variance: bool,
-    /// Of images of bands those that have this wavelength, in nanometers
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the images.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
 }
 
 /// `compare` as typed.
@@ -558,9 +558,9 @@ pub struct CompareArguments {
     pub image: PathBuf,
     /// What it is compared with
     pub reference: PathBuf,
-    /// Of images of bands those that have this wavelength, in nanometers [default: all]
-    #[arg(long, value_name = "NM")]
-    pub wavelength: Option<f32>,
+    /// Which channel of the images.
+    #[command(flatten)]
+    pub channel: ChannelArguments,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -575,6 +575,10 @@ pub struct InspectArguments {
     /// A scene (.gltf, .glb), an image (.exr, .hdr, ...), or a part of one or a checkpoint by
     /// whatever name
     pub file: PathBuf,
+    /// Of an image the Stokes vector of every channel in a pixel, as comma-separated values; pixels
+    /// are counted from 0,0 at the upper left
+    #[arg(long, value_name = "X,Y")]
+    pub pixel: Option<PixelText>,
     /// What a scene may read.
     #[command(flatten)]
     pub files: FileArguments,

@@ -1,6 +1,9 @@
 //! The verbs `view`, `compare` and `inspect`.
 
 use std::path::Path;
+use std::str::FromStr;
+
+use clap::Args;
 
 use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
@@ -13,13 +16,40 @@ use super::args::{CompareArguments, InspectArguments, ViewArguments};
 use super::files::{json, print, refuse_overwriting, require_html, require_png, say};
 use super::job::PART;
 
+/// Which channel is looked at, of an image that has several.
+#[derive(Debug, Args)]
+pub struct ChannelArguments {
+    /// Of bands the one that has this wavelength, in nanometers [default: all, or their mean]
+    #[arg(long, value_name = "NM", conflicts_with = "channel")]
+    pub wavelength: Option<f32>,
+    /// The channel of this name: R, G or B, or that of a band or a response [default: all, or their
+    /// mean; of responses red, green and blue these]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+}
+
+/// Two numbers of a pixel with a comma between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelText(pub [usize; 2]);
+
+impl FromStr for PixelText {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(',')
+            .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        numbers.map(Self).ok_or_else(|| "it is two numbers, as in 12,7".to_owned())
+    }
+}
+
 /// Writes a page to look at images in.
 pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
     let paths: Vec<&Path> =
         std::iter::once(&arguments.image).chain(&arguments.other).map(|path| &**path).collect();
     require_html(&arguments.output)?;
     refuse_overwriting(&arguments.output, &paths)?;
-    let load = |path: &&Path| load_at(path, arguments.wavelength);
+    let load = |path: &&Path| load_at(path, &arguments.channel);
     let mut images = paths.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     if arguments.no_variance {
         images.iter_mut().for_each(|image| image.variance = None);
@@ -32,12 +62,13 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Reads an image, or that of its band which has a wavelength.
-pub(super) fn load_at(path: &Path, wavelength: Option<f32>) -> Result<StokesImage, OutputError> {
+/// Reads an image, or that of one of its channels.
+pub(super) fn load_at(path: &Path, of: &ChannelArguments) -> Result<StokesImage, OutputError> {
     let image = image::load(path)?;
-    match wavelength {
-        Some(wavelength_nm) => image.at_wavelength(wavelength_nm),
-        None => Ok(image),
+    match (of.wavelength, &of.channel) {
+        (Some(wavelength_nm), _) => image.at_wavelength(wavelength_nm),
+        (None, Some(name)) => image.at_channel(name),
+        (None, None) => Ok(image),
     }
 }
 
@@ -59,8 +90,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         require_png(path)?;
         refuse_overwriting(path, &[&arguments.image, &arguments.reference])?;
     }
-    let image = load_at(&arguments.image, arguments.wavelength)?;
-    let reference = load_at(&arguments.reference, arguments.wavelength)?;
+    let image = load_at(&arguments.image, &arguments.channel)?;
+    let reference = load_at(&arguments.reference, &arguments.channel)?;
     let comparison = comparison::compare(&image, &reference)?;
     if arguments.json {
         print(json(&comparison)?)?;
@@ -91,8 +122,21 @@ fn inspect_scene(world: World) -> String {
     }
 }
 
+/// Prints what a pixel of an image has.
+fn inspect_pixel(path: &Path, PixelText(pixel): PixelText) -> Result<(), CliError> {
+    let is_no_image = ["gltf", "glb", PART].contains(&extension(path).as_str()) || is_part(path);
+    if is_no_image {
+        let text = format!("--pixel goes with images, and {} is none", path.display());
+        return Err(CliError::Usage(text));
+    }
+    print(image_inspection::pixel(&image::load(path)?, pixel)?.trim_end())
+}
+
 /// Prints what is in a file.
 pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
+    if let Some(pixel) = arguments.pixel {
+        return inspect_pixel(&arguments.file, pixel);
+    }
     // Checkpoints are called as their users like.
     if is_part(&arguments.file) || extension(&arguments.file) == PART {
         return print(describe_part(&arguments.file)?.trim_end());

@@ -7,12 +7,10 @@ use crate::image::format::{Format, extension, extensions, named_by};
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
-use crate::spectrum::Color;
 
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
-use super::color::color;
-use super::white::WhiteName;
+use super::color::light;
 
 /// What the files of parts end with.
 pub(super) const PART: &str = "part";
@@ -38,23 +36,22 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
             arguments.output.display()
         )));
     }
-    let (color, spectral) = color(&arguments.color)?;
+    let light = light(&arguments.color)?;
+    let color = &light.color;
     let is_image = arguments.part.is_none();
-    if let (Color::Bands(bands), true) = (&color, is_image)
-        && named_by(&arguments.output, "written", Format::writes_bands).is_err()
+    if color.is_of_many()
+        && is_image
+        && named_by(&arguments.output, "written", Format::writes_many).is_err()
     {
         return Err(CliError::Usage(format!(
-            "{bands} need an output that ends in {}, and {} does not",
-            extensions(Format::writes_bands),
+            "{color} need an output that ends in {}, and {} does not",
+            extensions(Format::writes_many),
             arguments.output.display()
         )));
     }
     let options = Options {
         integrator: arguments.integrator.0,
         mode: arguments.mode.0,
-        color,
-        spectral,
-        rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
         width: arguments.width,
         height: arguments.height,
         samples,
@@ -68,6 +65,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,
         part: arguments.part,
+        ..light
     };
     Ok(Settings::new(options)?)
 }

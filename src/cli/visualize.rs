@@ -39,7 +39,7 @@ pub(super) fn visualize(arguments: &VisualizeArguments) -> Result<(), CliError> 
     }
     // What is wrong with it is to be said whatever the image is.
     check(&sensor(arguments, Filters::Mono))?;
-    let image = load_at(image, arguments.wavelength)?;
+    let image = load_at(image, &arguments.channel)?;
     let picture = match shown {
         Shown::Map(map) => draw(&image, map, &view(arguments, &image))?,
         Shown::Panels => panels(&image, &view(arguments, &image))?,

@@ -12,7 +12,7 @@ use std::ops::Deref;
 use rayon::prelude::*;
 
 use super::halves::{Shares, TILE};
-use super::{Block, Film, Finished};
+use super::{Block, Film, Finished, Gauge};
 use crate::image::StokesImage;
 use crate::image::rows::{Frame, Rows};
 use crate::polarization::{Analyzer, Stokes};
@@ -91,10 +91,17 @@ impl Film {
         }
     }
 
+    /// The channels for which no iteration has had a wavelength so far.
+    pub fn unmeasured(&self) -> Vec<usize> {
+        let so_far = self.so_far(1);
+        (0..self.color.channels()).filter(|channel| so_far.gauge(*channel) == Some(0.0)).collect()
+    }
+
     /// A film that has nothing but some blocks of this one.
     fn of_blocks(&self, blocks: &[Block]) -> Self {
         let size = [self.width as u32, self.height as u32];
-        let mut film = Self::new(size, self.color.clone(), self.components, self.variances, false);
+        let kinds = (self.variances, self.gauge);
+        let mut film = Self::new(size, self.color.clone(), self.components, kinds, false);
         blocks.iter().for_each(|block| film.take_block(&block.sums, block.iterations));
         film
     }
@@ -138,7 +145,8 @@ impl<'a> Developed<'a> {
         };
         let stride = film.values_per_pixel();
         let of_plane = |plane: usize| {
-            let index_of = |pixel: usize| pixel * stride + plane;
+            let place = film.place(plane);
+            let index_of = |pixel: usize| pixel * stride + place;
             let variance_of = |pixel: usize| self.variance_at(index_of(pixel));
             let size = [film.width, film.height];
             halves.shares(size, (mean, film.iterations), variance_of, index_of)
@@ -157,8 +165,8 @@ impl<'a> Developed<'a> {
         (deviations[index] * (1.0 / degrees)) as f32
     }
 
-    /// The values that a plane of the film has of a row, from the pixel `left` on.
-    fn values(&self, plane: usize, (left, y): (usize, usize), to: &mut [f32]) {
+    /// The values of the film at some indices, not divided by its gauge.
+    fn values(&self, indices: impl Iterator<Item = usize>, to: &mut [f32]) {
         let film = &*self.film;
         let of_block = match self.count {
             Count::Finished => 0,
@@ -166,7 +174,7 @@ impl<'a> Developed<'a> {
         };
         let all = (film.iterations + u64::from(of_block)).max(1) as f64;
         let share = film.iterations as f64 / all;
-        let (sums, indices) = (&film.sums, self.indices(plane, (left, y)));
+        let sums = &film.sums;
         match (&film.finished, self.count) {
             (Finished::Sums, _) => put(to, indices, |index| sums.get(index) / all),
             (Finished::Means { mean, .. }, Count::Finished) => {
@@ -193,6 +201,35 @@ impl<'a> Developed<'a> {
         }
     }
 
+    /// What a channel has measured of a spectrum of which it should measure one, if that is known.
+    fn gauge(&self, channel: usize) -> Option<f32> {
+        let film = &*self.film;
+        match film.gauge {
+            Gauge::None => None,
+            Gauge::Kept => {
+                let mut found = [0.0];
+                let first = film.width * film.height * film.values_per_pixel();
+                let index = first + film.place(channel);
+                self.values(std::iter::once(index), &mut found);
+                Some(found[0])
+            }
+        }
+    }
+
+    /// What a plane of the image is of the channel of the film that it comes from, if it is
+    /// anything but that.
+    fn gain(&self, plane: usize) -> Option<f32> {
+        let channels = self.film.color.channels();
+        let of_analyzer = self.gains.as_ref().map(|gains| gains[plane / channels]);
+        let gauge = self.gauge(plane % channels);
+        // What has never been measured is black, which whoever renders is told.
+        let of_gauge = gauge.map(|gauge| if gauge > 0.0 { gauge.recip() } else { 0.0 });
+        match (of_analyzer, of_gauge) {
+            (Some(one), Some(other)) => Some(one * other),
+            (one, other) => one.or(other),
+        }
+    }
+
     /// Where the numbers of a row are in the tables of the film, from the pixel `left` on.
     fn indices(
         &self,
@@ -200,7 +237,8 @@ impl<'a> Developed<'a> {
         (left, y): (usize, usize),
     ) -> impl Iterator<Item = usize> + use<> {
         let (width, stride) = (self.film.width, self.film.values_per_pixel());
-        (left..width).map(move |x| (y * width + x) * stride + plane)
+        let place = self.film.place(plane);
+        (left..width).map(move |x| (y * width + x) * stride + place)
     }
 
     /// The numbers that one plane of the image has of a row, from the pixel `left` on: values, or
@@ -214,14 +252,14 @@ impl<'a> Developed<'a> {
     ) {
         let channels = self.film.color.channels();
         let of_film = if self.gains.is_some() { plane % channels } else { plane };
-        let gain = self.gains.as_ref().map(|gains| gains[plane / channels]);
+        let gain = self.gain(plane);
         let gain = match of_variance {
             true => {
                 self.variances(of_film, (left, y), to);
                 gain.map(|gain| gain * gain)
             }
             false => {
-                self.values(of_film, (left, y), to);
+                self.values(self.indices(of_film, (left, y)), to);
                 gain
             }
         };
@@ -314,7 +352,7 @@ mod tests {
     #[test]
     fn components_and_variances_follow_from_the_first() {
         let mono = Color::Mono { wavelength_nm: 550.0 };
-        let mut film = Film::new([2, 1], mono, 1, Variances::Replicates, false);
+        let mut film = Film::new([2, 1], mono, 1, (Variances::Replicates, Gauge::None), false);
         for values in [[3.0, 1.5], [5.0, 0.5]] {
             film.add(0, &values[..1]);
             film.add(1, &values[1..]);
@@ -339,7 +377,7 @@ mod tests {
             [(Variances::None, 1), (Variances::Replicates, 3), (Variances::Blocks, 8)]
         {
             let size = [width as u32, height as u32];
-            let mut film = Film::new(size, Color::Rgb, 4, variances, false);
+            let mut film = Film::new(size, Color::Rgb, 4, (variances, Gauge::None), false);
             for block in 0..blocks {
                 for pixel in 0..width * height {
                     let value = |plane: usize| (pixel * 31 + plane * 7 + block * 13) as f32 % 5.3;

@@ -233,7 +233,7 @@ fn tiles(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Film, Variances};
+    use crate::film::{Film, Gauge, Variances};
     use crate::image::rows::Rows;
     use crate::math::hash::combine;
     use crate::spectrum::Color;
@@ -246,7 +246,8 @@ mod tests {
         let size = [TILE as u32; 2];
         let mono = Color::Mono { wavelength_nm: 550.0 };
         let of_film = |number: u32| {
-            let mut film = Film::new(size, mono.clone(), 1, Variances::Blocks, false);
+            let mut film =
+                Film::new(size, mono.clone(), 1, (Variances::Blocks, Gauge::None), false);
             for block in 0..BLOCKS {
                 for pixel in 0..TILE * TILE {
                     film.add(pixel, &[value(number, pixel, block)]);

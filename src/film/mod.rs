@@ -24,14 +24,17 @@ pub use self::state::recorded_values;
 /// are grouped ([`ExactSums`]). Variances depend on their blocks and the order of these: a film
 /// that begins with a later one keeps them as they are, to be added to the film of the earlier ones
 /// ([`Film::take`]).
+///
+/// Where iterations have wavelengths of their own, one more pixel measures these ([`Gauge`]).
 pub struct Film {
     width: usize,
     height: usize,
     color: Color,
     components: usize,
     variances: Variances,
-    /// Sums, pixel by pixel, `component * channels + channel` within: of the current block if
-    /// variances are wanted, else of all.
+    gauge: Gauge,
+    /// Sums, pixel by pixel, with the planes of a pixel in the order of [`Film::place`]: of the
+    /// current block if variances are wanted, else of all.
     sums: ExactSums,
     finished: Finished,
     /// Finished blocks.
@@ -49,6 +52,22 @@ pub enum Variances {
     Replicates,
     /// From blocks of one sequence.
     Blocks,
+}
+
+/// Whether a film keeps what its channels would have measured if each had the same from every
+/// wavelength that it responds to, of which the mean is one.
+///
+/// The wavelengths of some iterations fall into channels more or less often than they do on the
+/// average. The image is divided by that, so that bands of one spectrum are alike after a few
+/// iterations (a ratio estimator: Cochran 1977, "Sampling Techniques", chapter 6). Its bias falls
+/// as one over the iterations, and is zero where what a channel measures follows the density that
+/// wavelengths are chosen by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gauge {
+    /// All iterations have the same wavelengths.
+    None,
+    /// A pixel behind the last, in the channels of its first component.
+    Kept,
 }
 
 /// What is kept of the finished blocks.
@@ -81,11 +100,12 @@ impl Film {
         [width, height]: [u32; 2],
         color: Color,
         components: usize,
-        variances: Variances,
+        (variances, gauge): (Variances, Gauge),
         begins_later: bool,
     ) -> Self {
         let (width, height) = (width as usize, height as usize);
-        let values = width * height * components * color.channels();
+        let pixels = width * height + gauge.pixels();
+        let values = pixels * components * color.channels();
         let finished = match (variances, begins_later) {
             (Variances::None, _) => Finished::Sums,
             (Variances::Replicates | Variances::Blocks, true) => Finished::Blocks(Vec::new()),
@@ -97,7 +117,18 @@ impl Film {
         };
         let sums = ExactSums::new(values);
         let (blocks, iterations) = (0, 0);
-        Self { width, height, color, components, variances, sums, finished, blocks, iterations }
+        Self {
+            width,
+            height,
+            color,
+            components,
+            variances,
+            gauge,
+            sums,
+            finished,
+            blocks,
+            iterations,
+        }
     }
 
     /// Width in pixels.
@@ -115,16 +146,35 @@ impl Film {
         self.components
     }
 
+    /// Where a plane, `component * channels + channel`, is among the values of a pixel. With a gauge
+    /// the components of a channel stand together, as few channels are added to at a time.
+    #[inline(always)]
+    fn place(&self, plane: usize) -> usize {
+        let channels = self.color.channels();
+        match self.gauge {
+            Gauge::None => plane,
+            Gauge::Kept => plane % channels * self.components + plane / channels,
+        }
+    }
+
     /// Adds to one value of a pixel.
     #[inline(always)]
     pub fn add_value(&mut self, pixel: usize, plane: usize, value: f32) {
-        self.sums.add(pixel * self.values_per_pixel() + plane, &[value]);
+        self.sums.add(pixel * self.values_per_pixel() + self.place(plane), &[value]);
     }
 
-    /// Adds to the values of a pixel; the first are those of S0.
+    /// Adds to the values of a pixel, in the order that they are kept in; the first are those of S0
+    /// if there is no gauge.
     #[inline(always)]
     pub fn add(&mut self, pixel: usize, values: &[f32]) {
         self.sums.add(pixel * self.values_per_pixel(), values);
+    }
+
+    /// Adds to the gauge, which is kept: a value for every channel.
+    pub fn add_to_gauge(&mut self, values: &[f32]) {
+        assert_eq!(self.gauge, Gauge::Kept, "a film has the gauge that it was made with");
+        let pixel = self.width * self.height;
+        values.iter().enumerate().for_each(|(channel, met)| self.add_value(pixel, channel, *met));
     }
 
     /// Adds sums of neighbors in a row, from the one at `first` on, to the pixels from `pixel` on.
@@ -170,6 +220,16 @@ impl Film {
     }
 }
 
+impl Gauge {
+    /// Pixels that it takes.
+    pub fn pixels(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Kept => 1,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,6 +238,10 @@ mod tests {
 
     const MONO: Color = Color::Mono { wavelength_nm: 550.0 };
 
+    fn black(size: [u32; 2], components: usize, variances: Variances, later: bool) -> Film {
+        Film::new(size, MONO, components, (variances, Gauge::None), later)
+    }
+
     fn of(rows: &dyn Rows) -> StokesImage {
         rows.whole().into_owned()
     }
@@ -185,8 +249,8 @@ mod tests {
     /// Two values, three replicates: mean and squared standard error by hand.
     #[test]
     fn replicates_give_mean_and_error() {
-        let mut film = Film::new([2, 1], MONO, 1, Variances::Replicates, false);
-        let mut plain = Film::new([2, 1], MONO, 1, Variances::None, false);
+        let mut film = black([2, 1], 1, Variances::Replicates, false);
+        let mut plain = black([2, 1], 1, Variances::None, false);
         for value in [1.0, 2.0, 6.0] {
             plain.add(0, &[value * 4.0]);
             plain.add(1, &[4.0]);
@@ -211,11 +275,38 @@ mod tests {
         assert_eq!(variance[1], 0.0);
     }
 
+    /// A band that is met every other time measures what one does that is met each time.
+    #[test]
+    fn bands_are_divided_by_their_gauge() {
+        for variances in [Variances::None, Variances::Replicates, Variances::Blocks] {
+            for later in [false, true] {
+                let kinds = (variances, Gauge::Kept);
+                let mut film = Film::new([2, 1], Color::Rgb, 4, kinds, later);
+                for iteration in 0..6 {
+                    let met = [1.0, (iteration % 2) as f32 * 0.5, 0.0];
+                    for (channel, met) in met.into_iter().enumerate() {
+                        film.add_value(0, channel, 3.0 * met);
+                        film.add_value(1, channel, met);
+                        film.add_value(1, 3 * 2 + channel, 0.5 * met);
+                    }
+                    film.add_to_gauge(&met);
+                    let so_far = of(&film.so_far(1));
+                    assert_eq!(so_far.planes[0], [3.0, 1.0]);
+                    film.finish_block(1);
+                }
+                assert_eq!(film.unmeasured(), [2]);
+                let image = of(&film.developed());
+                assert_eq!(image.planes[..3], [[3.0, 1.0], [3.0, 1.0], [0.0, 0.0]]);
+                assert_eq!(image.planes[6..9], [[0.0, 0.5], [0.0, 0.5], [0.0, 0.0]]);
+            }
+        }
+    }
+
     /// Blocks that a later film keeps give what they give in one that has seen them.
     #[test]
     fn later_blocks_are_developed_alike() {
         for variances in [Variances::Replicates, Variances::Blocks] {
-            let mut films = [false, true].map(|later| Film::new([1, 1], MONO, 4, variances, later));
+            let mut films = [false, true].map(|later| black([1, 1], 4, variances, later));
             for (value, iterations) in [(0.3, 1), (0.7, 2), (0.1, 2), (1.9, 4)] {
                 for film in &mut films {
                     film.add(0, &[value, 0.1 * value]);

@@ -162,10 +162,8 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
     if (first.width, first.height) != (second.width, second.height) {
         return Err(mismatch("their sizes differ"));
     }
-    if [first, second].iter().any(|image| matches!(image.color, Color::Bands(_)))
-        && first.color != second.color
-    {
-        return Err(mismatch("their channels are of other wavelengths"));
+    if [first, second].iter().any(|image| image.color.is_of_many()) && first.color != second.color {
+        return Err(mismatch("their channels are of other wavelengths or responses"));
     }
     let channels = first.color.channels().min(second.color.channels());
     for image in [first, second] {
@@ -182,6 +180,7 @@ pub fn in_words(image: &StokesImage) -> String {
         Color::Rgb => "an RGB image".to_owned(),
         Color::Mono { .. } => "a monochromatic image".to_owned(),
         Color::Bands(bands) => format!("an image of {bands}"),
+        Color::Responses(curves) => format!("an image by {curves}"),
     };
     format!("{color} of {} x {} pixels", image.width, image.height)
 }
@@ -348,7 +347,7 @@ impl Tally {
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let color = if self.channels == 1 { "one channel" } else { "RGB channels pooled" };
+        let color = if self.channels == 1 { "one channel" } else { "all channels pooled" };
         writeln!(
             f,
             "{} x {} pixels, {color}; the second is the reference",

@@ -100,6 +100,29 @@ pub enum OutputError {
         /// What was asked for.
         wavelength_nm: f32,
     },
+    /// A channel that is not there.
+    #[error("the image has no channel that is called `{name}`; it has {known}")]
+    NoChannel {
+        /// What was asked for.
+        name: String,
+        /// The channels, in words.
+        known: String,
+    },
+    /// A pixel that is not there.
+    #[error(
+        "the image has no pixel {x},{y}: it is {width} x {height} pixels, counted from 0,0 at the \
+         upper left"
+    )]
+    NoPixel {
+        /// How many pixels it is from the left.
+        x: usize,
+        /// And from the top.
+        y: usize,
+        /// Width of the image in pixels.
+        width: usize,
+        /// Its height.
+        height: usize,
+    },
     /// A sensor that is none.
     #[error("there is no such sensor: {0}")]
     Sensor(Fault),
@@ -139,6 +162,8 @@ impl OutputError {
             | Self::OneWay { .. }
             | Self::Image { .. }
             | Self::NoBand { .. }
+            | Self::NoChannel { .. }
+            | Self::NoPixel { .. }
             | Self::Sensor(_)
             | Self::Mismatch { .. } => None,
         }

@@ -8,10 +8,13 @@
 //! | RGB, intensity | `R G B` |
 //! | monochromatic, Stokes | `Y` and `S0` ... `S3` (`Y` repeats S0 so that viewers show it) |
 //! | monochromatic, intensity | `Y` and `S0` |
+//! | bands, Stokes | `S0.550,000000nm` ... |
+//! | responses, Stokes | `S0.NAME` ... |
 //! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
 //!
-//! Metadata are string attributes `sunstone.KEY`. Four keys are the format's own: `frame`,
-//! `handedness`, `wavelength_nm` (a float) and `order`, the order of the metadata.
+//! Metadata are string attributes `sunstone.KEY`. Six keys are the format's own: `frame`,
+//! `handedness`, `wavelength_nm` (a float), `bands` (JSON), `responses` (JSON: the curves, each
+//! with the factor by which its values are multiplied) and `order`, the order of the metadata.
 //! What is written is read back bit for bit.
 
 mod bits;
@@ -37,7 +40,7 @@ use super::error::OutputError;
 use super::rows::{Frame, Rows};
 use super::{atomic, source};
 use crate::image::StokesImage;
-use crate::spectrum::Color;
+use crate::spectrum::{Color, Curves};
 
 /// The frame of S1..S3 in every file that Sunstone writes.
 pub const FRAME: &str = "right-handed (x, y, k): x to the right in the image, y up, k along the \
@@ -49,7 +52,9 @@ pub const HANDEDNESS: &str = "S3 > 0 is right circular: the field turns clockwis
 const FORMAT: &str = "EXR";
 const KEY_PREFIX: &str = "sunstone.";
 /// Keys that no metadata can have.
-const OWN_KEYS: [&str; 5] = ["bands", "frame", "handedness", "order", "wavelength_nm"];
+const OWN_KEYS: [&str; 6] = ["bands", "frame", "handedness", "order", "responses", "wavelength_nm"];
+/// The attribute that holds response curves.
+const RESPONSES: &str = "sunstone.responses";
 /// The wavelength given to a monochromatic file that does not name its own.
 pub(super) const WAVELENGTH_UNSTATED_NM: f32 = 550.0;
 /// No lossless EXR compression that is worth its name packs tighter than this; a header that
@@ -90,7 +95,7 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
     let mut channels: Vec<(String, usize)> = match frame.color {
         Color::Rgb => RGB_NAMES.map(str::to_owned).into_iter().zip(0..).collect(),
         Color::Mono { .. } => vec![("Y".to_owned(), 0)],
-        Color::Bands(_) => Vec::new(),
+        Color::Bands(_) | Color::Responses(_) => Vec::new(),
     };
     let names = stokes_names(&frame.color, frame.components);
     if frame.color != Color::Rgb || frame.components == 4 {
@@ -135,6 +140,9 @@ fn stokes_names(color: &Color, components: usize) -> Vec<String> {
             Color::Rgb => RGB_NAMES.map(|name| format!("S{component}.{name}")).to_vec(),
             Color::Mono { .. } => vec![format!("S{component}")],
             Color::Bands(bands) => spectral::names(component, bands),
+            Color::Responses(curves) => {
+                curves.channels().map(|name| format!("S{component}.{name}")).collect()
+            }
         })
         .collect()
 }
@@ -184,6 +192,9 @@ fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputEr
                 other.insert(text(name), AttributeValue::Text(text(&value)));
             }
         }
+        Color::Responses(curves) => {
+            other.insert(text(RESPONSES), AttributeValue::Text(text(&curves.to_text())));
+        }
     }
     Ok(attributes)
 }
@@ -212,11 +223,13 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
     let list = &layer.channel_data.list;
     let by_name: HashMap<String, &AnyChannel<FlatSamples>> =
         list.iter().map(|channel| (channel.name.to_string(), channel)).collect();
-    let spectral = spectral::layout(by_name.keys().map(String::as_str), attributes)?;
-    let (color, components, names) = match spectral {
-        Some((bands, components, names)) => (Color::Bands(Arc::new(bands)), components, names),
-        None => few_channels(attributes, |name| by_name.contains_key(name))
-            .ok_or_else(|| unknown_channels(list))?,
+    let is_there = |name: &String| by_name.contains_key(name);
+    let (color, components, names) = match with_responses(attributes, is_there)? {
+        Some(found) => found,
+        None => match spectral::layout(by_name.keys().map(String::as_str), attributes)? {
+            Some((bands, components, names)) => (Color::Bands(Arc::new(bands)), components, names),
+            None => few_channels(attributes, is_there).ok_or_else(|| unknown_channels(list))?,
+        },
     };
     // Others drop channels: what is left of a Stokes image is no image of intensity.
     if components == 1 && by_name.keys().any(|name| is_of_polarization(name)) {
@@ -234,12 +247,34 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
     Ok(StokesImage { width, height, color, components, planes, variance, metadata })
 }
 
-/// What the channels of RGB images and those of one wavelength stand for, their components and
-/// names.
+/// What channels stand for, their components and names.
+type Channels = (Color, usize, Vec<String>);
+
+/// Those of an image of responses; none if there are no responses in the file.
+fn with_responses(
+    attributes: &HashMap<Text, AttributeValue>,
+    is_there: impl Fn(&String) -> bool,
+) -> Result<Option<Channels>, String> {
+    let Some(AttributeValue::Text(text)) = attributes.get(RESPONSES.as_bytes()) else {
+        return Ok(None);
+    };
+    let curves = Curves::from_text(&String::from_utf8_lossy(text.as_slice()));
+    let curves = curves.ok_or_else(|| format!("its {RESPONSES} are damaged"))?;
+    let color = Color::Responses(Arc::new(curves));
+    let found = [4, 1].into_iter().find_map(|components| {
+        let names = stokes_names(&color, components);
+        names.iter().all(&is_there).then_some((components, names))
+    });
+    let (components, names) =
+        found.ok_or_else(|| format!("it has not the channels that its {RESPONSES} name"))?;
+    Ok(Some((color, components, names)))
+}
+
+/// Those of RGB images and of one wavelength.
 fn few_channels(
     attributes: &HashMap<Text, AttributeValue>,
     is_there: impl Fn(&String) -> bool,
-) -> Option<(Color, usize, Vec<String>)> {
+) -> Option<Channels> {
     let wavelength_nm = match attributes.get("sunstone.wavelength_nm".as_bytes()) {
         Some(AttributeValue::F32(wavelength_nm)) => *wavelength_nm,
         _ => WAVELENGTH_UNSTATED_NM,

@@ -19,8 +19,8 @@ pub struct Format {
     pub summary: &'static str,
     /// Whether variances are kept.
     pub keeps_variance: bool,
-    /// Whether images of bands can be written.
-    pub takes_bands: bool,
+    /// Whether images of bands and of responses can be written.
+    pub takes_many: bool,
     /// Writes an image.
     pub write: Option<Write>,
     /// Reads one.
@@ -35,7 +35,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "exr",
         summary: "OpenEXR, 32-bit float, with all Stokes components, variances and metadata.",
         keeps_variance: true,
-        takes_bands: true,
+        takes_many: true,
         write: Some(exr::write),
         read: Some(exr::read),
         files: one_file,
@@ -45,7 +45,7 @@ pub static FORMATS: [Format; 4] = [
         summary: "Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and \
                   Gutierrez 2016 store them, with 8 bits of precision.",
         keeps_variance: false,
-        takes_bands: false,
+        takes_many: false,
         write: Some(|image, path| hdr::write(&image.whole(), path)),
         read: Some(hdr::read),
         files: |path| (0..4).map(|component| hdr::component_path(path, component)).collect(),
@@ -54,7 +54,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "png",
         summary: "A preview: S0 alone, at exposure 0, as sRGB.",
         keeps_variance: false,
-        takes_bands: true,
+        takes_many: true,
         write: Some(|image, path| png::write_preview(&image.whole(), path, 0.0)),
         read: None,
         files: one_file,
@@ -63,7 +63,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "npy",
         summary: "A NumPy array of one wavelength; beside stokes.npy, stderr.npy if it is there.",
         keeps_variance: true,
-        takes_bands: false,
+        takes_many: false,
         write: None,
         read: Some(npy::read),
         files: one_file,
@@ -104,9 +104,9 @@ pub fn extensions<T>(of: impl Fn(&'static Format) -> Option<T>) -> String {
 }
 
 impl Format {
-    /// What writes images of bands, if that can be.
-    pub fn writes_bands(&self) -> Option<Write> {
-        self.write.filter(|_| self.takes_bands)
+    /// What writes images of bands and of responses, if that can be.
+    pub fn writes_many(&self) -> Option<Write> {
+        self.write.filter(|_| self.takes_many)
     }
 
     /// What writes images and their variances, if that is kept.

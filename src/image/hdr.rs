@@ -41,8 +41,8 @@ pub fn component_path(path: &Path, component: usize) -> PathBuf {
 /// Writes the set of files that `path` names: all of them or none.
 pub fn write(image: &StokesImage, path: &Path) -> Result<(), OutputError> {
     check_image(image, path)?;
-    if let Color::Bands(bands) = &image.color {
-        let reason = format!("Radiance pictures hold no {bands}; write an .exr file");
+    if image.color.is_of_many() {
+        let reason = format!("Radiance pictures do not hold {}; write an .exr file", image.color);
         return Err(OutputError::unwritable(path, reason));
     }
     if image.width.max(image.height) > usize::from(u16::MAX) {

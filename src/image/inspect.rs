@@ -3,10 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::check_shape;
 use super::error::OutputError;
 use super::visualize::{dop, stokes_at};
 use crate::image::StokesImage;
 use crate::math::elementary::hypot;
+use crate::math::text::printable;
 use crate::spectrum::Color;
 
 /// P may exceed S0 by this share before a pixel counts as unphysical: rounding of 32-bit floats.
@@ -16,6 +18,45 @@ const ROUNDING: f32 = 1e-5;
 pub fn inspect_image(path: &Path) -> Result<String, OutputError> {
     let image = super::load(path)?;
     Ok(format!("{}\n{}", path.display(), describe(&image)))
+}
+
+/// What a pixel has, as comma-separated values: a line for every channel with its name, the
+/// wavelength in nanometers that it stands for (nothing of red, green and blue), its Stokes vector
+/// and the standard errors of that, if they are known. Pixels are counted from 0 at the upper left.
+///
+/// # Errors
+/// When there is no such pixel.
+pub fn pixel(image: &StokesImage, [x, y]: [usize; 2]) -> Result<String, OutputError> {
+    let StokesImage { width, height, .. } = *image;
+    check_shape(image).map_err(|reason| OutputError::Image { reason })?;
+    if x >= width || y >= height {
+        return Err(OutputError::NoPixel { x, y, width, height });
+    }
+    let names = image.component_names();
+    let errors = image.variance.iter().flat_map(|_| names);
+    let errors: String = errors.map(|name| format!(",stderr_{name}")).collect();
+    let mut text = format!("channel,wavelength_nm,{}{errors}\n", names.join(","));
+    for (channel, name) in image.channel_names().iter().enumerate() {
+        let wavelength = image.color.wavelength_of(channel).map(|nm| nm.to_string());
+        let of = |planes: &Vec<Vec<f32>>| -> Vec<f32> {
+            let planes = planes.iter().skip(channel).step_by(image.color.channels());
+            planes.map(|plane| plane[y * width + x]).collect()
+        };
+        let errors = image.variance.iter().flat_map(of).map(f32::sqrt);
+        let numbers = of(&image.planes).into_iter().chain(errors).map(|value| value.to_string());
+        let cells = [quoted(name), wavelength.unwrap_or_default()].into_iter().chain(numbers);
+        text += &(cells.collect::<Vec<_>>().join(",") + "\n");
+    }
+    Ok(text)
+}
+
+/// A name as a cell of comma-separated values.
+fn quoted(name: &str) -> String {
+    let name = printable(name);
+    match name.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        false => name,
+    }
 }
 
 /// Size, color, the range of S0, how polarized it is, and the metadata, a line each.
@@ -31,6 +72,7 @@ pub fn describe(image: &StokesImage) -> String {
             Color::Rgb => "RGB, linear sRGB primaries".to_owned(),
             Color::Mono { wavelength_nm } => format!("one wavelength, {wavelength_nm} nm"),
             Color::Bands(bands) => format!("{bands}, each averaged over its width"),
+            Color::Responses(curves) => format!("{curves}, radiance times response"),
         },
     );
     line(
@@ -43,7 +85,9 @@ pub fn describe(image: &StokesImage) -> String {
     for (channel, plane) in image.channel_names().iter().zip(&image.planes) {
         match image.color {
             Color::Mono { .. } => line("S0", range(plane)),
-            Color::Rgb | Color::Bands(_) => line(&format!("S0.{channel}"), range(plane)),
+            Color::Rgb | Color::Bands(_) | Color::Responses(_) => {
+                line(&format!("S0.{channel}"), range(plane));
+            }
         }
     }
     if image.components == 4 {

@@ -22,16 +22,18 @@ pub struct Live {
     pub values: Vec<f32>,
 }
 
-/// The names of the channels, each as LAYER.CHANNEL: S0, of bands their mean; of an image of all
-/// Stokes components, the degree of polarization and the angle of linear polarization, too, of its
-/// luminance as in [`super::visualize`]. The angle is in half turns, from 0 to 1, counterclockwise
-/// from the right.
+/// The names of the channels, each as LAYER.CHANNEL: S0, of bands and responses their mean; of an
+/// image of all Stokes components, the degree of polarization and the angle of linear polarization,
+/// too, of its luminance as in [`super::visualize`]. The angle is in half turns, from 0 to 1,
+/// counterclockwise from the right.
 pub fn channels(frame: &Frame) -> &'static [&'static str] {
     match (&frame.color, frame.components) {
         (Color::Rgb, 4) => &["S0.R", "S0.G", "S0.B", "degree.Y", "angle.Y"],
         (Color::Rgb, _) => &["S0.R", "S0.G", "S0.B"],
-        (Color::Mono { .. } | Color::Bands(_), 4) => &["S0.Y", "degree.Y", "angle.Y"],
-        (Color::Mono { .. } | Color::Bands(_), _) => &["S0.Y"],
+        (Color::Mono { .. } | Color::Bands(_) | Color::Responses(_), 4) => {
+            &["S0.Y", "degree.Y", "angle.Y"]
+        }
+        (Color::Mono { .. } | Color::Bands(_) | Color::Responses(_), _) => &["S0.Y"],
     }
 }
 

@@ -46,7 +46,7 @@ const FULL_WELL: Range = Range::new("from 1 to 1e12", |x| (1.0..=1e12).contains(
 /// What lies before the pixels besides analyzers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filters {
-    /// Nothing; of an RGB image they see the luminance, of bands their mean.
+    /// Nothing; of an RGB image they see the luminance, of bands and responses their mean.
     Mono,
     /// Red, green and blue filters, which let the image's channels pass.
     Bayer,
@@ -57,7 +57,7 @@ impl Filters {
     pub fn of(color: &Color) -> Self {
         match color {
             Color::Rgb => Self::Bayer,
-            Color::Mono { .. } | Color::Bands(_) => Self::Mono,
+            Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => Self::Mono,
         }
     }
 
@@ -195,15 +195,16 @@ impl PolarizationSensor {
             (Filters::Bayer, Color::Bands(_)) => {
                 "it has bands, and a color mosaic needs RGB; take a mono sensor"
             }
+            (Filters::Bayer, Color::Responses(_)) => {
+                "it has responses of its own, and a color mosaic needs RGB; take a mono sensor"
+            }
             (Filters::Bayer, Color::Rgb) if !fits => {
                 "a color mosaic has sides that are multiples of 4 pixels; render it in such a size"
             }
-            (Filters::Mono, Color::Rgb | Color::Mono { .. } | Color::Bands(_)) if !fits => {
+            (Filters::Mono, _) if !fits => {
                 "a mosaic has sides that are multiples of 2 pixels; render it in such a size"
             }
-            (Filters::Bayer | Filters::Mono, Color::Rgb | Color::Mono { .. } | Color::Bands(_)) => {
-                return Ok(());
-            }
+            (Filters::Bayer, Color::Rgb) | (Filters::Mono, _) => return Ok(()),
         };
         Err(OutputError::Image { reason })
     }

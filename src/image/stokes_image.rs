@@ -3,11 +3,18 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::spectrum::{Color, rgb_of_bands};
+use crate::math::text::{excerpt, listed};
+use crate::spectrum::{Color, RGB_WAVELENGTHS_NM, rgb_of_bands};
 
+use super::exr::WAVELENGTH_UNSTATED_NM;
 use super::rows::{Frame, Rows};
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
+
+/// What the metadata call the channel that an image was made of.
+const CHANNEL: &str = "channel";
+/// Most characters of a name that an error shows.
+const NAME: usize = 60;
 
 /// Stokes values per pixel and channel, with what is known of their error and origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,13 +61,10 @@ impl StokesImage {
         self.variance.as_ref().map(|planes| interleaved(planes, self.shape()))
     }
 
-    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the bands.
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the bands or
+    /// responses.
     pub fn channel_names(&self) -> Vec<String> {
-        match &self.color {
-            Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
-            Color::Mono { .. } => vec![self.color.to_string()],
-            Color::Bands(bands) => bands.list().iter().map(|band| band.name.clone()).collect(),
-        }
+        self.color.channel_names()
     }
 
     /// The image of the band that has a wavelength in nanometers, as of light of one wavelength:
@@ -72,35 +76,68 @@ impl StokesImage {
         let Some((channel, center_nm)) = self.color.channel_at(wavelength_nm) else {
             return Err(OutputError::NoBand { what: self.color.to_string(), wavelength_nm });
         };
+        Ok(self.of_channel(channel, center_nm))
+    }
+
+    /// The image of the channel that has a name, as of light of one wavelength: that which
+    /// the channel stands for, which is the center of a band, the mean of a response, and of red,
+    /// green and blue that at which indices of refraction are taken.
+    ///
+    /// # Errors
+    /// When no channel has it.
+    pub fn at_channel(&self, name: &str) -> Result<Self, OutputError> {
+        let names = self.channel_names();
+        let Some(channel) = names.iter().position(|known| known == name) else {
+            let (name, known) = (excerpt(name, NAME), listed(&names));
+            return Err(OutputError::NoChannel { name, known });
+        };
+        let colors = RGB_WAVELENGTHS_NM.get(channel).copied();
+        let wavelength_nm = self.color.wavelength_of(channel).or(colors);
+        let mut image = self.of_channel(channel, wavelength_nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
+        image.metadata.retain(|(key, _)| key != CHANNEL);
+        image.metadata.push((CHANNEL.to_owned(), name.to_owned()));
+        Ok(image)
+    }
+
+    fn of_channel(&self, channel: usize, wavelength_nm: f32) -> Self {
         let channels = self.color.channels();
         let of_channel = |planes: &Vec<Vec<f32>>| -> Vec<Vec<f32>> {
             planes.iter().skip(channel).step_by(channels).cloned().collect()
         };
-        Ok(Self {
+        Self {
             width: self.width,
             height: self.height,
-            color: Color::Mono { wavelength_nm: center_nm },
+            color: Color::Mono { wavelength_nm },
             components: self.components,
             planes: of_channel(&self.planes),
             variance: self.variance.as_ref().map(of_channel),
             metadata: self.metadata.clone(),
-        })
+        }
     }
 
-    /// An image that can be shown in red, green and blue or in grey: of one of bands what the eye
-    /// sees of them, or their mean where they do not tell that.
+    /// An image that can be shown in red, green and blue or in grey: of bands what the eye sees of
+    /// them, or their mean where they do not tell that; of responses their mean, and of three that
+    /// are called red, green and blue, these as if they were those of sRGB.
     pub(crate) fn shown(&self) -> Cow<'_, Self> {
-        let Color::Bands(bands) = &self.color else { return Cow::Borrowed(self) };
-        let list = bands.list();
-        let (color, weights): (Color, Vec<Vec<f32>>) = match rgb_of_bands(bands) {
+        let (middle, seen) = match &self.color {
+            Color::Rgb | Color::Mono { .. } => return Cow::Borrowed(self),
+            Color::Responses(_) if self.channel_names() == ["red", "green", "blue"] => {
+                return Cow::Owned(Self { color: Color::Rgb, ..self.clone() });
+            }
+            Color::Bands(bands) => {
+                (mean_of(bands.ends_nm().map(|nm| nm as f32)), rgb_of_bands(bands))
+            }
+            Color::Responses(curves) => (mean_of(curves.ends_nm()), None),
+        };
+        let channels = self.color.channels();
+        let (color, weights): (Color, Vec<Vec<f32>>) = match seen {
             Some(weights) => {
                 let of_channel = |i: usize| weights.iter().map(|weight| weight[i]).collect();
                 (Color::Rgb, [0, 1, 2].map(of_channel).to_vec())
             }
             None => {
-                let wavelength_nm = 0.5 * (list[0].center_nm + list[list.len() - 1].center_nm);
-                let mean = vec![1.0 / list.len() as f32; list.len()];
-                (Color::Mono { wavelength_nm }, vec![mean])
+                let mean = vec![1.0 / channels as f32; channels];
+                (Color::Mono { wavelength_nm: middle }, vec![mean])
             }
         };
         let mixed = |planes: &[Vec<f32>]| -> Vec<Vec<f32>> {
@@ -111,7 +148,7 @@ impl StokesImage {
             height: self.height,
             color,
             components: self.components,
-            planes: self.planes.chunks(list.len()).flat_map(mixed).collect(),
+            planes: self.planes.chunks(channels).flat_map(mixed).collect(),
             variance: None,
             metadata: self.metadata.clone(),
         })
@@ -184,6 +221,10 @@ impl Rows for StokesImage {
     fn fault(&self) -> Option<&'static str> {
         check_shape(self).err()
     }
+}
+
+fn mean_of([one, two]: [f32; 2]) -> f32 {
+    0.5 * (one + two)
 }
 
 /// The sum of planes times weights.

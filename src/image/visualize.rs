@@ -6,8 +6,8 @@
 //! counterclockwise from the right of the image as one looks at it.
 //!
 //! The channels of RGB images are combined by luminance first, each Stokes component as
-//! 0.2126 R + 0.7152 G + 0.0722 B, those of bands by their mean, and the formulas applied to the
-//! result. The intensity of bands is a picture in color where they tell it
+//! 0.2126 R + 0.7152 G + 0.0722 B, those of bands and responses by their mean, and the formulas
+//! applied to the result. The intensity of bands is a picture in color where they tell it
 //! ([`crate::spectrum::rgb_of_bands`]). Where there is no light (S0 not above 0, or not a number) a
 //! map is black; where a map asks for a direction or a type that weak polarization does not have,
 //! it fades to grey ([`View::degree_faded`]).
@@ -179,13 +179,13 @@ pub(super) fn luminance_at(image: &StokesImage, component: usize, pixel: usize) 
     luminance(&image.color, |channel| image.plane(component, channel)[pixel])
 }
 
-/// Channels combined by luminance, or bands by their mean.
+/// Channels combined by luminance, or bands and responses by their mean.
 pub(super) fn luminance(color: &Color, value: impl Fn(usize) -> f32) -> f32 {
     match color {
         Color::Rgb => LUMINANCE[0] * value(0) + LUMINANCE[1] * value(1) + LUMINANCE[2] * value(2),
         Color::Mono { .. } => value(0),
-        Color::Bands(bands) => {
-            let count = bands.list().len();
+        Color::Bands(_) | Color::Responses(_) => {
+            let count = color.channels();
             (0..count).map(value).sum::<f32>() / count as f32
         }
     }

@@ -3,6 +3,7 @@
 use crate::image::rows::{Rows, is_black};
 use crate::integrators::Integrator;
 use crate::integrators::profile::{Cut, Profile};
+use crate::spectrum::Color;
 use crate::transport::Sampling;
 
 use super::settings::PATH_LENGTH_MAX;
@@ -25,6 +26,8 @@ pub struct Doubts {
     note: Option<String>,
     /// So few that the image is blurred.
     warning: Option<String>,
+    /// Channels that no wavelength has fallen into.
+    unmeasured: Option<String>,
 }
 
 /// What a render of a world says of itself.
@@ -38,7 +41,9 @@ pub fn doubts(renderer: &Renderer, world: &PlacedWorld) -> Doubts {
     let kernel = radii.first().copied().flatten();
     let is_chosen = note.is_none() && settings.photons.radius.is_none();
     let share = kernel.filter(|_| is_chosen).map(|radius| radius / world.radius());
-    Doubts { settings, profile, note, warning: share.and_then(blur_of_photons) }
+    let warning = share.and_then(blur_of_photons);
+    let unmeasured = lack_of_wavelengths(&settings.color, &renderer.unmeasured());
+    Doubts { settings, profile, note, warning, unmeasured }
 }
 
 impl Doubts {
@@ -49,9 +54,9 @@ impl Doubts {
 
     /// What there is to doubt about the image of the render, a sentence each.
     pub fn about(self, image: &dyn Rows) -> Vec<String> {
-        let Self { settings, profile, warning, .. } = self;
+        let Self { settings, profile, warning, unmeasured, .. } = self;
         let doubts = about(image, (&*settings, settings.integrator), &profile);
-        doubts.into_iter().chain(warning).collect()
+        doubts.into_iter().chain(warning).chain(unmeasured).collect()
     }
 }
 
@@ -77,6 +82,20 @@ fn blur_of_photons(share: f32) -> Option<String> {
             100.0 * share
         )
     })
+}
+
+/// What there is to doubt about an image some of whose channels no iteration had a wavelength for.
+fn lack_of_wavelengths(color: &Color, unmeasured: &[usize]) -> Option<String> {
+    let (&first, &last) = (unmeasured.first()?, unmeasured.last()?);
+    let [first, last] = [first, last].map(|channel| color.channel_name(channel));
+    let which = match unmeasured.len() {
+        1 => format!("channel {first} is"),
+        count => format!("{count} of {} channels, from {first} to {last}, are", color.channels()),
+    };
+    Some(format!(
+        "{which} black, as no iteration had a wavelength there: more --spp, or broader bands, \
+         find some"
+    ))
 }
 
 /// What there is to doubt about an image, by what its render says.
@@ -130,10 +149,12 @@ fn about(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::image::StokesImage;
     use crate::render::Options;
-    use crate::spectrum::Color;
+    use crate::spectrum::Bands;
 
     #[test]
     fn few_photons_are_told() {
@@ -141,6 +162,16 @@ mod tests {
         assert_eq!(lack_of_photons(1000.0), None);
         assert!(blur_of_photons(0.35).is_some_and(|it| it.contains("35 % of the scene")));
         assert_eq!(blur_of_photons(0.1), None);
+    }
+
+    #[test]
+    fn channels_without_wavelengths_are_told() {
+        let bands = Color::Bands(Arc::new(Bands::evenly(400.0, 700.0, 31).unwrap()));
+        assert_eq!(lack_of_wavelengths(&bands, &[]), None);
+        let one = lack_of_wavelengths(&bands, &[15]).unwrap();
+        assert!(one.starts_with("channel 550 nm is black"), "{one}");
+        let some = lack_of_wavelengths(&bands, &[1, 5, 30]).unwrap();
+        assert!(some.starts_with("3 of 31 channels, from 410 nm to 700 nm, are"), "{some}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Optics, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
-use crate::spectrum::{Carried, Color, White};
+use crate::spectrum::{Carried, Responses, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
@@ -57,8 +57,8 @@ const KEPT_MAX: usize = 16;
 /// A scene of so many columns, with what these are and with its film.
 type Kept<const N: usize> = (Key, [u32; 2], Sets<N>);
 
-/// What light is carried at, by which white, and the film of a spectral render.
-type Key = (Columns, White, Option<Color>);
+/// What light is carried at, by which white, and how the film of a spectral render responds.
+type Key = (Columns, White, Option<Responses>);
 
 /// The latest of them.
 type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
@@ -236,10 +236,11 @@ impl PlacedWorld {
         settings: &Settings,
         film: [u32; 2],
     ) -> Result<Sets<N>, RenderError> {
-        let (color, white) = (&settings.color, settings.white());
-        self.latest(latest, (columns, white, Some(color.clone())), film, || {
+        let white = settings.white();
+        let responses = settings.responses().unwrap_or_else(|| Responses::new(Vec::new()));
+        self.latest(latest, (columns, white, Some(responses.clone())), film, || {
             let Placed { world, ground, .. } = &*self.0;
-            let of = (color, spectral, white);
+            let of = (responses, spectral, white);
             let (spectra, emitters) = Spectra::new(world, &ground.shapes, of)?;
             let scene = spectra.base(emitters, |optics| self.scene(optics, film))?;
             Ok(Sets { scene: Arc::new(scene), spectra: Some(Arc::new(spectra)) })

@@ -6,11 +6,12 @@ use std::sync::{Arc, OnceLock};
 
 use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
-use crate::film::{Film, Variances, recorded_values};
+use crate::film::{Film, Gauge, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
+use crate::math::text::excerpt;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Bands, Color};
+use crate::spectrum::{Bands, Color, Curves, RGB_WAVELENGTHS_NM};
 
 use super::renderer::metadata;
 use super::resolved::components;
@@ -38,7 +39,12 @@ const ANALYZER: &str = "image: analyzer";
 const COLOR: &str = "image: color";
 const SAMPLES: &str = "image: samples a pixel";
 const VARIANCE: &str = "image: variance";
+/// Which wavelengths light is carried at, where these change.
+const SPECTRAL: &str = "image: spectral";
 const IS_ASKED_FOR: &str = "image: variance is asked for";
+
+/// Most characters of a fact that is shown: responses have thousands.
+const VALUE: usize = 200;
 
 /// What is wrong with a file that a render is to go on from, or with parts of an image.
 #[derive(Debug, thiserror::Error)]
@@ -147,7 +153,7 @@ impl Origin {
 
     /// What is the same in all parts of an image, and before and after a pause.
     fn facts(&self, settings: &Resolved) -> Vec<Fact> {
-        let spectral = settings.spectral.map(|it| ("image: spectral", spectral::in_words(it)));
+        let spectral = settings.spectral.map(|it| (SPECTRAL, spectral::in_words(it)));
         let photons = settings.passes.map(|passes| {
             let radius = settings.photons.radius.map_or("found".to_owned(), |it| it.to_string());
             [
@@ -165,6 +171,7 @@ impl Origin {
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, color_text(&settings.color)),
             ("image: rgb white", settings.white().name().to_owned()),
+            ("image: white balance", balance_text(settings).unwrap_or("none".to_owned())),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),
@@ -238,7 +245,8 @@ pub fn resume(
     for (name, here) in here {
         let there = record.fact(&name).ok_or_else(|| record.lacks(&name))?;
         if there != here {
-            let (path, there) = (path.to_owned(), there.to_owned());
+            let (path, there, here) =
+                (path.to_owned(), excerpt(there, VALUE), excerpt(&here, VALUE));
             return Err(PartError::Other { path, what: plain(&name), there, here });
         }
     }
@@ -298,8 +306,8 @@ fn check_alike(first: &Record, other: &Record) -> Result<(), PartError> {
                 first: first.path().to_owned(),
                 second: other.path().to_owned(),
                 what: plain(name),
-                one: one.clone(),
-                two: two.to_owned(),
+                one: excerpt(one, VALUE),
+                two: excerpt(two, VALUE),
             });
         }
     }
@@ -390,7 +398,7 @@ pub fn describe(path: &Path) -> Result<String, PartError> {
     let known = |(name, value): &Fact| {
         let is_place = [PART, FIRST, NEXT, END].contains(&name.as_str());
         let name = name.strip_prefix(OF_IMAGE).or(is_place.then_some(name))?;
-        Some(format!("  {name}: {value}\n"))
+        Some(format!("  {name}: {}\n", excerpt(value, VALUE)))
     };
     let lines: String = record.facts().iter().filter_map(known).collect();
     Ok(format!("{}: a part of an image, or a render to go on from\n{lines}", path.display()))
@@ -412,18 +420,24 @@ fn film_of(part: &Record) -> Result<(Film, Option<Analyzer>, Mode), PartError> {
     let analyzer = analyzer_of(known(ANALYZER)?).ok_or_else(|| part.lacks(ANALYZER))?;
     let size = [part.number(WIDTH)?, part.number(HEIGHT)?];
     let components = components(mode, analyzer);
-    check_size(part, size, components * color.channels())?;
-    Ok((Film::new(size, color, components, variances, false), analyzer, mode))
+    let gauge = if part.fact(SPECTRAL).is_some() { Gauge::Kept } else { Gauge::None };
+    check_size(part, size, components * color.channels(), gauge)?;
+    let film = Film::new(size, color, components, (variances, gauge), false);
+    Ok((film, analyzer, mode))
 }
 
 /// Refuses a part whose head claims another film than its columns hold, before there is any.
-fn check_size(part: &Record, size: [u32; 2], values_per_pixel: usize) -> Result<(), OutputError> {
+fn check_size(
+    part: &Record,
+    size: [u32; 2],
+    values_per_pixel: usize,
+    gauge: Gauge,
+) -> Result<(), OutputError> {
     let held = recorded_values(part)?;
     let [width, height] = size;
-    let claimed = [width, height]
-        .map(u64::from)
-        .into_iter()
-        .try_fold(values_per_pixel as u64, |product, edge| product.checked_mul(edge));
+    let pixels = u64::from(width) * u64::from(height);
+    let pixels = if pixels > 0 { pixels.checked_add(gauge.pixels() as u64) } else { None };
+    let claimed = pixels.and_then(|pixels| pixels.checked_mul(values_per_pixel as u64));
     if claimed == Some(held) && held > 0 {
         return Ok(());
     }
@@ -439,7 +453,19 @@ fn color_text(color: &Color) -> String {
         Color::Rgb => "rgb".to_owned(),
         Color::Mono { wavelength_nm } => wavelength_nm.to_string(),
         Color::Bands(bands) => bands.to_text(),
+        Color::Responses(curves) => curves.to_text(),
     }
+}
+
+/// What tells the white balance of a film of RGB from others: its name, and how the channels
+/// respond at three wavelengths, from which all else follows. None if it has none; that of
+/// responses is in these.
+fn balance_text(settings: &Resolved) -> Option<String> {
+    let white = settings.white_balance.as_ref().filter(|_| settings.color == Color::Rgb)?;
+    let responses = settings.responses()?;
+    let at = |nm: f32| responses.list().iter().map(move |it| it.at(nm.into()));
+    let values: Vec<f64> = RGB_WAVELENGTHS_NM.into_iter().flat_map(at).collect();
+    Some(format!("{white} {values:?}"))
 }
 
 /// The color of a text; nothing for any other text.
@@ -449,7 +475,10 @@ fn color_of(text: &str) -> Option<Color> {
     }
     match text.parse() {
         Ok(wavelength_nm) => Some(Color::Mono { wavelength_nm }),
-        Err(_) => Bands::from_text(text).map(|bands| Color::Bands(Arc::new(bands))),
+        Err(_) => {
+            let bands = || Some(Color::Bands(Arc::new(Bands::from_text(text)?)));
+            bands().or_else(|| Some(Color::Responses(Arc::new(Curves::from_text(text)?))))
+        }
     }
 }
 

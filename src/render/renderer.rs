@@ -355,6 +355,11 @@ impl Renderer {
         self.steps.radii()
     }
 
+    /// The channels for which no iteration has had a wavelength so far, so that they are black.
+    pub fn unmeasured(&self) -> Vec<usize> {
+        self.steps.unmeasured()
+    }
+
     /// The image of all samples so far, with variances if there are replicates, and with what is
     /// known of its making as metadata.
     pub fn finish(self) -> StokesImage {
@@ -435,6 +440,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
     let is_plain = settings.spectral.is_none() && settings.color == crate::spectrum::Color::Rgb;
     let white = (!is_plain).then(|| ("rgb white", settings.white().name().to_owned()));
     let spectral = settings.spectral.map(|it| ("spectral", spectral::in_words(it)));
+    let balance = spectral::balance_in_words(settings).map(|it| ("white balance", it));
     let others = [
         ("mode", settings.mode.name().to_owned()),
         ("color", settings.color.to_string()),
@@ -447,7 +453,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let facts =
-        integrator.into_iter().flatten().chain(analyzer).chain(spectral).chain(others).chain(white);
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral);
+    let facts = facts.chain(others).chain(white).chain(balance);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

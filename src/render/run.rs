@@ -1,7 +1,7 @@
 //! A render in the making, for one number of wavelengths and one mode.
 
 use crate::film::record::{Column, Fact, Record};
-use crate::film::{Developed, Film, Variances};
+use crate::film::{Developed, Film, Gauge, Variances};
 use crate::image::OutputError;
 use crate::integrators::profile::Profile;
 use crate::math::hash::combine;
@@ -31,6 +31,8 @@ pub trait Steps: Send + Sync {
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
     fn radii(&self) -> Vec<Option<f32>>;
+    /// Channels for which there has been no wavelength so far.
+    fn unmeasured(&self) -> Vec<usize>;
     /// What is needed to go on from here, but for `done`: to the same bits, unless an iteration was
     /// left unfinished, when there is none.
     fn state(&self) -> Option<State<'_>>;
@@ -68,7 +70,7 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         let groups = settings.groups();
         let place = Place::after(&groups, settings.first_sample, settings.first_sample);
         Self {
-            film: black_film(scene, settings),
+            film: black_film(scene, settings, sets.differ()),
             pool: Pool::new(settings.components(), scene.has_media()),
             sets,
             settings: settings.clone(),
@@ -163,6 +165,10 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 
+    fn unmeasured(&self) -> Vec<usize> {
+        self.film.unmeasured()
+    }
+
     fn state(&self) -> Option<State<'_>> {
         (!self.is_unfinished).then(|| self.film.state())
     }
@@ -191,13 +197,14 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
     }
 }
 
-fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved) -> Film {
+fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved, sets_differ: bool) -> Film {
     let size = [scene.sensor.width, scene.sensor.height];
     let variances = match (settings.replicates, settings.variance) {
         (2.., _) => Variances::Replicates,
         (_, true) => Variances::Blocks,
         (_, false) => Variances::None,
     };
+    let kinds = (variances, if sets_differ { Gauge::Kept } else { Gauge::None });
     let begins_later = settings.first_sample > 0;
-    Film::new(size, settings.color.clone(), settings.components(), variances, begins_later)
+    Film::new(size, settings.color.clone(), settings.components(), kinds, begins_later)
 }

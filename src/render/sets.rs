@@ -23,7 +23,7 @@ use crate::scene::{
     bake_optics_at, lamps,
 };
 use crate::spectrum::density::{Density, integral, nodes_nm};
-use crate::spectrum::{Carried, Color, Responses, Taken, White};
+use crate::spectrum::{Carried, Responses, Taken, White};
 
 /// The golden ratio's part behind the point, of 2^64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -46,6 +46,9 @@ pub enum Projection<const N: usize> {
         taken: Vec<Taken<N>>,
         /// How many channels there are.
         channels: usize,
+        /// What each adds to the gauge of the film: how often the wavelengths fall into it, over
+        /// how often they do so on the average.
+        met: Vec<f32>,
     },
 }
 
@@ -58,7 +61,8 @@ pub struct Spectra {
     white: White,
     responses: Responses,
     density: Density,
-    channels: usize,
+    /// The share of all wavelengths that fall into each channel.
+    expected: Vec<f64>,
     /// First and last wavelength, as they may be asked for.
     ends_nm: [f32; 2],
 }
@@ -96,7 +100,7 @@ impl<const N: usize> Sets<N> {
 }
 
 impl Spectra {
-    /// Those of a world for a film, and what emits in it.
+    /// Those of a world for a film of such responses, and what emits in it.
     ///
     /// # Errors
     /// When a spectrum does not cover the wavelengths, nothing emits, or the film responds to none
@@ -104,30 +108,27 @@ impl Spectra {
     pub fn new(
         world: &Arc<World>,
         shapes: &Arc<Shapes>,
-        (color, spectral, white): (&Color, Spectral, White),
+        (responses, spectral, white): (Responses, Spectral, White),
     ) -> Result<(Self, Emitters), super::RenderError> {
-        let without = || {
-            let rule = format!("{color} responds to no light of the range");
-            SettingsError { setting: "range", rule }
-        };
-        let responses = Responses::of(color).ok_or_else(without)?;
         let lamps = lamps(world);
         let knots = lamps.iter().flat_map(|lamp| lamp.spectrum.knots_nm());
         let nodes = nodes_nm(&responses, spectral.range_nm, knots);
         let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
-            return Err(without().into());
+            let rule = "has no light that the film responds to".to_owned();
+            return Err(SettingsError { setting: "range", rule }.into());
         };
         let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, white)? };
         let emitters = bake_emitters(world, shapes, &emitted.brightness(&responses, &nodes))?;
         let all = emitted.together(&emitters, shapes, nodes.len());
+        let density = Density::new(&responses, &nodes, &all);
         let spectra = Self {
             world: Arc::clone(world),
             shapes: Arc::clone(shapes),
             white,
             common: Common { lamps, suspensions: Suspensions::new(world, [first, last])? },
-            density: Density::new(&responses, &nodes, &all),
+            expected: density.means(responses.list().len(), |nm| responses.parts_at(nm)),
+            density,
             responses,
-            channels: color.channels(),
             ends_nm: within([first, last]),
         };
         Ok((spectra, emitters))
@@ -172,10 +173,26 @@ impl Spectra {
         let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");
         let taken = self.responses.taken(&wavelengths, &densities);
+        let (channels, met) = (self.expected.len(), self.met(&wavelengths));
         Iteration {
             scene: Arc::new(base.with_optics(optics)),
-            film: Projection::Shares { taken, channels: self.channels },
+            film: Projection::Shares { taken, channels, met },
         }
+    }
+
+    /// How often some wavelengths fall into each channel, over how often they do on the average.
+    fn met(&self, wavelengths_nm: &[f32]) -> Vec<f32> {
+        let mut found = vec![0.0; self.expected.len()];
+        for nm in wavelengths_nm {
+            let parts = self.responses.parts_at(f64::from(*nm));
+            found.iter_mut().zip(parts).for_each(|(found, part)| *found += part);
+        }
+        let count = wavelengths_nm.len() as f64;
+        let over = |(found, expected): (f64, &f64)| match *expected > 0.0 {
+            true => (found / (count * expected)) as f32,
+            false => 0.0,
+        };
+        found.into_iter().zip(&self.expected).map(over).collect()
     }
 }
 
@@ -317,7 +334,7 @@ mod tests {
         let mut list = broad.list().to_vec();
         list.push(crate::spectrum::Band::new(700.0, 2.0));
         let bands = Bands::new(list).unwrap();
-        let responses = Responses::of(&Color::Bands(Arc::new(bands.clone()))).unwrap();
+        let responses = Responses::of_bands(&bands);
         let nodes = nodes_nm(&responses, [380.0, 780.0], std::iter::empty());
         // Another spectrum than the one that is measured.
         let emitted: Vec<f64> = nodes.iter().map(|nm| (nm - 390.0) * 0.01).collect();

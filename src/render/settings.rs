@@ -5,11 +5,11 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::{Color, White};
+use crate::spectrum::{Color, Responses, White, WhiteBalance};
 use crate::transport::Sampling;
 
 use super::place::Part;
-use super::spectral::{Columns, Spectral, columns};
+use super::spectral::{Columns, Spectral, columns, measured, responses};
 
 /// What asks for the integrator that suits the scene.
 pub const AUTO: &str = "auto";
@@ -124,13 +124,20 @@ pub struct Options {
     pub integrator: Option<Integrator>,
     /// Intensity or Stokes vectors.
     pub mode: Mode,
-    /// What the channels stand for. Bands go with [`Options::spectral`].
+    /// What the channels stand for. Bands and responses go with [`Options::spectral`].
     pub color: Color,
     /// Light at wavelengths of a whole range instead of those that channels stand for.
     pub spectral: Option<Spectral>,
     /// The white under which red, green and blue of materials and lights have the color that they
     /// say, where channels stand for wavelengths; by default [`White::of`] the color.
     pub rgb_white: Option<White>,
+    /// A light that the film shows as white: where spectra are seen in red, green and blue, with
+    /// its luminance in all three; where channels have responses, each is 1 for this light and not
+    /// for a flat spectrum. By default none.
+    pub white_balance: Option<WhiteBalance>,
+    /// Responses as they are given: a channel is the integral of radiance times these numbers.
+    /// Otherwise each is normalized so that it is 1 for a spectrum of radiance 1 per nanometer.
+    pub raw_response: bool,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -180,6 +187,8 @@ impl Default for Options {
             color: Color::Rgb,
             spectral: None,
             rgb_white: None,
+            white_balance: None,
+            raw_response: false,
             width: None,
             height: None,
             samples: 64,
@@ -203,12 +212,12 @@ impl Default for Options {
 pub struct Settings(Options);
 
 impl Settings {
-    /// Checks options.
+    /// Checks options, and normalizes responses of [`Options::color`] as they say.
     ///
     /// # Errors
     /// Names the first option that is out of its range, and the range.
     pub fn new(options: Options) -> Result<Self, SettingsError> {
-        let Options { width, height, samples, photons, .. } = options;
+        let &Options { width, height, samples, photons, .. } = &options;
         for (setting, edge) in [("width", width), ("height", height)] {
             edge.map_or(Ok(()), |edge| within(setting, edge, 1, EDGE_MAX))?;
         }
@@ -223,6 +232,8 @@ impl Settings {
         check_color(&options.color)?;
         columns(&options)?;
         check_white(&options)?;
+        let options = Options { color: measured(&options)?, ..options };
+        responses(&options)?;
         if let Some(count) = options.iterations {
             within("iterations", count, 1, SAMPLES_MAX / of_iteration)?;
         } else if !samples.is_multiple_of(of_iteration) {
@@ -249,6 +260,11 @@ impl Settings {
     /// What light is carried at.
     pub(super) fn columns(&self) -> Columns {
         columns(&self.0).expect("settings are checked")
+    }
+
+    /// How the channels respond to the wavelengths of a spectral render.
+    pub(super) fn responses(&self) -> Option<Responses> {
+        responses(&self.0).expect("settings are checked")
     }
 }
 
@@ -344,7 +360,7 @@ pub fn check_color(color: &Color) -> Result<(), SettingsError> {
             let rule = format!("must be from {least} to {most} nanometers, not {wavelength_nm}");
             Err(SettingsError { setting: "wavelength", rule })
         }
-        Color::Mono { .. } | Color::Rgb | Color::Bands(_) => Ok(()),
+        Color::Mono { .. } | Color::Rgb | Color::Bands(_) | Color::Responses(_) => Ok(()),
     }
 }
 
@@ -354,7 +370,7 @@ fn check_white(options: &Options) -> Result<(), SettingsError> {
     let ends = match (options.spectral, &options.color) {
         (Some(spectral), _) => spectral.range_nm,
         (None, Color::Mono { wavelength_nm }) => [*wavelength_nm; 2],
-        (None, Color::Rgb | Color::Bands(_)) => {
+        (None, Color::Rgb | Color::Bands(_) | Color::Responses(_)) => {
             let rule = "goes with light at wavelengths: in RGB, red, green and blue are what they \
                         are";
             return Err(SettingsError { setting: "rgb_white", rule: rule.to_owned() });

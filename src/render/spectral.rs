@@ -2,7 +2,8 @@
 
 use super::Options;
 use super::settings::{SettingsError, WAVELENGTHS_NM};
-use crate::spectrum::{Color, Responses};
+use crate::math::Fault;
+use crate::spectrum::{Bands, Color, Curves, Responses};
 
 /// Light at several wavelengths together, others in every iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +64,7 @@ pub fn columns(options: &Options) -> Result<Columns, SettingsError> {
             Color::Rgb => Ok(Columns::Rgb),
             Color::Mono { wavelength_nm } => Ok(Columns::Mono(*wavelength_nm)),
             Color::Bands(_) => wrong("bands", "go with color spectral".to_owned()),
+            Color::Responses(_) => wrong("responses", "go with color spectral".to_owned()),
         };
     };
     let Spectral { wavelengths, range_nm: [first, last] } = spectral;
@@ -89,32 +91,116 @@ pub fn columns(options: &Options) -> Result<Columns, SettingsError> {
 
 /// Refuses films that do not measure spectra, or measure what is outside of the range.
 fn check_film(color: &Color, range_nm: [f32; 2]) -> Result<(), SettingsError> {
-    if let Color::Bands(bands) = color {
-        let [first, last] = range_nm.map(f64::from);
-        let outside =
-            |ends: [f64; 2]| ends[0] < first - ROUNDING_NM || ends[1] > last + ROUNDING_NM;
-        if let Some(band) = bands.list().iter().find(|band| outside(band.ends_nm())) {
-            let [low, high] = band.ends_nm();
-            let rule = format!(
-                "must be within range {first}:{last}, and {} reaches from {low:.2} to {high:.2} nm",
-                band.name
-            );
-            return Err(SettingsError { setting: "bands", rule });
-        }
-    }
-    match Responses::of(color) {
-        Some(_) => Ok(()),
-        None => {
+    match color {
+        Color::Rgb => Ok(()),
+        Color::Mono { .. } => {
             let rule = format!("spectral has no film of {color}: say which bands, as 400:700:31");
             Err(SettingsError { setting: "color", rule })
         }
+        Color::Bands(bands) => check_bands(bands, range_nm),
+        Color::Responses(curves) => check_responses(curves, range_nm),
     }
+}
+
+fn check_bands(bands: &Bands, range_nm: [f32; 2]) -> Result<(), SettingsError> {
+    let [first, last] = range_nm.map(f64::from);
+    let outside = |ends: [f64; 2]| ends[0] < first - ROUNDING_NM || ends[1] > last + ROUNDING_NM;
+    let Some(band) = bands.list().iter().find(|band| outside(band.ends_nm())) else {
+        return Ok(());
+    };
+    let [low, high] = band.ends_nm();
+    let rule = format!(
+        "must be within range {first}:{last}, and {} reaches from {low:.2} to {high:.2} nm",
+        band.name
+    );
+    Err(SettingsError { setting: "bands", rule })
+}
+
+fn check_responses(curves: &Curves, [first, last]: [f32; 2]) -> Result<(), SettingsError> {
+    let Some((channel, ends)) = curves.dark_in([first, last]) else { return Ok(()) };
+    let why = match ends {
+        Some([from, to]) => format!("it responds from {from} to {to} nm; widen the range"),
+        None => "it responds to nothing; leave it out".to_owned(),
+    };
+    let rule = format!("have no light for the channel {channel} in range {first}:{last}: {why}");
+    Err(SettingsError { setting: "responses", rule })
+}
+
+/// What the film of a render measures: where it has responses, these as they are asked for.
+///
+/// # Errors
+/// When they cannot be normalized, or there is nothing that could be.
+pub fn measured(options: &Options) -> Result<Color, SettingsError> {
+    let Options { color, spectral, white_balance, raw_response, .. } = options;
+    let wrong = |setting, rule: &str| Err(SettingsError { setting, rule: rule.to_owned() });
+    let balanced = white_balance.is_some();
+    if *raw_response && !matches!(color, Color::Responses(_)) {
+        return wrong("raw_response", "goes with responses");
+    }
+    let curves = match (color, spectral) {
+        (Color::Responses(curves), Some(_)) => curves,
+        (Color::Rgb, None) if balanced => {
+            return wrong("white_balance", "goes with color spectral: in RGB there are no spectra");
+        }
+        (Color::Mono { .. }, _) if balanced => {
+            return wrong("white_balance", "goes with colors, and one wavelength has none");
+        }
+        (Color::Bands(_), _) if balanced => {
+            let rule = "goes with RGB of spectra and with responses: bands are means of radiance";
+            return wrong("white_balance", rule);
+        }
+        (Color::Rgb | Color::Mono { .. } | Color::Bands(_) | Color::Responses(_), _) => {
+            return Ok(color.clone());
+        }
+    };
+    if *raw_response && balanced {
+        return wrong("white_balance", "goes without raw_response, which is what the numbers are");
+    }
+    let range_nm = spectral.unwrap_or_default().range_nm;
+    let setting = if balanced { "white_balance" } else { "responses" };
+    let curves = match raw_response {
+        true => curves.raw(),
+        false => curves
+            .normalized(range_nm, white_balance.as_ref())
+            .map_err(|fault| of_fault(setting, fault))?,
+    };
+    Ok(Color::Responses(curves.into()))
+}
+
+/// How the channels of a spectral render respond to its wavelengths; none if it is not one.
+///
+/// # Errors
+/// When a film of RGB cannot be balanced.
+pub fn responses(options: &Options) -> Result<Option<Responses>, SettingsError> {
+    let Some(Spectral { range_nm, .. }) = options.spectral else { return Ok(None) };
+    Responses::of(&options.color, range_nm, options.white_balance.as_ref())
+        .map_err(|fault| of_fault("white_balance", fault))
+}
+
+/// What is wrong with a setting.
+fn of_fault(setting: &'static str, Fault { field: _, problem, remedy }: Fault) -> SettingsError {
+    SettingsError { setting, rule: format!("{problem}; {remedy}") }
 }
 
 /// What is measured at which wavelengths, in words.
 pub fn in_words(spectral: Spectral) -> String {
     let Spectral { wavelengths, range_nm: [first, last] } = spectral;
     format!("{wavelengths} wavelengths from {first} to {last} nm, others in every iteration")
+}
+
+/// What white is to a film that measures spectra as colors, in words; none if it is no such film.
+pub fn balance_in_words(options: &Options) -> Option<String> {
+    let given = options.white_balance.as_ref().map(|white| white.name().to_owned());
+    match (&options.color, options.spectral) {
+        (Color::Responses(_), _) if options.raw_response => {
+            Some("none: responses as they are given".to_owned())
+        }
+        (Color::Responses(_), _) => {
+            Some(format!("1 for {}", given.as_deref().unwrap_or("a flat spectrum")))
+        }
+        (Color::Rgb, Some(_)) => given,
+        (Color::Rgb | Color::Mono { .. } | Color::Bands(_), _) => None,
+    }
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     let tiles = tiles_of([sensor.width, sensor.height], samples_of_each);
     let next = AtomicUsize::new(0);
     let waiting = BTreeMap::new();
-    let line = Mutex::new(Line { film, profile, iterations, added: 0, waiting });
+    let line = Mutex::new(Line { film: &mut *film, profile, iterations, added: 0, waiting });
     // Every thread takes the next tile when it is done with one, so that none waits for others
     // before the end, and few results for those before them.
     let work = || {
@@ -102,6 +102,23 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     rayon::scope(|scope| {
         (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| work()));
     });
+    add_to_gauge(film, lit, count);
+}
+
+/// Adds what the wavelengths of some iterations would have measured of a spectrum that is known,
+/// for all of the `count` samples.
+fn add_to_gauge<const N: usize>(film: &mut Film, (iterations, of_each): Lit<N>, count: u32) {
+    let starts = (0..count).step_by(of_each as usize);
+    for (iteration, start) in iterations.iter().zip(starts) {
+        match &iteration.film {
+            Projection::Columns => {}
+            Projection::Shares { met, .. } => {
+                let samples = of_each.min(count - start) as f32;
+                let values: Vec<f32> = met.iter().map(|met| met * samples).collect();
+                film.add_to_gauge(&values);
+            }
+        }
+    }
 }
 
 /// The tiles of a film: wide ones where a chunk has a single sample, unless these are so few that
@@ -165,7 +182,7 @@ fn add_splats<const N: usize>(
                 true
             }
             Projection::Columns => false,
-            Projection::Shares { taken, channels } => {
+            Projection::Shares { taken, channels, .. } => {
                 add_shares(taken, *channels, values, |plane, value| {
                     film.add_value(pixel as usize, plane, value);
                 })
@@ -228,7 +245,7 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
 ) {
     let Workspace { measured, profile, .. } = workspace;
     let stride = measured.components() * N;
-    if let Projection::Shares { taken, channels } = projection {
+    if let Projection::Shares { taken, channels, .. } = projection {
         profile.not_finite += profile.time(Stage::Film, || {
             let values = measured.values_mut(chunk.slots());
             sum_shares(sums, values, (taken, stride / N, *channels), chunk.pixels())
@@ -252,24 +269,47 @@ fn sum_measured<const N: usize, M: LightModel<N>>(
     profile.not_finite += not_finite;
 }
 
-/// Adds what channels take of slots to the pixels of these; returns how many slots are left out as
-/// not finite.
+/// Adds what channels take of slots to the pixels of these, channel by channel as films with a
+/// gauge have them; returns how many slots are left out as not finite.
 fn sum_shares<const N: usize>(
     sums: &mut ExactSums,
     slots: &[f32],
     (taken, components, channels): (&[Taken<N>], usize, usize),
     pixels: usize,
 ) -> u64 {
-    let stride = components * channels;
+    match components {
+        4 => sum_shares_of::<N, 4>(sums, slots, (taken, channels), pixels),
+        1 => sum_shares_of::<N, 1>(sums, slots, (taken, channels), pixels),
+        other => unreachable!("films have one or four Stokes components, not {other}"),
+    }
+}
+
+/// The same of `C` Stokes components, which are added together.
+fn sum_shares_of<const N: usize, const C: usize>(
+    sums: &mut ExactSums,
+    slots: &[f32],
+    (taken, channels): (&[Taken<N>], usize),
+    pixels: usize,
+) -> u64 {
+    let stride = C * channels;
     sums.resize(pixels * stride);
-    let (columns, _) = slots.as_chunks::<N>();
+    let (slots, _) = slots.as_chunks::<N>().0.as_chunks::<C>();
     let mut not_finite = 0;
-    for (slot, values) in columns.chunks_exact(components).enumerate() {
-        let first = slot % pixels * stride;
-        let is_added = add_shares(taken, channels, values, |plane, value| {
-            sums.add(first + plane, &[value]);
-        });
-        not_finite += u64::from(!is_added);
+    for (index, slot) in slots.iter().enumerate() {
+        if !are_finite(slot.as_flattened()) {
+            not_finite += 1;
+            continue;
+        }
+        let columns: [[f32; C]; N] =
+            std::array::from_fn(|column| std::array::from_fn(|component| slot[component][column]));
+        let first = index % pixels * stride;
+        for Taken { channel, shares } in taken {
+            let mut stokes = [0.0; C];
+            for (share, column) in shares.iter().zip(&columns) {
+                stokes.iter_mut().zip(column).for_each(|(sum, value)| *sum += share * value);
+            }
+            sums.add(first + channel * C, &stokes);
+        }
     }
     not_finite
 }

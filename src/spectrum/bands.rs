@@ -3,10 +3,20 @@
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 
+use super::rows;
+use crate::math::text::excerpt;
 use crate::math::{Fault, Range};
 
 /// Most bands of an image.
 pub const BANDS_MAX: usize = 1024;
+
+/// How files of bands are written.
+const FILE_REMEDY: &str = "write a line of names, as name,center_nm,width_nm (name may be left \
+                           out), and a band in every line; # starts comments";
+/// How lists of bands are written.
+const LIST_REMEDY: &str = "write centers and widths in nanometers, as 450x20,550x10,red=650x30";
+/// Most characters of a name that an error shows.
+const NAME: usize = 40;
 
 /// A range of wavelengths over which light is averaged.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,6 +127,84 @@ impl Bands {
         Self::new(list)
     }
 
+    /// Bands in any order, typed in a line: of each the center and the width in nanometers with an
+    /// x between, and before that its name and an equals sign if it is to have one, as in
+    /// `450x20,550x10,red=650x30`.
+    ///
+    /// # Errors
+    /// When one is written otherwise, and those of [`Bands::new`].
+    pub fn from_list(text: &str) -> Result<Self, Fault> {
+        let band = |item: &str| {
+            let (name, numbers) = match item.rsplit_once('=') {
+                Some((name, numbers)) => (Some(name.trim()), numbers),
+                None => (None, item),
+            };
+            let of = |number: &str| number.trim().parse().ok();
+            let band = numbers.split_once('x').and_then(|(center, width)| {
+                let band = Band::new(of(center)?, of(width)?);
+                Some(Band { name: name.map_or(band.name.clone(), str::to_owned), ..band })
+            });
+            band.ok_or_else(|| {
+                let problem = format!("have `{}`, which is no band", excerpt(item, NAME));
+                Fault::new("bands", format!("{problem}; {LIST_REMEDY}"), "")
+            })
+        };
+        Self::sorted(text.split(',').map(band).collect::<Result<_, _>>()?)
+    }
+
+    /// Reads a table of comma-separated values: a line of names, which are `center_nm`, `width_nm`
+    /// and, if bands have names, `name`, in any order, and a line for each band, in any order too.
+    /// What follows after # in a line, and empty lines, do not count.
+    ///
+    /// # Errors
+    /// With the line, as the field of the fault, that has something else, and those of
+    /// [`Bands::new`].
+    pub fn from_csv(text: &str) -> Result<Self, Fault> {
+        let refuse =
+            |line: usize, problem: String| Fault::new(format!("line {line}"), problem, FILE_REMEDY);
+        let mut rows = rows::rows(text);
+        let Some((line, header)) = rows.next() else {
+            return Err(Fault::new("", "the file has no lines", FILE_REMEDY));
+        };
+        let place = |name: &str| header.iter().position(|cell| *cell == name);
+        let known = header.iter().all(|cell| ["name", "center_nm", "width_nm"].contains(cell));
+        let (Some(center), Some(width), true) = (place("center_nm"), place("width_nm"), known)
+        else {
+            let found = excerpt(&header.join(","), NAME);
+            return Err(refuse(line, format!("is `{found}`, and names of columns go there")));
+        };
+        let mut list = Vec::new();
+        for (line, cells) in rows {
+            if cells.len() != header.len() {
+                let (found, wanted) = (cells.len(), header.len());
+                let problem = format!("has {found} columns, and there are {wanted} names");
+                return Err(refuse(line, problem));
+            }
+            let number = |place: usize| rows::finite(cells[place]);
+            let [center, width] = [number(center), number(width)];
+            let told = |problem| refuse(line, problem);
+            let band = Band::new(center.map_err(told)?, width.map_err(told)?);
+            let name = place("name").map(|place| cells[place].to_owned());
+            let band = Band { name: name.unwrap_or(band.name.clone()), ..band };
+            band.check().map_err(|fault| told(fault.to_string()))?;
+            list.push(band);
+        }
+        Self::sorted(list).map_err(|fault| Fault { remedy: FILE_REMEDY.to_owned(), ..fault })
+    }
+
+    /// Bands in the order of their centers.
+    fn sorted(mut list: Vec<Band>) -> Result<Self, Fault> {
+        list.sort_by(|a, b| a.center_nm.total_cmp(&b.center_nm));
+        Self::new(list)
+    }
+
+    /// The first and the last wavelength of all in nanometers.
+    pub fn ends_nm(&self) -> [f64; 2] {
+        let ends = || self.list.iter().map(Band::ends_nm);
+        let first = ends().map(|[first, _]| first).fold(f64::INFINITY, f64::min);
+        [first, ends().map(|[_, last]| last).fold(0.0, f64::max)]
+    }
+
     /// All of them.
     pub fn list(&self) -> &[Band] {
         &self.list
@@ -182,6 +270,70 @@ mod tests {
         assert_eq!((bands.index_at(394.9), bands.index_at(705.1)), (None, None));
         assert_eq!(bands.to_string(), "31 bands from 400 to 700 nm");
         assert_eq!(Bands::from_text(&bands.to_text()), Some(bands));
+    }
+
+    #[test]
+    fn lists_and_files_have_bands_in_any_order() {
+        let bands = Bands::from_list("red edge=705x15, 450x20,550 x 10.5").unwrap();
+        let expected = [
+            Band::new(450.0, 20.0),
+            Band::new(550.0, 10.5),
+            Band { name: "red edge".to_owned(), center_nm: 705.0, width_nm: 15.0 },
+        ];
+        assert_eq!(bands.list(), expected);
+        let file = "# a satellite\r\nwidth_nm,name,center_nm\r\n15,red edge,705\n\n\
+                    20,450 nm,450 # blue\n10.5,\"550 nm\",550\n";
+        assert_eq!(Bands::from_csv(file).unwrap(), bands);
+        let nameless = Bands::from_csv("center_nm;width_nm\n550;10.5\n450;20").unwrap();
+        assert_eq!(nameless.list(), &expected[..2]);
+        // The last of the ends is not that of the last center.
+        let nested = Bands::from_list("500x400,600x10").unwrap();
+        assert_eq!(nested.ends_nm(), [300.0, 700.0]);
+    }
+
+    #[test]
+    fn what_is_no_list_of_bands_is_told() {
+        for (text, problem) in [
+            ("", "`` , which"),
+            ("450", "`450`, which is no band"),
+            ("450x20,", "``, which"),
+            ("450x20x3", "`450x20x3`"),
+            ("red=", "`red=`"),
+            ("=450x20", "is no name"),
+            ("450x0", "width"),
+            ("450x-3", "width"),
+            ("NaNx3", "center"),
+            ("450xinf", "width"),
+            ("450x20,450x10", "each once"),
+            ("a=450x20,a=460x10", "twice"),
+            ("10x30", "below 0 nm"),
+        ] {
+            let problem = problem.replace("` ,", "`,");
+            let error = Bands::from_list(text).unwrap_err().to_string();
+            assert!(error.contains(&problem), "{text:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_file_of_bands_is_told_by_its_line() {
+        for (text, field, problem) in [
+            ("", "", "has no lines"),
+            ("450,20", "line 1", "is `450,20`, and names"),
+            ("center_nm\n450", "line 1", "names of columns"),
+            ("center_nm,width_nm,gain\n450,2,1", "line 1", "names of columns"),
+            ("center_nm,width_nm", "bands", "are 0"),
+            ("center_nm,width_nm\n\n450", "line 3", "has 1 columns, and there are 2 names"),
+            ("center_nm,width_nm\n450,x", "line 2", "`x` is not a finite number"),
+            ("center_nm,width_nm\n450,0", "line 2", "width"),
+            ("center_nm,width_nm\n450,nan", "line 2", "`nan`"),
+            ("name,center_nm,width_nm\n,450,3", "line 2", "is no name"),
+            ("center_nm,width_nm\n450,3\n450,4", "bands", "each once"),
+        ] {
+            let fault = Bands::from_csv(text).unwrap_err();
+            assert_eq!(fault.field, field, "{text:?}");
+            assert!(fault.problem.contains(problem), "{text:?}: {}", fault.problem);
+            assert!(fault.remedy.contains("name,center_nm,width_nm"), "{text:?}");
+        }
     }
 
     #[test]

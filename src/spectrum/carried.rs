@@ -45,7 +45,7 @@ impl<const N: usize> Carried<N> {
         let wavelengths_nm: &[f32] = match color {
             Color::Rgb => &RGB_WAVELENGTHS_NM,
             Color::Mono { wavelength_nm } => std::slice::from_ref(wavelength_nm),
-            Color::Bands(_) => return None,
+            Color::Bands(_) | Color::Responses(_) => return None,
         };
         let wavelengths_nm = wavelengths_nm.try_into().ok()?;
         let kind = if *color == Color::Rgb { Kind::Rgb } else { Kind::Fixed };

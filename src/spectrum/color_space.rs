@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 
 use super::Color;
 use super::cie::{VISIBLE_NM, color_matching};
-use super::daylight::{DAYLIGHT_NM, d65};
+use super::illuminants::{d65, d65_nm};
 
 /// Where integrals are summed up, from the first of [`VISIBLE_NM`] to the last: every nanometer.
 pub(super) const NODES: usize = 471;
@@ -49,7 +49,7 @@ impl White {
     /// E, so that greys stay the numbers that they are.
     pub fn of(color: &Color) -> Self {
         match color {
-            Color::Rgb => Self::D65,
+            Color::Rgb | Color::Responses(_) => Self::D65,
             Color::Mono { .. } | Color::Bands(_) => Self::E,
         }
     }
@@ -65,7 +65,7 @@ impl White {
     /// From which wavelength to which it is known, in nanometers.
     pub fn known_nm(self) -> [f64; 2] {
         match self {
-            Self::D65 => DAYLIGHT_NM,
+            Self::D65 => d65_nm(),
             Self::E => [0.0, f64::INFINITY],
         }
     }
@@ -115,10 +115,17 @@ impl RgbResponse {
     /// # Errors
     /// When one kind of cones does not see the illuminant: a laser has no white balance.
     pub fn balanced(illuminant: impl Fn(f64) -> f64) -> Result<Self, &'static str> {
-        let seen = xyz(illuminant);
+        Self::white_in(sums(illuminant))
+    }
+
+    /// The same of what X, Y and Z of the illuminant are, in whatever unit.
+    ///
+    /// # Errors
+    /// As [`RgbResponse::balanced`].
+    pub fn white_in(seen: DVec3) -> Result<Self, &'static str> {
         let cones = BRADFORD * (seen / seen.y);
         if !(seen.y > 0.0 && cones.is_finite() && cones.min_element() > 0.0) {
-            return Err("needs an illuminant that red, green and blue are in");
+            return Err("needs a light that red, green and blue are in");
         }
         let scales = BRADFORD * STANDARD.d65 / cones;
         let adapt = BRADFORD.inverse() * DMat3::from_diagonal(scales) * BRADFORD;

@@ -110,6 +110,23 @@ impl Density {
         if share < 0.0 { 0.0 } else { from * (1.0 - share) + to * share }
     }
 
+    /// The means of functions of the wavelength, so many of them, over all that is chosen: within a
+    /// segment they are taken to be cubic.
+    pub fn means(&self, count: usize, values_at: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+        // The rule of Gauss and Legendre with two points.
+        let off = 1.0 / 3.0_f64.sqrt();
+        let mut means = vec![0.0; count];
+        for segment in &self.segments {
+            for part in [0.5 - 0.5 * off, 0.5 + 0.5 * off] {
+                let [from, to] = segment.values;
+                let weight = 0.5 * segment.width() * (from * (1.0 - part) + to * part);
+                let values = values_at(segment.ends_nm[0] + segment.width() * part);
+                means.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * value);
+            }
+        }
+        means
+    }
+
     /// The wavelength in nanometers below which a share lies, within [0, 1), of all.
     pub fn inverse(&self, share: f64) -> f64 {
         let last = self.segments.len() - 1;
@@ -127,12 +144,11 @@ impl Density {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::{Band, Bands, Color, Response};
-    use std::sync::Arc;
+    use crate::spectrum::{Band, Bands, Response};
 
     fn bands(first: f32, last: f32, count: usize) -> Responses {
         let bands = Bands::evenly(first, last, count).unwrap();
-        Responses::of(&Color::Bands(Arc::new(bands))).unwrap()
+        Responses::of_bands(&bands)
     }
 
     /// A line of 2 nm on a faint floor, which has nearly all of the emission.
@@ -180,7 +196,7 @@ mod tests {
     fn nothing_is_chosen_where_no_channel_responds() {
         let list = [Band::new(450.0, 2.0), Band::new(650.0, 20.0)];
         let bands = Bands::new(list.to_vec()).unwrap();
-        let responses = Responses::of(&Color::Bands(Arc::new(bands))).unwrap();
+        let responses = Responses::of_bands(&bands);
         let nodes = nodes_nm(&responses, [380.0, 780.0], std::iter::empty());
         let density = Density::new(&responses, &nodes, &vec![0.0; nodes.len()]);
         assert_eq!(

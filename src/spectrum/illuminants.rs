@@ -4,6 +4,8 @@
 //! CIE 1931 observer, over what they cover of 360 to 830 nm, is 1. So a factor means the same for
 //! all of them, and a film that shows the flat spectrum with a luminance of 1 shows any of them so.
 
+use std::sync::LazyLock;
+
 use super::cie::luminous_mean;
 use super::lamps::RADIATION_NM_K;
 use super::{Spectrum, data};
@@ -23,8 +25,8 @@ pub fn illuminant_names() -> Vec<&'static str> {
 impl Spectrum {
     /// An illuminant of the CIE by its name: A, D50, D65, E (flat), F1 to F12, LED-B1 to LED-B5,
     /// LED-BH1, LED-RGB1, LED-V1, LED-V2 (CIE 15:2018). As bright as a flat spectrum of 1: its
-    /// mean under the luminous efficiency y of the CIE 1931 observer is 1. D50 and D65 are
-    /// tabulated from 300 to 780 nm, F and LED from 380 to 780 nm, linear between.
+    /// mean under the luminous efficiency y of the CIE 1931 observer is 1. D65 is
+    /// tabulated from 300 to 830 nm, D50 to 780 nm, F and LED from 380 to 780 nm, linear between.
     ///
     /// None if there is none of this name.
     pub fn illuminant(name: &str) -> Option<Self> {
@@ -37,15 +39,60 @@ impl Spectrum {
 }
 
 fn tabulated(name: &str) -> Option<Spectrum> {
-    let numbers = data::numbers(data::entries(TABLE, name).next()?)?;
-    let [first, step, values @ ..] = &numbers[..] else { return None };
-    let nm: Vec<f32> = (0..values.len()).map(|i| (first + step * i as f64) as f32).collect();
-    let values: Vec<f32> = values.iter().map(|value| *value as f32).collect();
+    let table = Tabulated::of(name)?;
+    let nm: Vec<f32> = (0..table.values.len()).map(|i| table.nm(i) as f32).collect();
+    let values: Vec<f32> = table.values.iter().map(|value| *value as f32).collect();
     let spectrum = Spectrum::table(&nm, &values).ok()?;
-    let range = [*first, f64::from(*nm.last()?)];
     let at = |nm: f64| f64::from(spectrum.at(nm as f32).unwrap_or(0.0));
-    let mean = luminous_mean(range, at);
+    let mean = luminous_mean(table.ends_nm(), at);
     Some(spectrum.scaled((1.0 / mean) as f32))
+}
+
+/// An entry of the table, which has a value every so many nanometers.
+struct Tabulated {
+    first_nm: f64,
+    step_nm: f64,
+    values: Vec<f64>,
+}
+
+impl Tabulated {
+    fn of(name: &str) -> Option<Self> {
+        let numbers = data::numbers(data::entries(TABLE, name).next()?)?;
+        let [first_nm, step_nm, values @ ..] = &numbers[..] else { return None };
+        Some(Self { first_nm: *first_nm, step_nm: *step_nm, values: values.to_vec() })
+    }
+
+    /// The wavelength of a value in nanometers.
+    fn nm(&self, index: usize) -> f64 {
+        self.first_nm + self.step_nm * index as f64
+    }
+
+    fn ends_nm(&self) -> [f64; 2] {
+        [self.first_nm, self.nm(self.values.len() - 1)]
+    }
+}
+
+/// The white of sRGB, which everything that is a color is reckoned by.
+static D65: LazyLock<Tabulated> =
+    LazyLock::new(|| Tabulated::of("D65").expect("it is in the table that comes with the program"));
+
+/// From which wavelength to which D65 is tabulated, in nanometers.
+pub(super) fn d65_nm() -> [f64; 2] {
+    D65.ends_nm()
+}
+
+/// Relative spectral power of D65 at a wavelength in nanometers, 100 at 560 nm (ISO/CIE 11664-2):
+/// linear between the values of the table, and zero outside of them, where it is not known.
+pub(super) fn d65(wavelength_nm: f64) -> f64 {
+    let Tabulated { first_nm, step_nm, values } = &*D65;
+    let [first, last] = D65.ends_nm();
+    if !(first..=last).contains(&wavelength_nm) {
+        return 0.0;
+    }
+    let place = (wavelength_nm - first_nm) / step_nm;
+    let lower = (place as usize).min(values.len() - 2);
+    let share = place - lower as f64;
+    values[lower] * (1.0 - share) + values[lower + 1] * share
 }
 
 #[cfg(test)]
@@ -102,6 +149,15 @@ mod tests {
         }
         for unknown in ["", "d65", "D65 ", "F13", "#", "D65,300"] {
             assert_eq!(Spectrum::illuminant(unknown), None);
+        }
+    }
+
+    #[test]
+    fn daylight_is_that_of_the_standard() {
+        assert_eq!([300.0, 360.0, 560.0, 830.0].map(d65), [0.0341, 46.6383, 100.0, 60.3125]);
+        assert!((d65(562.5) - 0.5 * (100.0 + 98.1671)).abs() < 1e-12);
+        for nm in [f64::NAN, -1.0, 0.0, 299.999, 830.001, f64::INFINITY] {
+            assert_eq!(d65(nm), 0.0);
         }
     }
 

@@ -92,6 +92,16 @@ impl Line {
         }
     }
 
+    /// Where a box is whole, and where nothing of it is left, in widths from its middle: on either
+    /// side of its edge, also in single precision. What is chosen in proportion of a line between
+    /// these is then never less likely by more than a half, and never zero where there is light.
+    fn beside_edge(&self) -> [f64; 2] {
+        const WIDTHS: f64 = 1e-3;
+        let rounding = f64::from(f32::EPSILON) * self.center_nm / self.width_nm;
+        let off = WIDTHS.max(rounding).min(0.25);
+        [0.5 - off, 0.5 + off]
+    }
+
     fn at(&self, wavelength_nm: f64, shape: LineShape) -> f64 {
         let off = (wavelength_nm - self.center_nm) / self.width_nm;
         let profile = match shape {
@@ -149,7 +159,10 @@ impl Lines {
         self.lines.iter().flat_map(|line| {
             let steps = match self.shape {
                 LineShape::Gaussian => (-16..=16).map(|step| f64::from(step) / 8.0).collect(),
-                LineShape::Box => vec![-0.501, -0.5, 0.5, 0.501],
+                LineShape::Box => {
+                    let [inner, outer] = line.beside_edge();
+                    vec![-outer, -inner, inner, outer]
+                }
             };
             steps.into_iter().map(|widths| line.center_nm + widths * line.width_nm)
         })
@@ -174,6 +187,32 @@ impl fmt::Display for Lines {
 mod tests {
     use super::*;
     use crate::spectrum::cie::integrals;
+
+    /// What wavelengths are chosen by is linear between the values at the knots. Where a line has
+    /// light, that must not be far below it, least of all zero, or rare paths weigh without bounds.
+    #[test]
+    fn between_knots_no_line_is_underrated() {
+        for center_nm in [436.0, 589.3, 650.05, 1000.123] {
+            for width_nm in [0.002, 0.1, 0.5, 20.0] {
+                for shape in [LineShape::Box, LineShape::Gaussian] {
+                    let line = Line { center_nm, power: 1.0, width_nm };
+                    let spectrum = Spectrum::lines(&[line], shape).unwrap();
+                    let at = |nm: f64| f64::from(spectrum.at(nm as f32).unwrap());
+                    let knots: Vec<f64> = spectrum.knots_nm().into_iter().map(f64::from).collect();
+                    assert!(knots.is_sorted());
+                    for step in 0..=1000 {
+                        let share = f64::from(step) / 1000.0 - 0.5;
+                        let nm = f64::from((center_nm + share * width_nm) as f32);
+                        let upper = knots.partition_point(|knot| *knot <= nm);
+                        let [from, to] = [upper - 1, upper].map(|index| knots[index]);
+                        let part = (nm - from) / (to - from);
+                        let linear = at(from) * (1.0 - part) + at(to) * part;
+                        assert!(linear >= 0.4 * at(nm), "{line:?}, {shape:?}, {nm}: {linear}");
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn lines_integrate_to_their_power() {

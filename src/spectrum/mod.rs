@@ -9,8 +9,8 @@ mod bands;
 mod carried;
 pub mod cie;
 pub mod color_space;
+mod curves;
 mod data;
-mod daylight;
 pub mod density;
 mod dispersion;
 mod formula;
@@ -18,14 +18,17 @@ mod illuminants;
 mod indices;
 mod lamps;
 mod responses;
+mod rows;
 mod seen;
 mod spd;
 mod spectra;
 pub mod upsampling;
+mod white_balance;
 
 pub use bands::{BANDS_MAX, Band, Bands};
 pub use carried::Carried;
 pub use color_space::White;
+pub use curves::{CHANNELS_MAX, Curves};
 pub use dispersion::D_NM;
 pub use formula::Formula;
 pub use illuminants::illuminant_names;
@@ -34,6 +37,7 @@ pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
 pub use seen::rgb_of_bands;
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
+pub use white_balance::WhiteBalance;
 
 use std::sync::Arc;
 
@@ -54,6 +58,8 @@ pub enum Color {
     },
     /// Bands of wavelengths, over each of which light is averaged: per nanometer.
     Bands(Arc<Bands>),
+    /// Channels with responses of their own: each is the integral of radiance times its response.
+    Responses(Arc<Curves>),
 }
 
 impl std::fmt::Display for Color {
@@ -63,6 +69,7 @@ impl std::fmt::Display for Color {
             Self::Rgb => write!(f, "RGB"),
             Self::Mono { wavelength_nm } => write!(f, "{wavelength_nm} nm"),
             Self::Bands(bands) => write!(f, "{bands}"),
+            Self::Responses(curves) => write!(f, "{curves}"),
         }
     }
 }
@@ -74,14 +81,55 @@ impl Color {
             Color::Rgb => 3,
             Color::Mono { .. } => 1,
             Color::Bands(bands) => bands.list().len(),
+            Color::Responses(curves) => curves.channels().len(),
+        }
+    }
+
+    /// What the channels are called: `R`, `G` and `B`, or the wavelength, or the names of bands or
+    /// responses.
+    pub fn channel_names(&self) -> Vec<String> {
+        match self {
+            Color::Rgb => ["R", "G", "B"].map(String::from).to_vec(),
+            Color::Mono { .. } => vec![self.to_string()],
+            Color::Bands(bands) => bands.list().iter().map(|band| band.name.clone()).collect(),
+            Color::Responses(curves) => curves.channels().map(String::from).collect(),
+        }
+    }
+
+    /// The vacuum wavelength in nanometers that a channel stands for: of a band its center, of a
+    /// response its mean wavelength. None of red, green and blue, which are colors.
+    pub fn wavelength_of(&self, channel: usize) -> Option<f32> {
+        match self {
+            Color::Rgb => None,
+            Color::Mono { wavelength_nm } => Some(*wavelength_nm),
+            Color::Bands(bands) => bands.list().get(channel).map(|band| band.center_nm),
+            Color::Responses(curves) => curves.center_nm(channel),
+        }
+    }
+
+    /// Whether the channels are not those of a picture: bands or responses, any number of them.
+    pub fn is_of_many(&self) -> bool {
+        match self {
+            Color::Rgb | Color::Mono { .. } => false,
+            Color::Bands(_) | Color::Responses(_) => true,
+        }
+    }
+
+    /// What one of its channels is called in words.
+    pub fn channel_name(&self, channel: usize) -> String {
+        match self {
+            Color::Rgb => ["red", "green", "blue"][channel].to_owned(),
+            Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => {
+                self.channel_names().swap_remove(channel)
+            }
         }
     }
 
     /// The channel that has a wavelength in nanometers, and the wavelength that it stands for: the
-    /// center of its band, or its own. None of red, green and blue has one.
+    /// center of its band, or its own. None of responses has one, nor of red, green and blue.
     pub fn channel_at(&self, wavelength_nm: f32) -> Option<(usize, f32)> {
         match self {
-            Color::Rgb => None,
+            Color::Rgb | Color::Responses(_) => None,
             Color::Mono { wavelength_nm: own } => (*own == wavelength_nm).then_some((0, *own)),
             Color::Bands(bands) => {
                 bands.index_at(wavelength_nm).map(|index| (index, bands.list()[index].center_nm))

@@ -2,8 +2,12 @@
 
 use super::cie::VISIBLE_NM;
 use super::color_space::RgbResponse;
-use super::{Band, Bands, Color};
+use super::{Band, Bands, Color, WhiteBalance};
 use crate::math::Fault;
+
+/// Where the points of Gauss and Legendre's rule are, as a share of the width from the middle:
+/// 1 / sqrt(12).
+const GAUSS: f64 = 0.288_675_134_594_812_9;
 
 /// The response of one channel: linear between its nodes, zero outside of them. At two nodes of one
 /// wavelength it jumps from the first to the second.
@@ -48,6 +52,12 @@ impl Response {
         Ok(Self { nodes })
     }
 
+    /// That of nodes which are in order and finite, two at least.
+    pub(super) fn between_nodes(nodes: Vec<[f64; 2]>) -> Self {
+        debug_assert!(nodes.len() >= 2 && nodes.is_sorted_by(|a, b| a[0] <= b[0]));
+        Self { nodes }
+    }
+
     /// The mean over a band.
     pub fn of_band(band: &Band) -> Self {
         let [first, last] = band.ends_nm();
@@ -63,6 +73,56 @@ impl Response {
     /// The value just before a wavelength.
     pub fn before(&self, nm: f64) -> f64 {
         self.between(self.nodes.partition_point(|[at, _]| *at < nm), nm)
+    }
+
+    /// The integral over a range of it times a spectrum, of which `knots` are the wavelengths where
+    /// it bends or jumps, in order; all in nanometers. Exact where the spectrum is a polynomial of
+    /// the second degree between them.
+    pub fn integral(
+        &self,
+        range_nm: [f64; 2],
+        knots: &[f64],
+        spectrum: impl Fn(f64) -> f64,
+    ) -> f64 {
+        // Steps between knots, and the most in a segment.
+        const STEP_NM: f64 = 2.0;
+        const STEPS_MAX: f64 = 1000.0;
+        let mut sum = 0.0;
+        for nodes in self.nodes.windows(2) {
+            let [from, to] = [nodes[0][0].max(range_nm[0]), nodes[1][0].min(range_nm[1])];
+            let slope = (nodes[1][1] - nodes[0][1]) / (nodes[1][0] - nodes[0][0]);
+            let within = knots.partition_point(|nm| *nm <= from);
+            let within = knots[within..].iter().copied().take_while(|nm| *nm < to);
+            let mut start = from;
+            for end in within.chain([to]).filter(|end| *end > from) {
+                let steps = ((end - start) / STEP_NM).ceil().clamp(1.0, STEPS_MAX);
+                let width = (end - start) / steps;
+                for step in 0..steps as u32 {
+                    // Gauss and Legendre's rule of two points, which are within: a jump at an end
+                    // has the value of its side.
+                    let middle = start + (f64::from(step) + 0.5) * width;
+                    for at in [middle - width * GAUSS, middle + width * GAUSS] {
+                        let value = nodes[0][1] + slope * (at - nodes[0][0]);
+                        sum += 0.5 * width * value * spectrum(at);
+                    }
+                }
+                start = end;
+            }
+        }
+        sum
+    }
+
+    /// The first and the last wavelength within a range between which it is not zero, in
+    /// nanometers; none if it is zero there.
+    pub(super) fn ends_within(&self, [first, last]: [f64; 2]) -> Option<[f64; 2]> {
+        let segments = || {
+            self.nodes.windows(2).filter_map(|nodes| {
+                let ends = [nodes[0][0].max(first), nodes[1][0].min(last)];
+                let is_lit = nodes[0][1] != 0.0 || nodes[1][1] != 0.0;
+                (is_lit && ends[0] < ends[1]).then_some(ends)
+            })
+        };
+        Some([segments().next()?[0], segments().next_back()?[1]])
     }
 
     /// The value on the line from the node before `upper` to that.
@@ -82,19 +142,30 @@ impl Responses {
         Self { list }
     }
 
-    /// Those of the channels of a film on which spectra are measured: of red, green and blue, what
-    /// the CIE 1931 observer sees of them, which is negative in part, so that daylight of luminance
-    /// 1 is (1, 1, 1). None of one wavelength.
-    pub fn of(color: &Color) -> Option<Self> {
-        match color {
+    /// Those of the channels of a film on which spectra of a range in nanometers are measured: of
+    /// red, green and blue, what the CIE 1931 observer sees of them, which is negative in part, so
+    /// that daylight of luminance 1 is (1, 1, 1), or another `white` of luminance 1. None of one
+    /// wavelength.
+    ///
+    /// # Errors
+    /// When red, green and blue cannot be balanced to that white.
+    pub fn of(
+        color: &Color,
+        range_nm: [f32; 2],
+        white: Option<&WhiteBalance>,
+    ) -> Result<Option<Self>, Fault> {
+        Ok(match color {
             Color::Bands(bands) => Some(Self::of_bands(bands)),
-            Color::Rgb => Some(Self::of_rgb()),
+            Color::Responses(curves) => Some(curves.responses()),
+            Color::Rgb => Some(Self::of_rgb(&match white {
+                Some(white) => white.rgb_response(range_nm)?,
+                None => RgbResponse::new(),
+            })),
             Color::Mono { .. } => None,
-        }
+        })
     }
 
-    fn of_rgb() -> Self {
-        let response = RgbResponse::new();
+    fn of_rgb(response: &RgbResponse) -> Self {
         let [first, last] = VISIBLE_NM.map(|nm| nm as u32);
         let nodes = |channel: usize| {
             let node = |nm: u32| [f64::from(nm), response.at(f64::from(nm))[channel]];
@@ -103,7 +174,13 @@ impl Responses {
         Self { list: (0..3).map(nodes).collect() }
     }
 
-    fn of_bands(bands: &Bands) -> Self {
+    /// All of them.
+    pub fn list(&self) -> &[Response] {
+        &self.list
+    }
+
+    /// Of bands, each the mean over its width.
+    pub fn of_bands(bands: &Bands) -> Self {
         Self { list: bands.list().iter().map(Response::of_band).collect() }
     }
 
@@ -115,6 +192,14 @@ impl Responses {
     /// The same just before a wavelength.
     pub fn size_before(&self, nm: f64) -> f64 {
         self.list.iter().map(|response| response.before(nm).abs()).sum()
+    }
+
+    /// The share that each channel has in the sum of the sizes of all at a wavelength in
+    /// nanometers; zeros where there is none.
+    pub fn parts_at(&self, nm: f64) -> Vec<f64> {
+        let sizes: Vec<f64> = self.list.iter().map(|response| response.at(nm).abs()).collect();
+        let all: f64 = sizes.iter().sum();
+        sizes.into_iter().map(|size| if all > 0.0 { size / all } else { 0.0 }).collect()
     }
 
     /// Every wavelength at which some response bends or jumps, in nanometers.
@@ -151,6 +236,38 @@ mod tests {
         assert_eq!((response.at(545.0), response.at(550.0), response.at(554.9)), (0.1, 0.1, 0.1));
         assert_eq!((response.at(544.9), response.at(555.0), response.at(600.0)), (0.0, 0.0, 0.0));
         assert_eq!((response.before(545.0), response.before(555.0)), (0.0, 0.1));
+    }
+
+    #[test]
+    fn integrals_are_those_of_calculus() {
+        let response = Response::new(vec![[400.0, 0.0], [500.0, 1.0], [600.0, -1.0]]).unwrap();
+        let near = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found}");
+        };
+        near(response.integral([0.0, 1e9], &[], |_| 1.0), 50.0);
+        near(response.integral([450.0, 500.0], &[], |_| 1.0), 37.5);
+        near(response.integral([550.0, 900.0], &[], |_| 2.0), -50.0);
+        // The integral of (x - 400) / 100 x^2.
+        let antiderivative = |x: f64| (x.powi(4) / 4.0 - 400.0 * x.powi(3) / 3.0) / 100.0;
+        let expected = antiderivative(500.0) - antiderivative(400.0);
+        near(response.integral([400.0, 500.0], &[], |nm| nm * nm), expected);
+        // A jump between nodes, and a line of a tenth of a nanometer.
+        let step = |nm: f64| if nm < 433.3 { 0.0 } else { 1.0 };
+        near(response.integral([400.0, 500.0], &[433.3], step), 50.0 - 0.5 * 33.3 * 0.333);
+        let line = |nm: f64| if (450.0..450.1).contains(&nm) { 10.0 } else { 0.0 };
+        near(response.integral([400.0, 600.0], &[450.0, 450.1], line), 0.5005);
+        for empty in [[300.0, 390.0], [600.0, 700.0], [500.0, 450.0]] {
+            assert_eq!(response.integral(empty, &[420.0, 500.0], |_| 1.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn the_ends_of_a_response_are_those_of_what_is_not_zero() {
+        let nodes = vec![[400.0, 0.0], [450.0, 0.0], [500.0, 1.0], [550.0, 0.0], [600.0, 0.0]];
+        let response = Response::new(nodes).unwrap();
+        assert_eq!(response.ends_within([300.0, 700.0]), Some([450.0, 550.0]));
+        assert_eq!(response.ends_within([460.0, 510.0]), Some([460.0, 510.0]));
+        assert_eq!(response.ends_within([550.0, 700.0]), None);
     }
 
     #[test]

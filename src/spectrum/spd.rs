@@ -1,12 +1,9 @@
 //! Files of measured spectra: two columns, wavelength in nanometers and value.
 
 use super::SpectrumTable;
+use super::rows::finite;
 use crate::math::Fault;
-use crate::math::text::excerpt;
 
-/// Most characters of a cell that an error shows: enough for a number, and too few to tell what is
-/// in a file that is no table.
-const CELL: usize = 20;
 const REMEDY: &str =
     "write a wavelength in nanometers and a value in every line; # starts comments";
 
@@ -29,7 +26,7 @@ impl SpectrumTable {
                 [nm, value] => [nm, value],
                 _ => return Err(refuse(format!("has {} columns, not 2", cells.len()))),
             };
-            let [nm, value] = [read(nm), read(value)].map(|read| read.map_err(refuse));
+            let [nm, value] = [finite(nm), finite(value)].map(|read| read.map_err(refuse));
             let (nm, value) = (nm?, value?);
             if nm <= wavelengths_nm.last().copied().unwrap_or(0.0) {
                 return Err(refuse(format!("{nm} nm is not greater than what is before it")));
@@ -39,14 +36,6 @@ impl SpectrumTable {
         }
         Self::new(wavelengths_nm, values)
             .map_err(|problem| Fault::new("", format!("the file {problem}"), REMEDY))
-    }
-}
-
-/// A finite number.
-fn read(cell: &str) -> Result<f32, String> {
-    match cell.parse::<f32>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) | Err(_) => Err(format!("`{}` is not a finite number", excerpt(cell, CELL))),
     }
 }
 

@@ -308,7 +308,7 @@ mod tests {
         assert!((ratio - 117.008 / 80.0268).abs() < 1e-4, "{ratio}");
         assert!((by_d65(560.0).unwrap() - 2.0).abs() < 0.05);
         let outside = by_d65(900.0).unwrap_err();
-        assert_eq!((outside.first_nm, outside.last_nm), (360.0, 830.0));
+        assert_eq!((outside.first_nm, outside.last_nm), (300.0, 830.0));
         let asked = mono(900.0).under(White::D65);
         assert_eq!(lamp.sample(&asked, Role::Coefficient), Ok([2.0]));
     }

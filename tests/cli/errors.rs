@@ -334,8 +334,8 @@ fn colors_that_are_wrong_are_refused() {
         (&["--wavelength", "550"], "--color mono"),
         (&["--rgb-white", "e"], "--rgb-white goes with light at wavelengths"),
         (
-            &["--color", "mono", "--wavelength", "359", "--rgb-white", "d65"],
-            "--rgb-white d65 is known from 360 to 830 nanometers, not at 359",
+            &["--color", "mono", "--wavelength", "299", "--rgb-white", "d65"],
+            "--rgb-white d65 is known from 300 to 830 nanometers, not at 299",
         ),
         (&["--color", "mono", "--rgb-white", "d50"], "[possible values: d65, e]"),
         (&["--color", "mono", "--wavelength", "0"], "--wavelength"),

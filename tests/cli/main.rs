@@ -9,6 +9,7 @@ mod cache;
 mod checkpoints;
 mod errors;
 mod farm;
+mod films;
 mod images;
 mod program;
 mod readme;

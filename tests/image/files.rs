@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
+use sunstone::internals::image::inspect::pixel;
 use sunstone::internals::image::{self, OutputError, atomic, exr, hdr, npy};
-use sunstone::internals::spectrum::{Band, Bands, Color};
+use sunstone::internals::spectrum::{Band, Bands, Color, Curves};
 
 const MONO: Color = Color::Mono { wavelength_nm: 532.1 };
 
@@ -376,12 +377,80 @@ fn bands_come_back() {
     }
 }
 
+/// Responses come back with their curves and factors, whatever their channels are called, and what
+/// is not the same is told.
+#[test]
+fn responses_come_back() {
+    let folder = folder("responses");
+    let curves = |names: [&str; 3]| {
+        let nm = vec![400.0, 500.1, 600.0];
+        let values = [vec![0.0, 0.1, 1e-7], vec![0.3, 3e7, -0.7], vec![0.0, 1.0, 0.0]];
+        let channels = names.into_iter().map(str::to_owned).zip(values).collect();
+        Curves::new("a \"sensor\"", nm, channels).unwrap()
+    };
+    let names = ["R", "550nm", "red edge (a)"];
+    let normalized = curves(names).normalized([400.0, 600.0], None).unwrap();
+    for (components, curves) in [(1, curves(names)), (4, normalized)] {
+        let color = Color::Responses(Arc::new(curves));
+        let mut image = sample(9, 5, color, components);
+        image.variance = Some(image.planes.clone());
+        let path = folder.join(format!("{components}.exr"));
+        image.save(&path).unwrap();
+        assert_eq!(StokesImage::load(&path).unwrap(), image);
+        let of_one = image.at_channel("red edge (a)").unwrap();
+        assert_eq!(of_one.plane(components - 1, 0), image.plane(components - 1, 2));
+        let Color::Mono { wavelength_nm } = of_one.color else { panic!("one wavelength") };
+        assert!((wavelength_nm - 500.033).abs() < 1e-2, "{wavelength_nm}");
+        let error = image.at_channel("red").unwrap_err().to_string();
+        assert!(error.contains("`red`; it has R, 550nm, red edge (a)"), "{error}");
+        assert!(image.at_wavelength(550.0).is_err());
+        let error = image.save(&folder.join("x.hdr")).unwrap_err().to_string();
+        assert!(error.contains("write an .exr"), "{error}");
+        image.save(&folder.join("x.png")).unwrap();
+    }
+    // The curves of the one and the channels of the other.
+    let bytes = fs::read(folder.join("1.exr")).unwrap();
+    let at = bytes.windows(9).position(|it| it == b"S0.550nm\0").unwrap();
+    let mut other = bytes.clone();
+    other[at..at + 8].copy_from_slice(b"S0.551nm");
+    fs::write(folder.join("other.exr"), other).unwrap();
+    let error = StokesImage::load(&folder.join("other.exr")).unwrap_err().to_string();
+    assert!(error.contains("not the channels that its sunstone.responses name"), "{error}");
+}
+
+/// Of every layout, a pixel tells its channels with their wavelengths and Stokes vectors.
+#[test]
+fn a_pixel_is_a_table() {
+    let list = [Band::new(450.0, 20.0), Band { name: "a, b".to_owned(), ..Band::new(500.5, 2.0) }];
+    let bands = Color::Bands(Arc::new(Bands::new(list.to_vec()).unwrap()));
+    let mut image = StokesImage::new(3, 2, bands, 4);
+    for (plane, values) in image.planes.iter_mut().enumerate() {
+        values[5] = plane as f32 + 0.25;
+    }
+    assert_eq!(
+        pixel(&image, [2, 1]).unwrap(),
+        "channel,wavelength_nm,S0,S1,S2,S3\n450 nm,450,0.25,2.25,4.25,6.25\n\
+         \"a, b\",500.5,1.25,3.25,5.25,7.25\n"
+    );
+    let mut image = StokesImage::new(1, 1, Color::Rgb, 1);
+    image.planes = vec![vec![0.5], vec![1.0], vec![-2e-9]];
+    image.variance = Some(vec![vec![0.25], vec![4.0], vec![0.0]]);
+    assert_eq!(
+        pixel(&image, [0, 0]).unwrap(),
+        "channel,wavelength_nm,S0,stderr_S0\nR,,0.5,0.5\nG,,1,2\nB,,-0.000000002,0\n"
+    );
+    for place in [[1, 0], [0, 1], [usize::MAX, usize::MAX]] {
+        let error = pixel(&image, place).unwrap_err().to_string();
+        assert!(error.contains("1 x 1 pixels, counted from 0,0"), "{error}");
+    }
+}
+
 /// What `exr` itself would write, but for the level of its deflate: its own types, from scratch.
 fn write_by_library(image: &StokesImage, path: &Path) {
     use ::exr::prelude::*;
     let names: &[&str] = match image.color {
         Color::Rgb => &["R", "G", "B"],
-        Color::Mono { .. } | Color::Bands(_) => &[""],
+        Color::Mono { .. } | Color::Bands(_) | Color::Responses(_) => &[""],
     };
     let name_of = |plane: usize| {
         let (component, channel) = (plane / names.len(), names[plane % names.len()]);

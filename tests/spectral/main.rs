@@ -2,5 +2,7 @@
 //! in all modes, whole or in parts.
 
 mod agreement;
+mod films;
+mod gauge;
 mod parts;
 mod scenes;

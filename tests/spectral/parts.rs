@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use sunstone::{
-    Bands, Color, Integrator, Options, Part, Photons, PlacedWorld, Renderer, Settings, Spectral,
-    StokesImage, Threads, merge,
+    Bands, Color, Curves, Integrator, Options, Part, Photons, PlacedWorld, Renderer, Settings,
+    Spectral, StokesImage, Threads, WhiteBalance, merge,
 };
 
 use crate::scenes::tabulated_room;
@@ -101,6 +101,52 @@ fn other_wavelengths_are_another_render() {
     let other = Options { spectral, ..options(Integrator::Path) };
     let error = renderer(&world, other).resume(&path).expect_err("another render").to_string();
     assert!(error.contains("spectral") && error.contains("8 wavelengths"), "{error}");
+}
+
+/// Films of responses, and colors that are balanced: parts and pauses know both.
+#[test]
+fn films_are_the_same_in_parts_and_after_pauses() {
+    let world = tabulated_room();
+    let white = |name: &str| Some(WhiteBalance::named(name).expect("a light"));
+    let camera = Curves::named("nikon-d5100").expect("a known film");
+    let camera = Color::Responses(Arc::new(camera));
+    let spectral = Some(Spectral { wavelengths: 4, range_nm: [400.0, 700.0] });
+    let of = |color: &Color, white_balance| Options {
+        color: color.clone(),
+        white_balance,
+        spectral,
+        ..options(Integrator::Path)
+    };
+    for (name, color) in [("camera", camera), ("rgb", Color::Rgb)] {
+        let options = of(&color, white("3200K"));
+        let whole = done(renderer(&world, options.clone()));
+        let part = |number| {
+            let part = Some(Part::new(number, 2).expect("there is such a part"));
+            let mut part = renderer(&world, Options { part, ..options.clone() });
+            part.run(|_| ControlFlow::Continue(()));
+            let path = file(&format!("{name}-{number}.part"));
+            part.save(&path).expect("a file");
+            path
+        };
+        let merged = merge(&[part(1), part(2)]).expect("parts of one image");
+        assert_eq!(merged.planes, whole.planes, "{name}");
+        assert_eq!((&merged.color, &merged.metadata), (&whole.color, &whole.metadata), "{name}");
+        let mut first = renderer(&world, options.clone());
+        first.advance(4);
+        let path = file(&format!("{name}.checkpoint"));
+        first.save(&path).expect("a file");
+        let mut second = renderer(&world, options);
+        second.resume(&path).expect("a file of this render");
+        assert_eq!(done(second).planes, whole.planes, "{name}, resumed");
+        for other in [None, white("3300K")] {
+            let error = renderer(&world, of(&color, other)).resume(&path).expect_err("another");
+            let error = error.to_string();
+            assert!(error.contains("is of another render") && error.len() < 1000, "{error}");
+        }
+        let told = sunstone::internals::render::describe_part(&path).expect("a part");
+        assert!(told.contains("3200 K") || told.contains("nikon-d5100"), "{told}");
+        assert!(told.lines().all(|line| line.len() < 300), "{told}");
+    }
 }
 
 /// Tables that end within the range are told before anything is rendered.

@@ -146,8 +146,9 @@ fn compare(first: &Rendered, second: &Rendered) -> Found {
         return Found { words: format!("no noise, {inexact} differ"), wrong: inexact > 0 };
     }
     let (rms, worst_cell, worst_image) = (rms(&of_cells), worst(&of_cells), worst(&of_images));
-    // Channels share their noise: only one of them counts as a source of chance.
-    let [_, high] = rms_limits(of_cells.len() / image.color.channels());
+    // Channels share their noise, and components behind a polarizer do: of the planes only one
+    // counts as a source of chance.
+    let [_, high] = rms_limits(of_cells.len().div_ceil(image.planes.len()));
     let words = format!(
         "rms {rms:.2} of {} cells (up to {high:.2}), worst {worst_cell:.2}, images \
          {worst_image:.2} (up to {LIMIT}), {inexact} inexact",

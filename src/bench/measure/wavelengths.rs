@@ -34,12 +34,15 @@ pub fn carried(options: &Options) -> Vec<Carried> {
     let (mono, (film, range)) = match (&options.color, options.spectral) {
         (film, Some(spectral)) => (one_wavelength(), (film.clone(), spectral)),
         (mono @ Color::Mono { .. }, None) => (mono.clone(), (Color::Rgb, Spectral::default())),
-        (Color::Rgb | Color::Bands(_), None) => {
+        (Color::Rgb | Color::Bands(_) | Color::Responses(_), None) => {
             (one_wavelength(), (Color::Rgb, Spectral::default()))
         }
     };
     let plain = |color: &Color, rgb_white| {
-        let options = Options { spectral: None, rgb_white, ..options.clone() };
+        // What a film of spectra does with its channels.
+        let (white_balance, raw_response) = (None, false);
+        let options =
+            Options { spectral: None, rgb_white, white_balance, raw_response, ..options.clone() };
         let (name, wavelengths) = (color.to_string(), color.channels());
         Carried { name, wavelengths, options: Options { color: color.clone(), ..options } }
     };

@@ -80,7 +80,8 @@ fn work(arguments: &BatchArguments) -> Result<Work, CliError> {
 
 /// A batch of which the file alone shows nothing that is wrong.
 fn prepared(asked: Asked) -> Result<Prepared, CliError> {
-    Prepared::read(asked, &mut reader()).map_err(|wrong| refused(&wrong.to_string()))
+    let mut read = reader(asked.allow_outside);
+    Prepared::read(asked, &mut read).map_err(|wrong| refused(&wrong.to_string()))
 }
 
 fn refused(text: &str) -> CliError {
@@ -92,8 +93,8 @@ fn asked_for_parts(arguments: &BatchArguments, prepared: &Prepared) -> bool {
 }
 
 /// What reads the options of jobs, which are those of `render`.
-pub fn reader() -> impl FnMut(&Job, &Path) -> Result<Order, Vec<WrongOption>> {
-    let mut reader = Reader::new();
+pub fn reader(allow_outside: bool) -> impl FnMut(&Job, &Path) -> Result<Order, Vec<WrongOption>> {
+    let mut reader = Reader::new(allow_outside);
     move |job, folder| reader.order(job, folder)
 }
 

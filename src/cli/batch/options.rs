@@ -41,6 +41,8 @@ const NAME: usize = 60;
 /// Reads options, and remembers which are good.
 pub struct Reader {
     render: Command,
+    /// Whether jobs may read files outside of the folder of their file.
+    allow_outside: bool,
     /// Pairs of options that exclude each other.
     rivals: Vec<[String; 2]>,
     /// What has been read, by its options.
@@ -49,7 +51,7 @@ pub struct Reader {
 
 impl Reader {
     /// Knows the options of `render`.
-    pub fn new() -> Self {
+    pub fn new(allow_outside: bool) -> Self {
         let render = RenderArguments::augment_args(Command::new("render"));
         let key = |arg: &clap::Arg| arg.get_long().map(|long| long.replace('-', "_"));
         let rivals = |arg| {
@@ -57,7 +59,8 @@ impl Reader {
             others.filter_map(move |other| Some([key(arg)?, key(other)?]))
         };
         let rivals = render.get_arguments().flat_map(rivals).collect();
-        Self { render: numbers_may_be_negative(render), rivals, known: HashMap::new() }
+        let render = numbers_may_be_negative(render);
+        Self { render, allow_outside, rivals, known: HashMap::new() }
     }
 
     /// A job whose options are good.
@@ -89,6 +92,10 @@ impl Reader {
             false => folder.join(path),
         };
         arguments.output = at(job.output.as_ref());
+        for file in arguments.color.files() {
+            self.check_place(file, folder).map_err(together)?;
+            *file = at(file.as_ref()).to_string_lossy().into_owned();
+        }
         arguments.seed = seed.unwrap_or(arguments.seed);
         let settings = settings(&arguments).map_err(together)?;
         Ok(Order {
@@ -105,6 +112,21 @@ impl Reader {
         })
     }
 
+    /// Refuses a file to be read that is outside of the folder of the job file, unless that is
+    /// allowed. One that is not there is told by whoever reads it.
+    fn check_place(&self, file: &str, folder: &Path) -> Result<(), String> {
+        let real = |path: &Path| path.canonicalize().ok();
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let (Some(path), Some(home)) = (real(&folder.join(file)), real(folder)) else {
+            return Ok(());
+        };
+        if self.allow_outside || path.starts_with(home) {
+            return Ok(());
+        }
+        let file = excerpt(file, NAME);
+        Err(format!("{file} is outside of the folder of the job file; allow it by --allow-outside"))
+    }
+
     /// Whether a default does not go with what the job says itself.
     fn is_moot(&self, default: &str, job: &Job) -> bool {
         let own = &job.table.own;
@@ -116,6 +138,7 @@ impl Reader {
             |name: &str| Integrator::ALL.iter().any(|it| it.name() == name && !it.shoots_photons());
         self.rivals.iter().any(is_rival)
             || of_other_color(default, says("color"))
+            || of_other_film(default, |key| own.contains(key))
             || (OF_PHOTONS.contains(&default) && says("integrator").is_some_and(shoots_none))
     }
 
@@ -216,11 +239,22 @@ impl Reader {
 fn of_other_color(option: &str, color: Option<&str>) -> bool {
     let own: &[&str] = match option {
         "wavelength" => &["mono"],
-        "bands" | "range" | "wavelengths" => &["spectral"],
+        "bands" | "range" | "raw_response" | "responses" | "wavelengths" | "white_balance" => {
+            &["spectral"]
+        }
         "rgb_white" => &["mono", "spectral"],
         _ => return false,
     };
     color.is_some_and(|color| !own.contains(&color))
+}
+
+/// Whether an option goes with other films than one of which the job says something.
+fn of_other_film(option: &str, says: impl Fn(&str) -> bool) -> bool {
+    match option {
+        "white_balance" => says("bands") || says("raw_response"),
+        "raw_response" => says("bands") || says("white_balance"),
+        _ => false,
+    }
 }
 
 /// What is wrong with several options.
@@ -311,7 +345,7 @@ mod tests {
         let words = |wrong: Vec<WrongOption>| {
             wrong.into_iter().map(|it| it.text).collect::<Vec<_>>().join("\n")
         };
-        Reader::new().order(job, Path::new("here")).map_err(words)
+        Reader::new(false).order(job, Path::new("here")).map_err(words)
     }
 
     /// What a job says itself goes before defaults that do not go with it.

@@ -129,8 +129,8 @@ fn warn_of_wavelength(arguments: &ErrorArguments, reference: &StokesImage, setti
             ));
         }
         (
-            Color::Mono { .. } | Color::Rgb | Color::Bands(_),
-            Color::Mono { .. } | Color::Rgb | Color::Bands(_),
+            Color::Mono { .. } | Color::Rgb | Color::Bands(_) | Color::Responses(_),
+            Color::Mono { .. } | Color::Rgb | Color::Bands(_) | Color::Responses(_),
         ) => {}
     }
 }

