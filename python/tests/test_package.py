@@ -41,6 +41,9 @@ CASES: list[dict[str, Any]] = [
     dict(color="spectral", wavelengths=4),
     dict(color="spectral", bands=(420, 660, 7), variance=True),
     dict(color="spectral", bands="450:650:3", range=(400, 700), rgb_white="d65", mode="scalar"),
+    dict(color="spectral", bands="450x20,red=650x30", wavelengths=4),
+    dict(color="spectral", responses="nikon-d5100", white_balance="D50", wavelengths=4),
+    dict(color="spectral", responses="xyz", raw_response=True, mode="scalar", variance=True),
     dict(sampling="intensity", replicates=2, threads=1),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
@@ -80,6 +83,8 @@ def test_bits_are_the_program_s(
     if image.bands is not None:
         colors = [f".{band.center_nm:.6f}nm".replace(".", ",") for band in image.bands]
         colors = ["." + color[1:] for color in colors]
+    elif image.responses is not None:
+        colors = [f".{name}" for name in image.channels]
     for array, prefix in (image.stokes, ""), (image.variance, "variance."):
         for channel, color in enumerate(colors):
             for component in range(components):
@@ -236,6 +241,12 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(color="spectral", bands=(700, 400, 3)), r"^bands go from 700 down to 400 nm; turn them"),
     (dict(color="spectral", bands=(400, math.inf, 3)), r"^bands from 400 to inf nm are no wavel"),
     (dict(color="spectral", bands=(), range=(400, 700)), r"^bands: it is the centers"),
+    (dict(color="spectral", bands="a.csv", responses="xyz"), r"^bands and responses cannot both"),
+    (dict(color="spectral", responses="kodak"), r"^responses kodak is not known: use one of"),
+    (dict(color="spectral", responses="no.csv"), r"^cannot read no.csv"),
+    (dict(color="spectral", raw_response=True), r"^raw_response"),
+    (dict(color="rgb", responses="xyz"), r"^responses goes with color=\"spectral\""),
+    (dict(color="spectral", white_balance="blue"), r"^white_balance: "),
     (
         dict(color="spectral", bands=(400, 700, 31), range=(400, 700)),
         r"^bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
@@ -352,6 +363,29 @@ def test_bands_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> Non
     assert plain.bands is None and plain.wavelengths_nm is None and plain.channels[0] == "R"
     with pytest.raises(sunstone.Error, match="the image has RGB, and none of that has 550 nm"):
         plain.at(550)
+
+
+def test_responses_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> None:
+    options = dict(**SMALL, color="spectral", wavelengths=4)
+    image = room.render(**options, responses="nikon-d5100", white_balance="3200K", variance=True)
+    assert image.channels == ("red", "green", "blue") and image.bands is None
+    assert image.stokes.shape == (16, 16, 3, 4) and image.responses is not None
+    assert image.wavelengths_nm is not None
+    red, green, blue = image.wavelengths_nm
+    assert 560 < red < 640 and 500 < green < 560 and 430 < blue < 500
+    image.save(tmp_path / "a.exr")
+    others = [sunstone.Image.load(tmp_path / "a.exr"), pickle.loads(pickle.dumps(image))]
+    others.append(sunstone.Image(image.stokes, responses=image.responses))
+    for other in others:
+        assert np.array_equal(other.stokes, image.stokes) and other.responses == image.responses
+    assert "red, green, blue" in repr(image) and image._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(sunstone.Error, match="responses: this is not what"):
+        sunstone.Image(image.stokes, responses="nikon-d5100")
+    with pytest.raises(sunstone.Error, match="an image of 3 responses has"):
+        sunstone.Image(image.stokes[:, :, :2], responses=image.responses)
+    (tmp_path / "two.csv").write_text("wavelength_nm,a,b\n450,0,0\n550,1,0\n650,0,1\n")
+    other = room.render(**options, responses=str(tmp_path / "two.csv"))
+    assert other.channels == ("a", "b")
 
 
 def test_bands_are_named_by_who_makes_an_image(tmp_path: pathlib.Path) -> None:
