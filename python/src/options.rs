@@ -27,10 +27,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         return Err(RENDER_ERROR.says("spp and iterations cannot both be given: leave one out"));
     }
     let default = Options::default();
-    let variance = match options.get_item("variance")?.filter(|value| !value.is_none()) {
-        Some(value) => flag("variance", &value)?,
-        None => default.variance,
-    };
+    let variance = is_set(options, "variance")?;
     let light = of_arguments(&light(options)?).map_err(|text| RENDER_ERROR.says(text))?;
     let of_photons = photons.samples.unwrap_or(1).max(1);
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
@@ -112,12 +109,16 @@ fn light(options: &Bound<PyDict>) -> PyResult<ColorArguments> {
         range: parsed(options, "range")?,
         bands,
         responses,
-        raw_response: options
-            .get_item("raw_response")?
-            .filter(|value| !value.is_none())
-            .map_or(Ok(false), |value| flag("raw_response", &value))?,
+        raw_response: is_set(options, "raw_response")?,
         white_balance: option(options, "white_balance")?,
+        hold_spectra: is_set(options, "hold_spectra")?,
     })
+}
+
+/// Whether an option that is true or false is there and true.
+fn is_set(options: &Bound<PyDict>, name: &str) -> PyResult<bool> {
+    let value = options.get_item(name)?.filter(|value| !value.is_none());
+    value.map_or(Ok(false), |value| flag(name, &value))
 }
 
 /// An option that the command line has as numbers with colons between, or as a name: such a text,

@@ -4,7 +4,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sunstone::Spectrum;
-use sunstone::spectra::{D_NM, Line, LineShape, illuminant_names, index, index_names, metal};
+use sunstone::spectra::{Line, LineShape, illuminant_names, index, index_names, metal};
 
 use crate::errors::SCENE_ERROR;
 use crate::keys::{Keys, holds_truth};
@@ -54,13 +54,6 @@ impl Keys<'_> {
             return Err(self.refuse(key, &format!("`{name}` is a metal"), "make it a conductor"));
         }
         self.refraction_of(key, &value, Part::Real).map(Some)
-    }
-
-    /// Takes the index of refraction of a pane: that at the line d holds for all wavelengths.
-    pub fn index_at_d(&self, key: &str) -> PyResult<Option<f32>> {
-        let Some(index) = self.index(key)? else { return Ok(None) };
-        let at_d = index.at(D_NM);
-        at_d.map(Some).map_err(|error| self.refuse(key, &error.to_string(), ""))
     }
 
     fn refraction_of(&self, key: &str, value: &Bound<PyAny>, part: Part) -> PyResult<Spectrum> {

@@ -5,13 +5,14 @@ use sunstone::internals::render::settings::AUTO;
 use sunstone::{Integrator, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 28] = [
+const OPTIONS: [(&str, &str); 29] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("bands", ""),
     ("camera", ""),
     ("color", ""),
     ("height", ""),
+    ("hold-spectra", "=True"),
     ("integrator", ""),
     ("iterations", ""),
     ("max-path-length", ""),

@@ -216,6 +216,7 @@ class Scene(Editable):
         responses: str | None = None,
         raw_response: bool = False,
         white_balance: str | None = None,
+        hold_spectra: bool = False,
         iterations: int | None = None,
         max_path_length: int | None = None,
         roulette_after: int | None = None,
@@ -263,6 +264,8 @@ class Scene(Editable):
                 normalized to 1 for a spectrum of radiance 1 per nanometer.
             white_balance: of "spectral" without `bands`, a light that the film shows as white: an
                 illuminant ("D50"), a temperature ("3200K") or the path of a file .spd.
+            hold_spectra: hold what tables and formulas say at their ends where the wavelengths
+                reach beyond, instead of refusing that; a warning and the metadata say of which.
             iterations: in place of `spp`: of one sample in every pixel, or, by "ppm", of a pass of
                 photons with its samples.
             max_path_length: most segments of a path: 1 shows emitters only, 2 adds direct light; no

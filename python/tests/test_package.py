@@ -108,7 +108,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 29
+    assert len(names) == len(set(names)) == 30
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -446,6 +446,9 @@ def test_glass_of_worlds_disperses() -> None:
     scene["glass"].ior = {"nm": [450, 650], "value": [1.6, 1.5]}
     with pytest.raises(sunstone.SceneError, match="`glass`.*asked for 425 nm, but it covers 450"):
         scene.render(**spectral)
+    with pytest.warns(sunstone.RenderWarning, match="glass"):
+        held = scene.render(**spectral, hold_spectra=True)
+    assert np.isfinite(held.stokes).all()
 
 
 def test_files_take_spectra_as_edits(cornell: sunstone.Scene) -> None:

@@ -58,6 +58,11 @@ pub struct ColorArguments {
     /// but for a film of RGB]
     #[arg(long, value_enum, ignore_case = true, value_name = "WHITE")]
     pub rgb_white: Option<WhiteName>,
+    /// Hold what tables and formulas of materials, media and lights say at their ends where the
+    /// wavelengths of the render reach beyond, instead of refusing it; a warning and the image's
+    /// metadata say of which
+    #[arg(long)]
+    pub hold_spectra: bool,
     /// Wavelengths that --color spectral carries together, others in every iteration: 4 or 8
     /// [default: 8]
     #[arg(long, value_name = "N")]
@@ -206,6 +211,7 @@ pub(super) fn light(arguments: &ColorArguments) -> Result<Options, CliError> {
         rgb_white: arguments.rgb_white.map(|WhiteName(white)| white),
         white_balance: white_balance(arguments)?,
         raw_response: arguments.raw_response,
+        hold_spectra: arguments.hold_spectra,
         ..Options::default()
     })
 }

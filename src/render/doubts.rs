@@ -56,8 +56,19 @@ impl Doubts {
     pub fn about(self, image: &dyn Rows) -> Vec<String> {
         let Self { settings, profile, warning, unmeasured, .. } = self;
         let doubts = about(image, (&*settings, settings.integrator), &profile);
-        doubts.into_iter().chain(warning).chain(unmeasured).collect()
+        let held = of_held(&settings.held);
+        doubts.into_iter().chain(warning).chain(unmeasured).chain(held).collect()
     }
+}
+
+/// What is to be known of spectra that are held beyond their ends.
+fn of_held(held: &[String]) -> Option<String> {
+    let (first, others) = held.split_first()?;
+    let others = match others.len() {
+        0 => String::new(),
+        count => format!(", and {count} more, which the image's metadata names"),
+    };
+    Some(format!("spectra are held at their ends: {first}{others}"))
 }
 
 /// What is to be known of an image for which so many photons an iteration were stored. Where no

@@ -13,7 +13,7 @@ use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Optics, Shapes};
 use crate::scene::warnings::Warnings;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
-use crate::spectrum::{Carried, Responses, White};
+use crate::spectrum::{Beyond, Carried, Responses, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
@@ -57,8 +57,9 @@ const KEPT_MAX: usize = 16;
 /// A scene of so many columns, with what these are and with its film.
 type Kept<const N: usize> = (Key, [u32; 2], Sets<N>);
 
-/// What light is carried at, by which white, and how the film of a spectral render responds.
-type Key = (Columns, White, Option<Responses>);
+/// What light is carried at, by which white, what spectra say beyond their ends, and how the film of
+/// a spectral render responds.
+type Key = (Columns, White, Beyond, Option<Responses>);
 
 /// The latest of them.
 type Latest<const N: usize> = Mutex<Vec<Kept<N>>>;
@@ -203,9 +204,12 @@ impl PlacedWorld {
         let Placed { rgb, mono, four, eight, .. } = &*self.0;
         let columns = settings.columns();
         Ok(match columns {
-            Columns::Rgb => work.with(self.fixed(rgb, columns, Carried::RGB, film)?),
+            Columns::Rgb => {
+                let carried = Carried::RGB.beyond(settings.beyond());
+                work.with(self.fixed(rgb, columns, carried, film)?)
+            }
             Columns::Mono(nm) => {
-                let carried = Carried::at([nm]).under(settings.white());
+                let carried = Carried::at([nm]).under(settings.white()).beyond(settings.beyond());
                 work.with(self.fixed(mono, columns, carried, film)?)
             }
             Columns::Four(of) => work.with(self.spectral(four, (columns, of), settings, film)?),
@@ -221,7 +225,8 @@ impl PlacedWorld {
         carried: Carried<N>,
         film: [u32; 2],
     ) -> Result<Sets<N>, SceneError> {
-        self.latest(latest, (columns, carried.white(), None), film, || {
+        let key = (columns, carried.white(), carried.held_beyond(), None);
+        self.latest(latest, key, film, || {
             let Placed { world, ground, .. } = &*self.0;
             let optics = bake_optics(world, &ground.shapes, &carried)?;
             Ok(Sets::fixed(Arc::new(self.scene(optics, film))))
@@ -236,11 +241,11 @@ impl PlacedWorld {
         settings: &Settings,
         film: [u32; 2],
     ) -> Result<Sets<N>, RenderError> {
-        let white = settings.white();
+        let by = (settings.white(), settings.beyond());
         let responses = settings.responses().unwrap_or_else(|| Responses::new(Vec::new()));
-        self.latest(latest, (columns, white, Some(responses.clone())), film, || {
+        self.latest(latest, (columns, by.0, by.1, Some(responses.clone())), film, || {
             let Placed { world, ground, .. } = &*self.0;
-            let of = (responses, spectral, white);
+            let of = (responses, spectral, by);
             let (spectra, emitters) = Spectra::new(world, &ground.shapes, of)?;
             let scene = spectra.base(emitters, |optics| self.scene(optics, film))?;
             Ok(Sets { scene: Arc::new(scene), spectra: Some(Arc::new(spectra)) })

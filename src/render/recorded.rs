@@ -154,6 +154,7 @@ impl Origin {
     /// What is the same in all parts of an image, and before and after a pause.
     fn facts(&self, settings: &Resolved) -> Vec<Fact> {
         let spectral = settings.spectral.map(|it| (SPECTRAL, spectral::in_words(it)));
+        let held = settings.hold_spectra.then(|| ("image: spectra", "held".to_owned()));
         let photons = settings.passes.map(|passes| {
             let radius = settings.photons.radius.map_or("found".to_owned(), |it| it.to_string());
             [
@@ -187,7 +188,8 @@ impl Origin {
             ("image: build", BUILD.to_owned()),
         ];
         let all =
-            facts.into_iter().chain(spectral).chain(photons.into_iter().flatten()).chain(last);
+            facts.into_iter().chain(spectral).chain(held).chain(photons.into_iter().flatten());
+        let all = all.chain(last);
         all.map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }

@@ -453,7 +453,8 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
+    let held = (!settings.held.is_empty()).then(|| ("held spectra", settings.held.join("; ")));
     let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral);
-    let facts = facts.chain(others).chain(white).chain(balance);
+    let facts = facts.chain(others).chain(white).chain(balance).chain(held);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -38,6 +38,8 @@ pub struct Resolved {
     pub end_sample: u32,
     /// What stands before the film.
     pub analyzer: Option<Analyzer>,
+    /// Spectra that are held beyond their ends, a sentence each.
+    pub held: Vec<String>,
 }
 
 /// How photons are shot: each iteration begins with a pass of them.
@@ -67,8 +69,18 @@ impl Resolved {
         let samples = settings.samples_by(integrator);
         let analyzer = scene.sensor.analyzer();
         let (first_sample, end_sample) = (0, samples);
-        let settings = settings.clone();
-        Self { settings, integrator, rule, samples, passes, first_sample, end_sample, analyzer }
+        let (settings, held) = (settings.clone(), scene.optics.held.clone());
+        Self {
+            settings,
+            integrator,
+            rule,
+            samples,
+            passes,
+            first_sample,
+            end_sample,
+            analyzer,
+            held,
+        }
     }
 
     /// The same for the part that was asked for, if one was.

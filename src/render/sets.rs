@@ -20,10 +20,10 @@ use crate::scattering::Scene;
 use crate::scene::baked::{Optics, Shapes};
 use crate::scene::{
     Brightness, Common, Emitters, SceneError, Suspensions, World, bake_emission, bake_emitters,
-    bake_optics_at, lamps,
+    bake_optics_at, held_spectra, lamps,
 };
 use crate::spectrum::density::{Density, integral, nodes_nm};
-use crate::spectrum::{Carried, Responses, Taken, White};
+use crate::spectrum::{Beyond, Carried, Responses, Taken, White};
 
 /// The golden ratio's part behind the point, of 2^64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -57,8 +57,11 @@ pub struct Spectra {
     world: Arc<World>,
     shapes: Arc<Shapes>,
     common: Common,
-    /// Under which red, green and blue have the color that they say.
-    white: White,
+    /// Under which red, green and blue have the color that they say, and what spectra say beyond
+    /// their ends.
+    by: (White, Beyond),
+    /// Which of them are held there.
+    held: Vec<String>,
     responses: Responses,
     density: Density,
     /// The share of all wavelengths that fall into each channel.
@@ -108,7 +111,7 @@ impl Spectra {
     pub fn new(
         world: &Arc<World>,
         shapes: &Arc<Shapes>,
-        (responses, spectral, white): (Responses, Spectral, White),
+        (responses, spectral, by): (Responses, Spectral, (White, Beyond)),
     ) -> Result<(Self, Emitters), super::RenderError> {
         let lamps = lamps(world);
         let knots = lamps.iter().flat_map(|lamp| lamp.spectrum.knots_nm());
@@ -117,19 +120,22 @@ impl Spectra {
             let rule = "has no light that the film responds to".to_owned();
             return Err(SettingsError { setting: "range", rule }.into());
         };
-        let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, white)? };
+        let ends_nm = within([first, last]);
+        let held = held_spectra(world, &carried(ends_nm, by))?;
+        let emitted = Emitted { by_lamp: bake_emission(world, &lamps, &nodes, by)? };
         let emitters = bake_emitters(world, shapes, &emitted.brightness(&responses, &nodes))?;
         let all = emitted.together(&emitters, shapes, nodes.len());
         let density = Density::new(&responses, &nodes, &all);
         let spectra = Self {
             world: Arc::clone(world),
             shapes: Arc::clone(shapes),
-            white,
-            common: Common { lamps, suspensions: Suspensions::new(world, [first, last])? },
+            by,
+            held,
+            common: Common { lamps, suspensions: Suspensions::new(world, [first, last], by.1)? },
             expected: density.means(responses.list().len(), |nm| responses.parts_at(nm)),
             density,
             responses,
-            ends_nm: within([first, last]),
+            ends_nm,
         };
         Ok((spectra, emitters))
     }
@@ -145,8 +151,8 @@ impl Spectra {
         let at = |index: usize| first + (last - first) * (index as f32 / (N - 1) as f32);
         let wavelengths =
             std::array::from_fn(|index| if index + 1 == N { last } else { at(index) });
-        let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters)?;
-        Ok(scene(optics))
+        let optics = self.optics(&carried(wavelengths, self.by), emitters)?;
+        Ok(scene(Optics { held: self.held.clone(), ..optics }))
     }
 
     fn optics<const N: usize>(
@@ -170,7 +176,7 @@ impl Spectra {
             emitter_of_primitive: Arc::clone(&base.optics.emitter_of_primitive),
             environment: base.optics.environment,
         };
-        let optics = self.optics(&Carried::set(wavelengths).under(self.white), emitters);
+        let optics = self.optics(&carried(wavelengths, self.by), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");
         let taken = self.responses.taken(&wavelengths, &densities);
         let (channels, met) = (self.expected.len(), self.met(&wavelengths));
@@ -194,6 +200,12 @@ impl Spectra {
         };
         found.into_iter().zip(&self.expected).map(over).collect()
     }
+}
+
+/// One of many sets of wavelengths in nanometers.
+fn carried<const N: usize>(wavelengths_nm: [f32; N], by: (White, Beyond)) -> Carried<N> {
+    let (white, beyond) = by;
+    Carried::set(wavelengths_nm).under(white).beyond(beyond)
 }
 
 /// Where the first wavelength of a set is within its N-th part of all: from 0 to 1.

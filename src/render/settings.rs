@@ -5,7 +5,7 @@ use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
 use crate::integrators::Integrator;
-use crate::spectrum::{Color, Responses, White, WhiteBalance};
+use crate::spectrum::{Beyond, Color, Responses, White, WhiteBalance};
 use crate::transport::Sampling;
 
 use super::place::Part;
@@ -138,6 +138,10 @@ pub struct Options {
     /// Responses as they are given: a channel is the integral of radiance times these numbers.
     /// Otherwise each is normalized so that it is 1 for a spectrum of radiance 1 per nanometer.
     pub raw_response: bool,
+    /// Whether what tables and formulas say at their ends is held beyond them, instead of the
+    /// render being refused that asks for it. The image's metadata says of which, and over which
+    /// wavelengths.
+    pub hold_spectra: bool,
     /// Width of the film in pixels; by default that of the world's camera, or 512, or what follows
     /// from the height.
     pub width: Option<u32>,
@@ -189,6 +193,7 @@ impl Default for Options {
             rgb_white: None,
             white_balance: None,
             raw_response: false,
+            hold_spectra: false,
             width: None,
             height: None,
             samples: 64,
@@ -277,6 +282,11 @@ impl Options {
     /// The white under which red, green and blue have the color that they say.
     pub fn white(&self) -> White {
         self.rgb_white.unwrap_or(White::of(&self.color))
+    }
+
+    /// What tables and formulas say beyond their ends.
+    pub fn beyond(&self) -> Beyond {
+        if self.hold_spectra { Beyond::Held } else { Beyond::Refused }
     }
 
     /// What was asked for, by name.

@@ -104,6 +104,9 @@ pub struct Optics<const N: usize> {
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The row of the constant environment in `emitters`, or [`NONE`].
     pub environment: u32,
+    /// Spectra that are held beyond their ends: whose, and over which wavelengths of the render,
+    /// one sentence each.
+    pub held: Vec<String>,
 }
 
 impl<const N: usize> Optics<N> {

@@ -16,7 +16,7 @@ pub mod world;
 
 pub use self::bake::{
     Brightness, Common, Emitters, Lamp, Plan, Suspensions, bake, bake_camera, bake_emission,
-    bake_emitters, bake_optics, bake_optics_at, bake_shapes, lamps, plan_shapes,
+    bake_emitters, bake_optics, bake_optics_at, bake_shapes, held_spectra, lamps, plan_shapes,
 };
 pub use self::error::SceneError;
 pub use self::gltf::{

@@ -1,7 +1,7 @@
 //! What the columns of the transport stand for, which need not be what an image's channels do.
 
 use super::color_space::White;
-use super::{Color, RGB_WAVELENGTHS_NM};
+use super::{Color, OutsideTable, RGB_WAVELENGTHS_NM};
 
 /// What light is carried at: `N` columns of every table of paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +10,37 @@ pub struct Carried<const N: usize> {
     kind: Kind,
     /// Under which red, green and blue have the color that they say.
     white: White,
+    beyond: Beyond,
+}
+
+/// What a table or a formula says of wavelengths beyond its ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Beyond {
+    /// Nothing: a render that asks for them is refused.
+    #[default]
+    Refused,
+    /// What it says of the end.
+    Held,
+}
+
+impl Beyond {
+    /// Where what is known between two wavelengths in nanometers is read for another.
+    ///
+    /// # Errors
+    /// When that is not between them, and what is at the ends is not held.
+    pub fn place(
+        self,
+        wavelength_nm: f32,
+        [first_nm, last_nm]: [f32; 2],
+    ) -> Result<f32, OutsideTable> {
+        if (first_nm..=last_nm).contains(&wavelength_nm) {
+            return Ok(wavelength_nm);
+        }
+        match self {
+            Self::Refused => Err(OutsideTable { wavelength_nm, first_nm, last_nm }),
+            Self::Held => Ok(wavelength_nm.clamp(first_nm, last_nm)),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,19 +55,23 @@ enum Kind {
 impl Carried<3> {
     /// Red, green and blue, each of which stands for a range of wavelengths; where one is needed,
     /// it is that of [`RGB_WAVELENGTHS_NM`].
-    pub const RGB: Self =
-        Self { wavelengths_nm: RGB_WAVELENGTHS_NM, kind: Kind::Rgb, white: White::D65 };
+    pub const RGB: Self = Self {
+        wavelengths_nm: RGB_WAVELENGTHS_NM,
+        kind: Kind::Rgb,
+        white: White::D65,
+        beyond: Beyond::Refused,
+    };
 }
 
 impl<const N: usize> Carried<N> {
     /// Vacuum wavelengths in nanometers, greater than zero, by a white of equal energy.
     pub const fn at(wavelengths_nm: [f32; N]) -> Self {
-        Self { wavelengths_nm, kind: Kind::Fixed, white: White::E }
+        Self { wavelengths_nm, kind: Kind::Fixed, white: White::E, beyond: Beyond::Refused }
     }
 
     /// The same of a render that has other wavelengths in every iteration.
     pub const fn set(wavelengths_nm: [f32; N]) -> Self {
-        Self { wavelengths_nm, kind: Kind::Set, white: White::E }
+        Self { wavelengths_nm, kind: Kind::Set, white: White::E, beyond: Beyond::Refused }
     }
 
     /// What a film of such channels is rendered with, if those are as many and each is carried by
@@ -49,7 +84,8 @@ impl<const N: usize> Carried<N> {
         };
         let wavelengths_nm = wavelengths_nm.try_into().ok()?;
         let kind = if *color == Color::Rgb { Kind::Rgb } else { Kind::Fixed };
-        Some(Self { wavelengths_nm, kind, white: White::of(color) })
+        let (white, beyond) = (White::of(color), Beyond::Refused);
+        Some(Self { wavelengths_nm, kind, white, beyond })
     }
 
     /// The same under another white.
@@ -61,6 +97,29 @@ impl<const N: usize> Carried<N> {
     /// Under which red, green and blue have the color that they say.
     pub fn white(&self) -> White {
         self.white
+    }
+
+    /// The same with spectra that are known so beyond their ends.
+    #[must_use]
+    pub const fn beyond(self, beyond: Beyond) -> Self {
+        Self { beyond, ..self }
+    }
+
+    /// What spectra say beyond their ends.
+    pub fn held_beyond(&self) -> Beyond {
+        self.beyond
+    }
+
+    /// Where what is known between two wavelengths in nanometers is read for every column.
+    ///
+    /// # Errors
+    /// When one is not between them, and what is at the ends is not held.
+    pub fn within(&self, ends_nm: [f32; 2]) -> Result<[f32; N], OutsideTable> {
+        let mut places = self.wavelengths_nm;
+        for place in &mut places {
+            *place = self.beyond.place(*place, ends_nm)?;
+        }
+        Ok(places)
     }
 
     /// The vacuum wavelength of every column in nanometers.

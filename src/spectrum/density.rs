@@ -101,13 +101,14 @@ impl Density {
     }
 
     /// The value per nanometer at a wavelength in nanometers: greater than zero where a film
-    /// responds.
+    /// responds, up to the last wavelength and with it, to which others may be rounded.
     pub fn at(&self, nm: f64) -> f64 {
-        let index = self.segments.partition_point(|segment| segment.ends_nm[1] <= nm);
-        let Some(segment) = self.segments.get(index) else { return 0.0 };
+        let last = self.segments.len() - 1;
+        let index = self.segments.partition_point(|segment| segment.ends_nm[1] <= nm).min(last);
+        let segment = &self.segments[index];
         let share = (nm - segment.ends_nm[0]) / segment.width();
         let [from, to] = segment.values;
-        if share < 0.0 { 0.0 } else { from * (1.0 - share) + to * share }
+        if (0.0..=1.0).contains(&share) { from * (1.0 - share) + to * share } else { 0.0 }
     }
 
     /// The means of functions of the wavelength, so many of them, over all that is chosen: within a
@@ -192,6 +193,20 @@ mod tests {
         assert!(in_line.count() > 500);
     }
 
+    /// Single precision may round a wavelength to the end of the range, where a band goes on.
+    #[test]
+    fn the_last_wavelength_has_the_density_before_it() {
+        let responses = bands(400.0, 700.0, 31);
+        let nodes = nodes_nm(&responses, [400.0, 687.5], std::iter::empty());
+        let density = Density::new(&responses, &nodes, &vec![1.0; nodes.len()]);
+        let last = nodes[nodes.len() - 1];
+        assert_eq!((nodes[0], last), (400.0, 687.5));
+        for nm in [400.0, last - 1e-9, last] {
+            assert!((density.at(nm) * 287.5 - 1.0).abs() < 1e-9, "{nm}");
+        }
+        assert_eq!((density.at(399.9), density.at(last + 1e-9)), (0.0, 0.0));
+    }
+
     #[test]
     fn nothing_is_chosen_where_no_channel_responds() {
         let list = [Band::new(450.0, 2.0), Band::new(650.0, 20.0)];
@@ -200,7 +215,7 @@ mod tests {
         let nodes = nodes_nm(&responses, [380.0, 780.0], std::iter::empty());
         let density = Density::new(&responses, &nodes, &vec![0.0; nodes.len()]);
         assert_eq!(
-            (density.at(449.0 - 1e-9), density.at(500.0), density.at(660.0)),
+            (density.at(449.0 - 1e-9), density.at(500.0), density.at(660.0 + 1e-9)),
             (0.0, 0.0, 0.0)
         );
         // As many in the narrow one as in the broad one.

@@ -4,7 +4,6 @@ use std::fmt;
 
 use super::dispersion::{Cauchy, Sellmeier};
 use super::lamps::{Blackbody, Lines};
-use super::spectra::OutsideTable;
 
 /// A quantity as a formula of the wavelength. [`Spectrum`](super::Spectrum) makes them.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +58,14 @@ impl Formula {
         Self { law, range_nm, factor: 1.0, bounds }
     }
 
-    /// The value at a vacuum wavelength in nanometers.
-    pub(super) fn at(&self, wavelength_nm: f32) -> Result<f32, OutsideTable> {
-        let [first_nm, last_nm] = self.range_nm;
-        if !(first_nm..=last_nm).contains(&wavelength_nm) {
-            return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
-        }
-        Ok((self.law.at(f64::from(wavelength_nm)) * self.factor) as f32)
+    /// The value at a vacuum wavelength in nanometers between its ends.
+    pub(super) fn at(&self, wavelength_nm: f32) -> f32 {
+        (self.law.at(f64::from(wavelength_nm)) * self.factor) as f32
+    }
+
+    /// The vacuum wavelengths in nanometers between which it holds.
+    pub(super) fn ends_nm(&self) -> [f32; 2] {
+        self.range_nm
     }
 
     /// The wavelengths in nanometers between which it is nearly linear, where it changes within a

@@ -2,7 +2,8 @@
 //!
 //! The tables cite their sources. Metals cover 300 to 1000 nm, or what their source does, linear
 //! between the points of the source. Dielectrics have Sellmeier's formula in the range that its
-//! source states, or a table likewise; k is zero where no source has it. Outside there are none.
+//! source states, and in all of visible light, or a table likewise; k is zero where no source has
+//! it. Outside there are none.
 
 use super::{Spectrum, data};
 
@@ -90,8 +91,9 @@ mod tests {
             let (eta, k) = index(name).unwrap_or_else(|| panic!("{name}"));
             assert_eq!(eta.check("eta", Range::POSITIVE), Ok(()), "{name}");
             assert_eq!(k.check("k", Range::NOT_NEGATIVE), Ok(()), "{name}");
-            // The lines d and C; plastics begin at 437 nm, and glasses reach further.
-            assert!(at(&eta, 587.56) > 0.0 && at(&k, 656.27) >= 0.0, "{name}");
+            for nm in [380.0, 587.56, 656.27, 780.0] {
+                assert!(at(&eta, nm) > 0.0 && at(&k, nm) >= 0.0, "{name}");
+            }
         }
         for name in metal_names() {
             let (eta, k) = metal(name).unwrap();
@@ -147,6 +149,23 @@ mod tests {
         }
         let (_, k) = index("water").unwrap();
         assert!((at(&k, 700.0) - 3.35e-8).abs() < 1e-10);
+    }
+
+    /// Where formulas are continued beyond what their sources state, others have measured: Zhang et
+    /// al. 2020 the plastics at 400 nm, HIKARI its own SF11 at 388.9 nm, and Phillip and Taft 1964
+    /// diamond at 774.9 nm. They differ as much where the sources hold.
+    #[test]
+    fn continued_formulas_lead_to_what_others_have_measured() {
+        for (name, nm, n, tolerance) in [
+            ("acrylic", 400.0, 1.508_2, 4e-3),
+            ("polycarbonate", 400.0, 1.633_9, 1.2e-2),
+            ("polystyrene", 400.0, 1.625_5, 5e-3),
+            ("SF11", 388.865, 1.853_7, 2e-3),
+            ("diamond", 774.9, 2.406_2, 6e-3),
+        ] {
+            let found = at(&index(name).unwrap().0, nm);
+            assert!((found - n).abs() < tolerance, "{name}: {found}");
+        }
     }
 
     /// Of light that falls straight on, as handbooks have it.

@@ -26,7 +26,7 @@ pub mod upsampling;
 mod white_balance;
 
 pub use bands::{BANDS_MAX, Band, Bands};
-pub use carried::Carried;
+pub use carried::{Beyond, Carried};
 pub use color_space::White;
 pub use curves::{CHANNELS_MAX, Curves};
 pub use dispersion::D_NM;

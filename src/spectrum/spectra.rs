@@ -92,19 +92,19 @@ impl SpectrumTable {
         Ok(Self { wavelengths_nm, values })
     }
 
-    /// The value at a vacuum wavelength in nanometers.
-    fn at(&self, wavelength_nm: f32) -> Result<f32, OutsideTable> {
+    /// The value at a vacuum wavelength in nanometers between its ends.
+    fn at(&self, wavelength_nm: f32) -> f32 {
         let nm = &self.wavelengths_nm;
-        let (first_nm, last_nm) = (nm[0], nm[nm.len() - 1]);
-        if !(first_nm..=last_nm).contains(&wavelength_nm) {
-            return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
-        }
         let upper = nm.partition_point(|&at| at < wavelength_nm);
         if nm[upper] == wavelength_nm {
-            return Ok(self.values[upper]);
+            return self.values[upper];
         }
         let share = (wavelength_nm - nm[upper - 1]) / (nm[upper] - nm[upper - 1]);
-        Ok(mix(self.values[upper - 1], self.values[upper], share))
+        mix(self.values[upper - 1], self.values[upper], share)
+    }
+
+    fn ends_nm(&self) -> [f32; 2] {
+        [self.wavelengths_nm[0], self.wavelengths_nm[self.wavelengths_nm.len() - 1]]
     }
 }
 
@@ -125,6 +125,22 @@ impl Spectrum {
             Self::Rgb(rgb) => rgb,
             Self::Table(table) => &table.values,
             Self::Formula(formula) => formula.bounds(),
+        }
+    }
+
+    /// Whether it is the same at all wavelengths, whatever they are.
+    pub fn is_flat(&self) -> bool {
+        let values = self.values();
+        values.iter().all(|value| *value == values[0])
+    }
+
+    /// The first and the last wavelength in nanometers of what it says something of; none if it
+    /// says something of all.
+    pub fn ends_nm(&self) -> Option<[f32; 2]> {
+        match self {
+            Self::Constant(_) | Self::Rgb(_) => None,
+            Self::Table(table) => Some(table.ends_nm()),
+            Self::Formula(formula) => Some(formula.ends_nm()),
         }
     }
 
@@ -169,39 +185,28 @@ impl Spectrum {
         Ok(value)
     }
 
-    /// Its values in the columns of a render, as a quantity of a role.
+    /// Its values in the columns of a render, as a quantity of a role; none is a negative zero, by
+    /// which paths say something else.
     ///
     /// # Errors
-    /// When a table or a formula does not cover a wavelength of the render, or the white is not
-    /// known there.
+    /// When a table or a formula does not cover a wavelength of the render, unless what is at its
+    /// ends is held, or the white is not known there.
     pub fn sample<const N: usize>(
         &self,
         carried: &Carried<N>,
         role: Role,
     ) -> Result<[f32; N], OutsideTable> {
-        let wavelengths_nm = carried.wavelengths_nm();
-        match self {
-            Self::Constant(constant) => Ok([*constant; N]),
+        let values = match self {
+            Self::Constant(constant) => [*constant; N],
             Self::Rgb(rgb) if carried.is_rgb() => {
-                Ok(std::array::from_fn(|column| rgb[column % rgb.len()]))
+                std::array::from_fn(|column| rgb[column % rgb.len()])
             }
-            Self::Rgb(rgb) => rgb_at(*rgb, wavelengths_nm, role, carried.white()),
-            Self::Table(table) => each(wavelengths_nm, |nm| table.at(nm)),
-            Self::Formula(formula) => each(wavelengths_nm, |nm| formula.at(nm)),
-        }
+            Self::Rgb(rgb) => rgb_at(*rgb, carried.wavelengths_nm(), role, carried.white())?,
+            Self::Table(table) => carried.within(table.ends_nm())?.map(|nm| table.at(nm)),
+            Self::Formula(formula) => carried.within(formula.ends_nm())?.map(|nm| formula.at(nm)),
+        };
+        Ok(values.map(|value| value + 0.0))
     }
-}
-
-/// A value for every wavelength.
-fn each<const N: usize>(
-    wavelengths_nm: &[f32; N],
-    at: impl Fn(f32) -> Result<f32, OutsideTable>,
-) -> Result<[f32; N], OutsideTable> {
-    let mut values = [0.0; N];
-    for (value, nm) in values.iter_mut().zip(wavelengths_nm) {
-        *value = at(*nm)?;
-    }
-    Ok(values)
 }
 
 /// What an RGB triple stands for at wavelengths in nanometers.

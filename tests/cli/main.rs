@@ -15,5 +15,6 @@ mod program;
 mod readme;
 mod render;
 mod report;
+mod spectra;
 mod tev;
 mod work;

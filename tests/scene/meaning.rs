@@ -204,7 +204,7 @@ fn metallic_roughness() {
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
                        "KHR_materials_ior": {"ior": 1.33}}});
     let row = baked(&with(glass.clone())).optics.materials[0];
-    assert_eq!(row.model, SurfaceModel::ThinDielectric { ior: 1.33, exterior_ior: 1.0 });
+    assert_eq!(row.model, SurfaceModel::ThinDielectric { ior: [1.33; 3], exterior_ior: [1.0; 3] });
     glass["extensions"]["KHR_materials_volume"] = json!({"thicknessFactor": 0.5,
         "attenuationDistance": 2.0, "attenuationColor": [1.0, 0.5, 0.25]});
     let solid = baked(&with(glass)).optics;

@@ -10,7 +10,7 @@ use sunstone::internals::polarization::mie::MieSphere;
 use sunstone::internals::scene::bake;
 use sunstone::internals::scene::baked::{BakedScene, KEEP, NONE, Phase, PhaseTable};
 use sunstone::internals::scene::world::SurfaceModel;
-use sunstone::internals::spectrum::Carried;
+use sunstone::internals::spectrum::{Beyond, Carried};
 
 /// The good document with two media; the sphere of glass is number 2 of its nodes.
 fn with_media() -> Value {
@@ -225,8 +225,11 @@ fn milk_is_a_recipe() {
     assert!(phase.spheres && !phase.achromatic);
     assert!(phase.m00.iter().flatten().all(|m00| *m00 > 0.0));
     let world = load_json(&document).unwrap();
-    assert!(bake(&world, &Carried::at([801.0])).is_err());
-    assert!(bake(&world, &Carried::at([380.0])).is_ok());
+    assert!(bake(&world, &Carried::at([800.5])).is_err());
+    for carried in [Carried::at([380.0]), Carried::at([780.0])] {
+        assert!(bake(&world, &carried).is_ok());
+    }
+    assert!(bake(&world, &Carried::at([900.0]).beyond(Beyond::Held)).is_ok());
 }
 
 /// A CSV of Rayleigh's matrix at some angles, as a data URI.

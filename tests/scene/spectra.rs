@@ -1,13 +1,14 @@
 //! Spectra in scene files: names of substances and illuminants, formulas, lines, files.
 
 use std::fs;
+use std::path::Path;
 
 use crate::common::{good, load_json, scratch};
 use serde_json::{Value, json};
 use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::world::SurfaceModel;
-use sunstone::internals::scene::{bake, load};
-use sunstone::internals::spectrum::{Carried, Spectrum, index};
+use sunstone::internals::scene::{bake, held_spectra, load};
+use sunstone::internals::spectrum::{Carried, Spectrum, White, index};
 
 /// A document that is a function of a value.
 fn with(pointer: &str, key: &str, value: Value) -> Value {
@@ -311,4 +312,24 @@ fn what_is_no_lamp_is_refused() {
             &["intensity times emission", "must be not negative"],
         ),
     ]);
+}
+
+/// What comes with the program renders over visible light without a word.
+#[test]
+fn shipped_scenes_cover_visible_light() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let files = ["", "reference"]
+        .into_iter()
+        .flat_map(|name| fs::read_dir(folder.join(name)).expect("the scenes are there"));
+    let paths = files.map(|file| file.expect("a readable entry").path());
+    let mut count = 0;
+    for path in paths.filter(|path| path.extension().is_some_and(|it| it == "gltf")) {
+        let world = load(&path).unwrap_or_else(|error| panic!("{error}"));
+        for ends in [[380.0, 780.0], [400.0, 700.0]] {
+            let carried = Carried::set(ends).under(White::D65);
+            assert_eq!(held_spectra(&world, &carried).map_err(|it| it.to_string()), Ok(vec![]));
+        }
+        count += 1;
+    }
+    assert!(count > 6);
 }

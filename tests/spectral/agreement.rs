@@ -1,17 +1,12 @@
 //! Bands against renders of one wavelength, by the spread between independent renders.
 
-use std::ops::ControlFlow;
-use std::sync::Arc;
+use sunstone::{Band, Color, Integrator, Mode, Options, Photons, PlacedWorld, StokesImage};
 
-use sunstone::{
-    Band, Bands, Color, Integrator, Mode, Options, Photons, PlacedWorld, Renderer, Settings,
-    Spectral, StokesImage,
-};
-
-use crate::scenes::{dispersive_room, gray_room, tabulated_room};
+use crate::measured::{images, spectral};
+use crate::scenes::{dispersive_room, gray_fogs, gray_room, tabulated_fog, tabulated_room};
 
 /// Images of each, and samples per pixel: few where nothing is optimized.
-const REPLICATES: u32 = if cfg!(debug_assertions) { 8 } else { 16 };
+pub const REPLICATES: u32 = if cfg!(debug_assertions) { 8 } else { 16 };
 const SAMPLES: u32 = if cfg!(debug_assertions) { 4 } else { 16 };
 /// Edge of a cell of pixels in pixels.
 const CELL: usize = 8;
@@ -19,7 +14,8 @@ const CELL: usize = 8;
 /// degrees of freedom, or some 100 with some 14.
 const LIMIT: f64 = 7.0;
 
-fn options(integrator: Integrator, mode: Mode, seed: u32) -> Options {
+/// Options of a quick render.
+pub fn options(integrator: Integrator, mode: Mode, seed: u32) -> Options {
     let photons =
         Photons { per_iteration: Some(2_000), samples: Some(2), alpha: 1.0, radius: Some(0.05) };
     Options {
@@ -31,25 +27,6 @@ fn options(integrator: Integrator, mode: Mode, seed: u32) -> Options {
         photons,
         ..Options::default()
     }
-}
-
-fn spectral(wavelengths: u32, bands: Vec<Band>, options: Options) -> Options {
-    let ends = |band: &Band| band.ends_nm().map(|nm| nm as f32);
-    let range_nm = [ends(&bands[0])[0], ends(&bands[bands.len() - 1])[1]];
-    let bands = Bands::new(bands).expect("sound bands");
-    let spectral = Some(Spectral { wavelengths, range_nm });
-    Options { color: Color::Bands(Arc::new(bands)), spectral, ..options }
-}
-
-fn images(world: &PlacedWorld, options: &Options) -> Vec<StokesImage> {
-    let image = |replicate| {
-        let seed = options.seed + replicate;
-        let settings = Settings::new(Options { seed, ..options.clone() }).expect("sound options");
-        let mut renderer = Renderer::new(world, &settings).expect("a sound world");
-        renderer.run(|_| ControlFlow::Continue(()));
-        renderer.finish()
-    };
-    (0..REPLICATES).map(image).collect()
 }
 
 /// Means over cells of the planes of a channel, and the squared standard errors of these.
@@ -73,7 +50,7 @@ fn cells(images: &[StokesImage], component: usize, channel: usize) -> Vec<[f64; 
 }
 
 /// Compares a channel of some images with one of others; the worst score.
-fn compare(one: (&[StokesImage], usize), other: (&[StokesImage], usize), what: &str) {
+pub fn compare(one: (&[StokesImage], usize), other: (&[StokesImage], usize), what: &str) {
     let components = one.0[0].shape()[3];
     let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
     for component in 0..components {
@@ -98,19 +75,31 @@ const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integr
 /// Equal energy, gray materials: every band, broad or narrow, is what one wavelength measures.
 #[test]
 fn bands_of_a_gray_scene_are_mono() {
-    let world = gray_room();
+    gray_bands_are_mono(&gray_room(), 0);
+}
+
+/// Of gray media, too.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bands_of_gray_fog_are_mono() {
+    for (first_seed, world) in [20_000, 30_000].into_iter().zip(gray_fogs()) {
+        gray_bands_are_mono(&world, first_seed);
+    }
+}
+
+fn gray_bands_are_mono(world: &PlacedWorld, first_seed: u32) {
     for (index, integrator) in INTEGRATORS.into_iter().enumerate() {
         let all =
             [(Mode::Polarized, 8), (Mode::Scalar, 4), (Mode::Polarized, 4), (Mode::Intensity, 8)];
         let some = if cfg!(debug_assertions) { &all[index..=index] } else { &all };
         for &(mode, wavelengths) in some {
-            let seed = 1000 * index as u32;
+            let seed = first_seed + 1000 * index as u32;
             let mono = Color::Mono { wavelength_nm: 550.0 };
             let mono = Options { color: mono, ..options(integrator, mode, seed) };
             let bands =
                 vec![Band::new(450.0, 80.0), Band::new(550.0, 2.0), Band::new(640.0, 150.0)];
             let many = spectral(wavelengths, bands, options(integrator, mode, seed + 500));
-            let [mono, many] = [&mono, &many].map(|options| images(&world, options));
+            let [mono, many] = [&mono, &many].map(|options| images(world, options, REPLICATES));
             for channel in 0..3 {
                 let what = format!("{integrator:?}, {mode:?}, {wavelengths}, band {channel}");
                 compare((&many, channel), (&mono, 0), &what);
@@ -123,6 +112,13 @@ fn bands_of_a_gray_scene_are_mono() {
 #[test]
 fn bands_of_tables_are_mono_at_their_centers() {
     narrow_bands_are_mono(&tabulated_room(), 50_000);
+}
+
+/// The same in a medium that is tabulated.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bands_of_tabulated_fog_are_mono_at_their_centers() {
+    narrow_bands_are_mono(&tabulated_fog(), 110_000);
 }
 
 /// The same where light is refracted in other ways at other wavelengths.
@@ -138,13 +134,14 @@ fn narrow_bands_are_mono(world: &PlacedWorld, first_seed: u32) {
         let mode = if integrator == Integrator::Bdpt { Mode::Scalar } else { Mode::Polarized };
         let seed = first_seed + 2000 * index as u32;
         let bands = centers.map(|nm| Band::new(nm, 0.5)).to_vec();
-        let many = images(world, &spectral(8, bands, options(integrator, mode, seed)));
+        let many = spectral(8, bands, options(integrator, mode, seed));
+        let many = images(world, &many, REPLICATES);
         for (channel, wavelength_nm) in centers.into_iter().enumerate() {
             let mono = Color::Mono { wavelength_nm };
             let seed = seed + 100 * (1 + channel as u32);
             let mono = Options { color: mono, ..options(integrator, mode, seed) };
             let what = format!("{integrator:?}, {mode:?}, {wavelength_nm} nm");
-            compare((&many, channel), (&images(world, &mono), 0), &what);
+            compare((&many, channel), (&images(world, &mono, REPLICATES), 0), &what);
         }
     }
 }
@@ -157,7 +154,8 @@ fn paths_of_both_sides_measure_the_same_bands() {
     for mode in [Mode::Scalar, Mode::Polarized] {
         let of = |integrator, seed| {
             let options = options(integrator, mode, seed);
-            images(&world, &spectral(8, bands(), Options { path_length_max: 3, ..options }))
+            let options = spectral(8, bands(), Options { path_length_max: 3, ..options });
+            images(&world, &options, REPLICATES)
         };
         let (light, bdpt) = (of(Integrator::Light, 90_000), of(Integrator::Bdpt, 91_000));
         for channel in 0..2 {

@@ -10,7 +10,7 @@ use sunstone::{
     Spectral, StokesImage, Threads, WhiteBalance, merge,
 };
 
-use crate::scenes::tabulated_room;
+use crate::scenes::{longer_tabulated_room, tabulated_room};
 
 fn options(integrator: Integrator) -> Options {
     let bands = Bands::evenly(420.0, 680.0, 14).expect("sound bands");
@@ -159,5 +159,30 @@ fn what_a_table_does_not_cover_is_refused() {
     let world = tabulated_room();
     let error = Renderer::new(&world, &settings.expect("sound options")).err().expect("an error");
     let error = error.to_string();
-    assert!(error.contains("lamp") && error.contains("400 to 700 nm"), "{error}");
+    for words in ["`wall`", "reflectance", "400 to 700 nm", "370 to 690 nm", "--hold-spectra"] {
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// If that is asked for, they hold at their ends, and the image says so: it is that of tables
+/// which are so much longer.
+#[test]
+fn what_a_table_does_not_cover_is_held_if_that_is_asked_for() {
+    let bands = Bands::evenly(375.0, 685.0, 32).expect("sound bands");
+    let spectral = Some(Spectral { wavelengths: 8, range_nm: [370.0, 690.0] });
+    let color = Color::Bands(Arc::new(bands));
+    let asked = Options { color, spectral, ..options(Integrator::Path) };
+    let held = done(renderer(&tabulated_room(), Options { hold_spectra: true, ..asked.clone() }));
+    let said = held.metadata("held spectra").expect("it says so");
+    for words in [
+        "material `wall`, reflectance: below 400 nm down to 370",
+        "material `plate`, eta: below",
+        "material `plate`, k: below",
+        "material `lamp`, what it emits: below",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    let longer = done(renderer(&longer_tabulated_room(), asked));
+    assert_eq!(longer.metadata("held spectra"), None);
+    assert!(held.planes == longer.planes);
 }

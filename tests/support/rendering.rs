@@ -9,14 +9,16 @@ use rayon::prelude::*;
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::math::{F32s, LANES, Vector};
-use sunstone::internals::render::{Mode, Options, Photons, Renderer, Settings};
+use sunstone::internals::render::{
+    Mode, Options, Photons, PlacedWorld, Renderer, Settings, Spectral,
+};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::is_delta;
 use sunstone::internals::scattering::immersion::Around;
 use sunstone::internals::scene::baked::{NONE, Surface};
 use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
-use sunstone::internals::spectrum::{Carried, Color};
+use sunstone::internals::spectrum::{Band, Bands, Carried, Color};
 
 use glam::Vec3;
 
@@ -98,6 +100,39 @@ pub fn replicates<const N: usize>(
 ) -> Vec<StokesImage> {
     let seeds = (0..count).into_par_iter().map(|replicate| settings.seed + replicate);
     seeds.map(|seed| image(scene, &Options { seed, ..settings.clone() })).collect()
+}
+
+/// The same of a film of bands, or of RGB that is measured as a spectrum is.
+pub fn spectral_replicates(
+    world: &PlacedWorld,
+    settings: &Options,
+    count: u32,
+) -> Vec<StokesImage> {
+    let image = |replicate| {
+        let seed = settings.seed + replicate;
+        let settings = Settings::new(Options { seed, ..settings.clone() });
+        let settings = settings.unwrap_or_else(|error| panic!("{error}"));
+        let renderer = Renderer::new(world, &settings);
+        let mut renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
+        renderer.run(|_| ControlFlow::Continue(()));
+        renderer.finish()
+    };
+    (0..count).into_par_iter().map(image).collect()
+}
+
+/// Options of a film of bands, given by their middles and widths in nanometers.
+pub fn in_bands(wavelengths: u32, bands: &[[f32; 2]], size: [u32; 2], options: Options) -> Options {
+    let bands: Vec<Band> = bands.iter().map(|[nm, width]| Band::new(*nm, *width)).collect();
+    let ends = |band: &Band| band.ends_nm().map(|nm| nm as f32);
+    let range_nm = [ends(&bands[0])[0], ends(&bands[bands.len() - 1])[1]];
+    let bands = Bands::new(bands).expect("sound bands");
+    Options {
+        color: Color::Bands(Arc::new(bands)),
+        spectral: Some(Spectral { wavelengths, range_nm }),
+        width: Some(size[0]),
+        height: Some(size[1]),
+        ..options
+    }
 }
 
 /// Share of all directions that an emitter must take up, as seen from the edge of the scene, for

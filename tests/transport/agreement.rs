@@ -1,6 +1,7 @@
 //! `path`, `light` and `bdpt` find the same light in different ways, so they must agree, in both
 //! modes, in every scene: shipped ones and those of `support::scenes`, of which the quick tests
-//! compare every third one in scalar mode, too.
+//! compare every third one in scalar mode, too. So must every band of spectral renders, of these
+//! scenes and of glass that disperses (`support::dispersive`).
 //!
 //! Each render is repeated 32 times, or 16; means over cells of pixels and over the image are
 //! compared. `light` is compared where its connections to the sensor can reach. `path` is left out
@@ -16,21 +17,24 @@
 //! is too faint for that.
 
 use std::fs;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
-use sunstone::internals::render::{Mode, Options, Photons};
+use sunstone::internals::render::{Mode, Options, Photons, PlacedWorld};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
+use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
 use crate::support::filters::FILTERS;
 use crate::support::rendering::{
-    MONO, in_package, light_mask, path_finds_everything, replicates, scene, settings, world,
+    MONO, in_bands, in_package, light_mask, path_finds_everything, replicates, scene, settings,
+    spectral_replicates, world,
 };
-use crate::support::scenes::{CONTRADICTORY, SCENES, two_sheets};
+use crate::support::scenes::{CONTRADICTORY, Named, SCENES, two_sheets};
 use crate::support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
 
 const SIZE: [u32; 2] = [16, 16];
@@ -39,6 +43,8 @@ const REPLICATES: u32 = 32;
 /// Of each, as a rule.
 const ITERATIONS: u32 = 64;
 const PATH_LENGTH_MAX: u32 = 6;
+/// Bands of spectral renders, by their middles and widths in nanometers.
+const BANDS: [[f32; 2]; 4] = [[410.0, 20.0], [480.0, 60.0], [560.0, 2.0], [650.0, 40.0]];
 /// Edge of a cell in pixels.
 const CELL: usize = 4;
 /// What no score exceeds.
@@ -55,7 +61,7 @@ struct Rendered {
 fn render_all<const N: usize>(
     scene: &Arc<Scene<N>>,
     (mode, color): (Mode, Color),
-    [replicates_of_each, iterations]: [u32; 2],
+    (iterations, images_of): (u32, &dyn Fn(&Options) -> Vec<StokesImage>),
     photons_reach_media: bool,
 ) -> Vec<Rendered> {
     let everywhere = vec![true; (SIZE[0] * SIZE[1]) as usize];
@@ -82,7 +88,7 @@ fn render_all<const N: usize>(
         let photons = Photons { per_iteration: Some(10_000), samples: Some(4), alpha: 1.0, radius };
         let settings =
             Options { roulette_after: Some(roulette_after), seed, photons, ..settings.clone() };
-        Rendered { integrator, images: replicates(scene, &settings, replicates_of_each), mask }
+        Rendered { integrator, images: images_of(&settings), mask }
     };
     all.into_iter().map(render).collect()
 }
@@ -95,9 +101,39 @@ fn disagreements<const N: usize>(
     effort: [u32; 2],
 ) -> Vec<String> {
     let scene = scene::<N>(world, color.clone(), SIZE);
+    let [count, iterations] = effort;
+    let images_of = |options: &Options| replicates(&scene, options, count);
+    all_pairs(name, &scene, (mode, color), (iterations, &images_of))
+}
+
+/// The same in bands of a spectral render of so many wavelengths at a time.
+fn disagreements_in_bands(
+    name: &str,
+    world: World,
+    (mode, wavelengths): (Mode, u32),
+    [count, iterations]: [u32; 2],
+) -> Vec<String> {
+    // What integrators find hangs on no wavelength.
+    let scene = scene::<1>(&world, MONO, SIZE);
+    let placed = PlacedWorld::new(world).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let images_of = |options: &Options| {
+        let options = in_bands(wavelengths, &BANDS, SIZE, options.clone());
+        spectral_replicates(&placed, &options, count)
+    };
+    let name = format!("{name}, {wavelengths} wavelengths");
+    all_pairs(&name, &scene, (mode, MONO), (iterations, &images_of))
+}
+
+/// Compares all pairs of integrators by their images of a scene.
+fn all_pairs<const N: usize>(
+    name: &str,
+    scene: &Arc<Scene<N>>,
+    (mode, color): (Mode, Color),
+    (iterations, images_of): (u32, &dyn Fn(&Options) -> Vec<StokesImage>),
+) -> Vec<String> {
     let is_small = !name.contains(".gltf");
-    let all = render_all(&scene, (mode, color), effort, is_small);
-    let bdpt_finds_everything = path_finds_everything(&scene);
+    let all = render_all(scene, (mode, color), (iterations, images_of), is_small);
+    let bdpt_finds_everything = path_finds_everything(scene);
     let mut complaints = Vec::new();
     for (index, second) in all.iter().enumerate() {
         for first in &all[..index] {
@@ -172,18 +208,69 @@ fn check(scenes: impl IntoIterator<Item = (String, World)>, effort: [u32; 2]) {
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
 }
 
+/// Every scene in bands: in one of the modes and one of the numbers of wavelengths, by turns, or
+/// in all of them.
+fn check_bands(scenes: impl IntoIterator<Item = (String, Build)>, effort: [u32; 2], has_all: bool) {
+    const WAYS: [(Mode, u32); 4] =
+        [(Mode::Polarized, 8), (Mode::Scalar, 4), (Mode::Polarized, 4), (Mode::Scalar, 8)];
+    let mut complaints = Vec::new();
+    for (index, (name, build)) in scenes.into_iter().enumerate() {
+        let some = if has_all { &WAYS[..] } else { &WAYS[index % 2..=index % 2] };
+        for way in some {
+            complaints.extend(disagreements_in_bands(&name, build(), *way, effort));
+        }
+    }
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+/// Makes a scene.
+type Build = Box<dyn Fn() -> World>;
+
+fn built(scenes: &[Named]) -> impl Iterator<Item = (String, Build)> {
+    scenes.iter().map(|&(name, build)| (name.to_owned(), Box::new(build) as Build))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_per_band_where_glass_disperses() {
+    check_bands(built(&DISPERSIVE), [16, ITERATIONS / 4], false);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_per_band_where_glass_disperses_closely() {
+    check_bands(built(&DISPERSIVE), [REPLICATES, 2 * ITERATIONS], true);
+}
+
+#[test]
+#[ignore = "many minutes"]
+fn integrators_agree_per_band_in_all_scenes() {
+    let load = |path: PathBuf| {
+        let name = path.strip_prefix(in_package("")).unwrap_or(&path).display().to_string();
+        (name, Box::new(move || world(&path)) as Build)
+    };
+    let shipped = ["scenes", "scenes/reference"].into_iter().flat_map(paths).map(load);
+    let small = built(&SCENES).chain(built(&FILTERS));
+    check_bands(shipped.chain(small), [REPLICATES / 2, ITERATIONS / 4], false);
+}
+
 fn shipped(folder: &str) -> Vec<(String, World)> {
+    let named = |path: &PathBuf| {
+        let name = path.strip_prefix(in_package("")).unwrap_or(path).display().to_string();
+        (name, world(path))
+    };
+    paths(folder).iter().map(named).collect()
+}
+
+/// The scenes in a folder of the package.
+fn paths(folder: &str) -> Vec<PathBuf> {
     let folder = in_package(folder);
     let files = fs::read_dir(&folder).expect("the scenes are there");
     let mut paths: Vec<_> = files.map(|file| file.expect("a readable entry").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "gltf"));
     paths.sort();
     assert!(!paths.is_empty(), "no scenes in {}", folder.display());
-    let named = |path: &std::path::PathBuf| {
-        let name = path.strip_prefix(in_package("")).unwrap_or(path).display().to_string();
-        (name, world(path))
-    };
-    paths.iter().map(named).collect()
+    paths
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod agreement;
 mod aimed;
 mod analyzers;
 mod auto;
+mod bands;
 mod boundaries;
 mod contacts;
 mod convergence;

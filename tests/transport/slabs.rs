@@ -18,14 +18,17 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::math::hash::combine;
-use sunstone::internals::render::{Mode, Options};
+use sunstone::internals::render::{Mode, Options, PlacedWorld};
 use sunstone::internals::scene::World;
 use sunstone::internals::transport::Sampling;
 
 use crate::support::gltf::Document;
-use crate::support::rendering::{MONO, in_package, replicates, scene, settings};
+use crate::support::rendering::{
+    MONO, in_bands, in_package, replicates, scene, settings, spectral_replicates,
+};
 use crate::support::statistics::{Estimate, ROUNDING, estimate, rms, worst};
 
 const SIZE: [u32; 2] = [16, 16];
@@ -46,6 +49,8 @@ enum Phase {
     Rayleigh(f64),
     /// A file of tabulated elements.
     Table(&'static str),
+    /// Skimmed milk, by its contents.
+    SkimmedMilk,
 }
 
 /// A file of directions.
@@ -151,10 +156,19 @@ impl Phase {
                     medium["table"][element.to_lowercase()] = json!(csv.column(element));
                 }
             }
+            Phase::SkimmedMilk => {
+                let [fat_percent, protein_percent] = SKIMMED;
+                medium["phase"] = json!("mie");
+                medium["milk"] =
+                    json!({"fat_percent": fat_percent, "protein_percent": protein_percent});
+            }
         }
         medium
     }
 }
+
+/// What milk is made of in the tables of `tests/data/mie`.
+const SKIMMED: [f64; 2] = [0.1, 3.4];
 
 /// The slab of a row in the sun, and a camera that looks against the light that leaves it.
 fn slab(table: &Table, csv: &Csv, row: usize) -> World {
@@ -205,18 +219,32 @@ struct Scored {
 /// Renders a row and scores it.
 fn score(table: &Table, csv: &Csv, row: usize, integrator: Integrator, iterations: u32) -> Scored {
     let scene = scene::<1>(&slab(table, csv, row), MONO, SIZE);
+    let settings = settings_of(table, row, integrator, iterations);
+    score_images(table, csv, row, (&replicates(&scene, &settings, REPLICATES), 0))
+}
+
+fn settings_of(table: &Table, row: usize, integrator: Integrator, iterations: u32) -> Options {
     let settings = settings(integrator, table.mode, MONO, iterations, PATH_LENGTH_MAX);
     // Rows and modes have seeds of their own, or their noise would be the same.
     let name = combine(table.file.len() as u32, table.mode as u32);
     let first = combine(name, row as u32) & 0x00ff_ff00;
-    let settings = Options { seed: settings.seed + first, ..settings.clone() };
-    let images = replicates(&scene, &settings, REPLICATES);
+    Options { seed: settings.seed + first, ..settings }
+}
+
+/// Scores a channel of the images of a row.
+fn score_images(
+    table: &Table,
+    csv: &Csv,
+    row: usize,
+    (images, channel): (&[StokesImage], usize),
+) -> Scored {
+    let channels = images[0].color.channels();
     let pixels: Vec<usize> = (0..(SIZE[0] * SIZE[1]) as usize).collect();
     let s0 = csv.number(row, table.columns[0]);
     let mut scores = Vec::new();
     let mut of_s0 = Estimate::exact(0.0);
     for (component, column) in table.columns.iter().enumerate() {
-        let ours = estimate(&images, component, &pixels);
+        let ours = estimate(images, component * channels + channel, &pixels);
         // Tables without errors are good to six digits.
         let error = csv.number_or(row, &format!("{column}_err"), 1e-6 * s0);
         let mean = csv.number(row, column);
@@ -322,6 +350,27 @@ fn path_finds_the_light_of_slabs() {
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn bdpt_finds_the_light_of_slabs() {
     expect_scores_within_limit(&score_tables(Integrator::Bdpt, 1, 16));
+}
+
+/// Milk by its contents, whose phase matrix is read between computed ones, in the band of a
+/// spectral render about the wavelength of the table.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn a_band_of_milk_finds_the_light_of_slabs() {
+    let table = polarized("milk_skim_550_sasktran2", 8, Phase::SkimmedMilk, STOKES);
+    let csv = Csv::read(table.file);
+    let of_row = |row: usize| {
+        let world = PlacedWorld::new(slab(&table, &csv, row)).expect("a sound world");
+        let options = settings_of(&table, row, Integrator::Path, 16 * table.effort);
+        let bands = [[450.0, 10.0], [550.0, 2.0], [650.0, 10.0]];
+        let images = spectral_replicates(&world, &in_bands(8, &bands, SIZE, options), REPLICATES);
+        score_images(&table, &csv, row, (&images, 1))
+    };
+    let found: Vec<Scored> = csv.pick(4).into_iter().map(of_row).collect();
+    report(&table, &found);
+    let scores = found.iter().flat_map(|scored| &scored.scores);
+    let worst = scores.fold(0.0_f64, |worst, (_, score)| worst.max(score.abs()));
+    assert!(worst < LIMIT, "a score of {worst}");
 }
 
 /// Polarization makes thick slabs hardly noisier: the error of a pixel is at most 1.5 times that of

@@ -36,7 +36,7 @@ impl Element {
         } else {
             (Block::identity(), at.direction)
         };
-        Passage { transmittance: [m00; N], chance: F32s::splat(1.0), kernel, axis }
+        Passage { transmittance: [m00; N], chance: F32s::splat(1.0), kernels: [kernel; N], axis }
     }
 
     #[inline(always)]

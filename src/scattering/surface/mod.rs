@@ -58,7 +58,7 @@ macro_rules! surface_models {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
             }
             either {
-                ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric,
+                ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
             }
             straight_on {
                 Null {} => null: Null,
@@ -121,12 +121,27 @@ macro_rules! declare {
             /// Whether, of those that let light straight on, it changes light at all.
             #[inline(always)]
             pub const fn acts(self) -> bool {
+                const N: usize = 1;
                 match self {
                     $(Self::$end => false,)*
                     $(Self::$one => false,)*
                     $(Self::$any => false,)*
-                    $(Self::$both => <$both_model as StraightOn<1>>::ACTS,)*
-                    $(Self::$pass => <$pass_model as StraightOn<1>>::ACTS,)*
+                    $(Self::$both => <$both_model as StraightOn<N>>::ACTS,)*
+                    $(Self::$pass => <$pass_model as StraightOn<N>>::ACTS,)*
+                }
+            }
+
+            /// Whether, of those that let light straight on, it does the same to the polarization
+            /// of all wavelengths.
+            #[inline(always)]
+            pub const fn passes_alike(self) -> bool {
+                const N: usize = 1;
+                match self {
+                    $(Self::$end => true,)*
+                    $(Self::$one => true,)*
+                    $(Self::$any => true,)*
+                    $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
+                    $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
                 }
             }
 

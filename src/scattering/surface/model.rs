@@ -88,6 +88,8 @@ pub struct Scattered<const N: usize, K> {
 pub trait StraightOn<const N: usize>: Surface {
     /// Whether it changes light at all.
     const ACTS: bool;
+    /// Whether its kernel is the same at all wavelengths.
+    const ACHROMATIC: bool = true;
 
     /// What it does to light. With `POLARIZED`, the kernel is wanted too, else it may be anything.
     fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N>;
@@ -99,9 +101,9 @@ pub struct Passage<const N: usize> {
     pub transmittance: [F32s; N],
     /// The probability with which paths pass, the same both ways; with the rest they are scattered.
     pub chance: F32s,
-    /// The kernel of all wavelengths.
-    pub kernel: Block<F32s>,
-    /// The x axis of the kernel's frames, perpendicular to the light.
+    /// Kernels; of an achromatic model, the first alone counts.
+    pub kernels: [Block<F32s>; N],
+    /// The x axis of the kernels' frames, perpendicular to the light.
     pub axis: Vector<F32s>,
 }
 

@@ -29,6 +29,6 @@ impl<const N: usize> StraightOn<N> for Null {
     fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N> {
         let one = F32s::splat(1.0);
         let (kernel, axis) = (Block::identity(), at.direction);
-        Passage { transmittance: [one; N], chance: one, kernel, axis }
+        Passage { transmittance: [one; N], chance: one, kernels: [kernel; N], axis }
     }
 }

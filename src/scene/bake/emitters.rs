@@ -13,7 +13,7 @@ use crate::scene::error::SceneError;
 use crate::scene::world::{
     Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Transform, World,
 };
-use crate::spectrum::{Carried, Role, Spectrum, White};
+use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
 /// Least difference of the cosines of a spot's two cones: as the glTF extension's formula has it.
 const LEAST_CONE: f32 = 1e-3;
@@ -49,7 +49,7 @@ pub struct Lamp {
 
 impl Lamp {
     /// Whether it emits at no wavelength.
-    fn is_black(&self) -> bool {
+    pub(super) fn is_black(&self) -> bool {
         self.spectrum.values().iter().all(|value| *value == 0.0)
     }
 
@@ -57,9 +57,13 @@ impl Lamp {
     ///
     /// # Errors
     /// When its table does not cover them.
-    pub fn emitted(&self, wavelengths_nm: &[f64], white: White) -> Result<Vec<f64>, SceneError> {
+    pub fn emitted(
+        &self,
+        wavelengths_nm: &[f64],
+        (white, beyond): (White, Beyond),
+    ) -> Result<Vec<f64>, SceneError> {
         let at = |nm: &f64| {
-            let [value] = self.sampled(&Carried::at([*nm as f32]).under(white))?;
+            let [value] = self.sampled(&Carried::at([*nm as f32]).under(white).beyond(beyond))?;
             Ok(f64::from(value))
         };
         match self.is_black() {
@@ -69,6 +73,9 @@ impl Lamp {
     }
 
     fn sampled<const N: usize>(&self, carried: &Carried<N>) -> Result<[f32; N], SceneError> {
+        if self.is_black() {
+            return Ok([0.0; N]);
+        }
         self.spectrum
             .sample(carried, Role::Emission)
             .map_err(|error| outside_table(&self.name, error))

@@ -18,7 +18,7 @@ use crate::polarization::kept;
 use crate::scene::baked::Phase;
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Name, World};
-use crate::spectrum::Carried;
+use crate::spectrum::{Beyond, Carried};
 
 /// Distance of nodes in nanometers, at most.
 const STEP_NM: f64 = 5.0;
@@ -53,9 +53,9 @@ impl Suspensions {
     ///
     /// # Errors
     /// When a medium is not known there, or its particles are too large.
-    pub fn new(world: &World, ends_nm: [f64; 2]) -> Result<Self, SceneError> {
+    pub fn new(world: &World, ends_nm: [f64; 2], beyond: Beyond) -> Result<Self, SceneError> {
         let grid = |(entity, name, medium): (Entity, &Name, &world::Medium)| {
-            Ok((entity, Grid::new(&medium.phase, ends_nm, &name.0)?))
+            Ok((entity, Grid::new(&medium.phase, (ends_nm, beyond), &name.0)?))
         };
         let grids = world.in_order::<(Entity, &Name, &world::Medium), _>(grid);
         let grids: Result<Vec<_>, SceneError> = grids.into_iter().collect();
@@ -74,7 +74,7 @@ impl Grid {
     /// That of a phase function, if it is of particles.
     fn new(
         phase: &world::Phase,
-        ends_nm: [f64; 2],
+        (ends_nm, beyond): ([f64; 2], Beyond),
         name: &str,
     ) -> Result<Option<Self>, SceneError> {
         let [first_nm, last_nm] = ends_nm;
@@ -83,7 +83,7 @@ impl Grid {
         let at = |index: usize| first_nm + step_nm * index as f64;
         let samples = (0..=steps as usize)
             // The last may not be beyond the range by rounding.
-            .map(|index| optics::suspension_at(phase, at(index).min(last_nm), name))
+            .map(|index| optics::suspension_at(phase, (at(index).min(last_nm), beyond), name))
             .collect::<Result<Option<Vec<_>>, _>>()?;
         let Some(samples) = samples else { return Ok(None) };
         let sizes = samples.iter().map(|(suspension, _)| suspension.size_parameter_max());
@@ -153,12 +153,14 @@ mod tests {
     #[test]
     fn what_is_read_between_nodes_is_what_is_computed_there() {
         let phase = drops();
-        let grid = Grid::new(&phase, [500.0, 520.0], "drops").unwrap().expect("particles");
+        let ends = ([500.0, 520.0], Beyond::Refused);
+        let grid = Grid::new(&phase, ends, "drops").unwrap().expect("particles");
         assert_eq!((grid.nodes.len(), grid.step_nm), (5, 5.0));
         for nm in [502.5, 517.5, 510.0] {
             let carried = Carried::at([nm as f32]);
             let read = grid.at(&carried);
-            let (suspension, host) = optics::suspension_at(&phase, nm, "drops").unwrap().unwrap();
+            let at = (nm, Beyond::Refused);
+            let (suspension, host) = optics::suspension_at(&phase, at, "drops").unwrap().unwrap();
             let intervals = grid.nodes[0].matrix.len() - 1;
             let found = kept::scattering(&suspension, intervals);
             let off = |read: f32, exact: f64| (f64::from(read) / exact - 1.0).abs();
@@ -178,10 +180,14 @@ mod tests {
 
     #[test]
     fn wavelengths_at_which_nothing_is_known_are_refused() {
-        let error = |ends| Grid::new(&drops(), ends, "drops").map(|_| ()).unwrap_err().to_string();
-        assert!(error([390.0, 500.0]).contains("400 to 700 nm"));
-        assert!(error([500.0, 701.0]).contains("400 to 700 nm"));
-        let none = Grid::new(&world::Phase::isotropic(), [1.0, 2.0], "air").unwrap();
+        let grid = |ends, beyond| Grid::new(&drops(), (ends, beyond), "drops");
+        for ends in [[390.0, 500.0], [500.0, 701.0]] {
+            let error = grid(ends, Beyond::Refused).map(|_| ()).unwrap_err().to_string();
+            assert!(error.contains("400 to 700 nm"), "{error}");
+            assert!(grid(ends, Beyond::Held).is_ok());
+        }
+        let air = world::Phase::isotropic();
+        let none = Grid::new(&air, ([1.0, 2.0], Beyond::Refused), "air").unwrap();
         assert!(none.is_none());
     }
 }

@@ -11,6 +11,7 @@ mod bodies;
 mod divide;
 mod emitters;
 mod grid;
+mod held;
 mod media;
 mod optics;
 mod origin;
@@ -34,11 +35,12 @@ use super::world::{
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Carried, OutsideTable, Spectrum, White};
+use crate::spectrum::{Beyond, Carried, OutsideTable, Role, Spectrum, White};
 
 use self::beside::Passable;
 pub use self::emitters::{Brightness, Emitters, Lamp, lamps};
 pub use self::grid::Suspensions;
+pub use self::held::held;
 use self::origin::Center;
 use self::primitives::Placed;
 
@@ -101,8 +103,8 @@ pub fn bake_camera(world: &World, shapes: &Shapes) -> Result<Camera, SceneError>
 /// same world.
 ///
 /// # Errors
-/// When the world is not as it should be ([`World::check`]), a spectrum's table does not cover the
-/// wavelengths, nothing emits, or a medium lets no light in.
+/// When the world is not as it should be ([`World::check`]), a spectrum does not cover the
+/// wavelengths and is not held beyond its ends, nothing emits, or a medium lets no light in.
 pub fn bake_optics<const N: usize>(
     world: &World,
     shapes: &Shapes,
@@ -153,13 +155,26 @@ fn optics_of<const N: usize>(
     carried: &Carried<N>,
 ) -> Result<Optics<N>, SceneError> {
     world.check()?;
+    let held = held(world, carried)?;
     let materials = material_rows(world, shapes, carried)?;
     let media = media::media(world, carried, None)?;
     let lamps = emitters::radiance(&emitters::lamps(world), carried)?;
     let brightness: Vec<Brightness> = lamps.iter().map(Brightness::of_columns).collect();
     let emitters = emitters::emitters(world, shapes, &brightness)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
-    Ok(with_emitters(materials, media, lamps, emitters))
+    Ok(Optics { held, ..with_emitters(materials, media, lamps, emitters) })
+}
+
+/// Refuses spectra that do not cover the wavelengths of a render, or says which are held beyond
+/// their ends, one sentence each.
+///
+/// # Errors
+/// With the first that is not held.
+pub fn held_spectra<const N: usize>(
+    world: &World,
+    carried: &Carried<N>,
+) -> Result<Vec<String>, SceneError> {
+    held(world, carried).map_err(|error| error.in_file(&world.file))
 }
 
 /// Places all that emits, each as bright as its lamp is on the whole ([`lamps`]).
@@ -175,7 +190,8 @@ pub fn bake_emitters(
     emitters.map_err(|error| error.in_file(&world.file))
 }
 
-/// What each lamp emits at wavelengths in nanometers, by a white; nothing if it is black.
+/// What each lamp emits at wavelengths in nanometers, by a white and by what is beyond the ends of
+/// tables; nothing if it is black.
 ///
 /// # Errors
 /// When a table does not cover them.
@@ -183,10 +199,10 @@ pub fn bake_emission(
     world: &World,
     lamps: &[Lamp],
     wavelengths_nm: &[f64],
-    white: White,
+    by: (White, Beyond),
 ) -> Result<Vec<Vec<f64>>, SceneError> {
     let emitted: Result<_, SceneError> =
-        lamps.iter().map(|lamp| lamp.emitted(wavelengths_nm, white)).collect();
+        lamps.iter().map(|lamp| lamp.emitted(wavelengths_nm, by)).collect();
     emitted.map_err(|error| error.in_file(&world.file))
 }
 
@@ -228,7 +244,8 @@ fn with_emitters<const N: usize>(
     emitters: Emitters,
 ) -> Optics<N> {
     let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
-    Optics { materials, media, emitters, lamps, emitter_of_primitive, environment }
+    let held = Vec::new();
+    Optics { materials, media, emitters, lamps, emitter_of_primitive, environment, held }
 }
 
 /// All materials, with air where bodies overlap; at least one.
@@ -289,31 +306,44 @@ fn materials<const N: usize>(
     carried: &Carried<N>,
 ) -> Result<Vec<Material<N>>, SceneError> {
     let rows = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(name, bsdf, sides)| {
+        let at_d = |spectrum: &Spectrum, _, nm| {
+            let [index] =
+                spectrum.sample(&Carried::at([nm]).beyond(carried.held_beyond()), Role::Index)?;
+            Ok(index)
+        };
         let model = match carried.is_rgb() {
-            true => bsdf.undispersed(),
+            true => bsdf.undispersed(at_d),
             false => Ok(bsdf.clone()),
         };
-        let sample = |spectrum: &Spectrum, role| spectrum.sample(carried, role);
+        // At other wavelengths of the render it is of the same kind.
+        let model = model.map(SurfaceModel::simplified);
+        let sample = |spectrum: &Spectrum, _, role| spectrum.sample(carried, role);
         let model = model.and_then(|model| model.sampled(sample));
         let row = |model: SurfaceModel<[f32; N]>| Material {
-            model: model.simplified(),
+            model: if carried.is_one_of_many() { model } else { model.simplified() },
             two_sided: sides.two_sided,
         };
         model.map(row).map_err(|error| outside_table(&name.0, error))
     });
     let mut rows = rows.into_iter().collect::<Result<Vec<_>, SceneError>>()?;
-    disperse(&mut rows);
+    let disperses = match carried.is_one_of_many() {
+        true => world.in_order::<(&Name, &Bsdf), _>(|(_, bsdf)| bsdf.disperses()).contains(&true),
+        false => rows.iter().any(disperses_here),
+    };
+    make_alike(&mut rows, disperses);
     Ok(rows)
 }
 
-/// Makes all dielectrics of one sort, as they may be nested: with dispersion if any has it at these
-/// wavelengths, and without else.
-fn disperse<const N: usize>(rows: &mut [Material<N>]) {
+/// Whether light is refracted in other ways at some of these wavelengths.
+fn disperses_here<const N: usize>(row: &Material<N>) -> bool {
     let differs = |of: &[f32; N]| of.iter().any(|ior| *ior != of[0]);
-    let disperses = rows.iter().any(|row| {
-        matches!(&row.model, SurfaceModel::DispersiveDielectric { ior, exterior_ior }
-            if differs(ior) || differs(exterior_ior))
-    });
+    matches!(&row.model, SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+        if differs(ior) || differs(exterior_ior))
+}
+
+/// Makes all dielectrics of one sort, as they may be nested: with dispersion if any has it, and
+/// without else.
+fn make_alike<const N: usize>(rows: &mut [Material<N>], disperses: bool) {
     for Material { model, .. } in rows {
         if disperses {
             if let SurfaceModel::Dielectric { ior, exterior_ior } = *model {
@@ -328,8 +358,8 @@ fn disperse<const N: usize>(rows: &mut [Material<N>]) {
 }
 
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {
-    let remedy = "render within the table, or extend it; a lamp of [r, g, b] is known where \
-                  rgb_white is";
+    let remedy = "render within that, extend it, or hold what is at its ends (--hold-spectra); a \\
+                  lamp of [r, g, b] is known where rgb_white is";
     SceneError::new(place, format!("a spectrum does not cover the render: {error}"), remedy)
 }
 

@@ -13,7 +13,7 @@ use crate::polarization::particles::{Particles, Suspension};
 use crate::scene::baked::{Medium, Phase};
 use crate::scene::error::SceneError;
 use crate::scene::world::{self, Spheres};
-use crate::spectrum::{Carried, OutsideTable, Role, Spectrum};
+use crate::spectrum::{Beyond, Carried, OutsideTable, Role, Spectrum};
 
 /// Greatest size parameter of particles: more takes too long, and no table could hold its peak.
 const SIZE_PARAMETER_MAX: f64 = 2000.0;
@@ -73,8 +73,12 @@ fn derived<const N: usize>(
         world::Phase::Spheres(spheres) => suspended(spheres, carried, name)?,
         world::Phase::Milk(milk) => milked(milk, carried, name)?,
         world::Phase::Table(matrices) => {
-            let table = phase::tabulated(matrices, wavelengths(carried)).map_err(outside)?;
-            Derived::of(Phase::Table(table))
+            let ends_nm = phase::ends_nm(matrices).map(|ends| ends.map(|nm| nm as f32));
+            let places = match ends_nm {
+                Some(ends_nm) => carried.within(ends_nm).map_err(outside)?,
+                None => *carried.wavelengths_nm(),
+            };
+            Derived::of(Phase::Table(phase::tabulated(matrices, places.map(f64::from))))
         }
     })
 }
@@ -86,18 +90,18 @@ fn derived<const N: usize>(
 /// When they are not known there.
 pub fn suspension_at<'a>(
     phase: &'a world::Phase,
-    nm: f64,
+    (nm, beyond): (f64, Beyond),
     name: &str,
 ) -> Result<Option<(Suspension<'a>, f64)>, SceneError> {
+    let carried = Carried::at([nm as f32]).beyond(beyond);
     match phase {
         world::Phase::Milk(milk) => {
-            check_milk(&[nm], name)?;
+            check_milk(&carried, name)?;
             let serum = milk.serum(nm);
             let absorbed = serum.sigma_a_riboflavin + serum.sigma_a_water;
             Ok(Some((milk.suspension(nm), absorbed)))
         }
         world::Phase::Spheres(spheres) => {
-            let carried = Carried::at([nm as f32]);
             let [host_k] = spheres
                 .host_k
                 .sample(&carried, Role::Index)
@@ -144,14 +148,11 @@ fn host_sigma_a(spheres: &Spheres, host_k: f32, wavelength_nm: f64) -> f64 {
     (1.0 - filled).max(0.0) * host
 }
 
-/// Refuses wavelengths at which milk is not known.
-fn check_milk(wavelengths_nm: &[f64], name: &str) -> Result<(), SceneError> {
-    let [first, last] = MILK_WAVELENGTHS_NM;
-    if let Some(nm) = wavelengths_nm.iter().find(|nm| !(first..=last).contains(nm)) {
-        let problem = format!("milk is tabulated from {first} to {last} nm, not at {nm} nm");
-        return Err(SceneError::new(name, problem, "render within the table"));
-    }
-    Ok(())
+/// Refuses wavelengths at which milk is not known, unless what is known at its ends is held: then
+/// its indices of refraction are.
+fn check_milk<const N: usize>(carried: &Carried<N>, name: &str) -> Result<(), SceneError> {
+    let ends_nm = MILK_WAVELENGTHS_NM.map(|nm| nm as f32);
+    carried.within(ends_nm).map(|_| ()).map_err(|error| outside_table(name, error))
 }
 
 /// A phase function, and the coefficients that go with it; zero where there are none.
@@ -187,8 +188,8 @@ fn milked<const N: usize>(
     carried: &Carried<N>,
     name: &str,
 ) -> Result<Derived<N>, SceneError> {
+    check_milk(carried, name)?;
     let wavelengths = wavelengths(carried);
-    check_milk(&wavelengths, name)?;
     let sizes = wavelengths.map(|nm| milk.size_parameter_max(nm));
     let intervals = phase::intervals(sizes.into_iter().fold(0.0, f64::max));
     let optics =

@@ -7,7 +7,6 @@ use crate::math::elementary::{cos, sin};
 use crate::polarization::rayleigh::rayleigh_depolarized;
 use crate::scene::baked::PhaseTable;
 use crate::scene::world::TabulatedMatrix;
-use crate::spectrum::OutsideTable;
 
 /// Number of intervals from 0 to pi that resolve the dipole's phase function.
 const RAYLEIGH_INTERVALS: usize = 1024;
@@ -68,22 +67,25 @@ pub fn intervals(size_parameter: f64) -> usize {
     wanted.clamp(INTERVALS_MIN, INTERVALS_MAX).next_multiple_of(2)
 }
 
-/// Tabulated matrices at some wavelengths, linear between the table's wavelengths and angles.
-/// Angles that are equally spaced in the table are nodes again.
-///
-/// # Errors
-/// When the table has several wavelengths and does not cover those of the render.
+/// The first and the last wavelength in nanometers of tabulated matrices, if they have any.
+pub fn ends_nm(matrices: &[TabulatedMatrix]) -> Option<[f64; 2]> {
+    let [first, last] = [matrices.first(), matrices.last()];
+    Some([first?.wavelength_nm?, last?.wavelength_nm?])
+}
+
+/// Tabulated matrices at wavelengths in nanometers that they cover, linear between the table's
+/// wavelengths and angles. Angles that are equally spaced in the table are nodes again.
 pub fn tabulated<const N: usize>(
     matrices: &[TabulatedMatrix],
     wavelengths_nm: [f64; N],
-) -> Result<PhaseTable<N>, OutsideTable> {
+) -> PhaseTable<N> {
     let steps = matrices.iter().flat_map(|matrix| matrix.theta_deg.windows(2));
     let finest = steps.map(|pair| pair[1] - pair[0]).fold(180.0, f64::min);
     let own = ((180.0 / finest).round() as usize).clamp(1, INTERVALS_MAX);
     let intervals = own * INTERVALS_MIN.div_ceil(own);
     let mut found = [const { Vec::new() }; N];
     for (found, wavelength_nm) in found.iter_mut().zip(wavelengths_nm) {
-        let (low, high, share) = neighbors(matrices, wavelength_nm)?;
+        let (low, high, share) = neighbors(matrices, wavelength_nm);
         let at = |index: usize| {
             let theta_deg = 180.0 * index as f64 / intervals as f64;
             let (low, high) = (elements_at(low, theta_deg), elements_at(high, theta_deg));
@@ -93,7 +95,7 @@ pub fn tabulated<const N: usize>(
         };
         *found = (0..=intervals).map(at).collect();
     }
-    Ok(table(&found))
+    table(&found)
 }
 
 /// Whether all matrices are as those of spheres.
@@ -106,22 +108,18 @@ pub fn are_of_spheres(matrices: &[TabulatedMatrix]) -> bool {
 fn neighbors(
     matrices: &[TabulatedMatrix],
     wavelength_nm: f64,
-) -> Result<(&TabulatedMatrix, &TabulatedMatrix, f64), OutsideTable> {
-    let (first, last) = (&matrices[0], &matrices[matrices.len() - 1]);
-    let (Some(first_nm), Some(last_nm)) = (first.wavelength_nm, last.wavelength_nm) else {
-        return Ok((first, first, 0.0));
+) -> (&TabulatedMatrix, &TabulatedMatrix, f64) {
+    let Some([first_nm, last_nm]) = ends_nm(matrices) else {
+        return (&matrices[0], &matrices[0], 0.0);
     };
-    if !(first_nm..=last_nm).contains(&wavelength_nm) {
-        let [wavelength_nm, first_nm, last_nm] =
-            [wavelength_nm, first_nm, last_nm].map(|nm| nm as f32);
-        return Err(OutsideTable { wavelength_nm, first_nm, last_nm });
-    }
+    // Rounding to single precision may have led outside.
+    let wavelength_nm = wavelength_nm.clamp(first_nm, last_nm);
     let nm = |matrix: &TabulatedMatrix| matrix.wavelength_nm.unwrap_or(first_nm);
     let upper = matrices.partition_point(|matrix| nm(matrix) < wavelength_nm);
     let (low, high) = (&matrices[upper.saturating_sub(1)], &matrices[upper]);
     let width = nm(high) - nm(low);
     let share = if width > 0.0 { (wavelength_nm - nm(low)) / width } else { 1.0 };
-    Ok((low, high, share))
+    (low, high, share)
 }
 
 /// A tabulated matrix at an angle, linear between the angles of the table.

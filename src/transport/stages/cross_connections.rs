@@ -3,7 +3,6 @@
 use crate::geometry::CROSSES;
 use crate::math::elementary::exp;
 use crate::math::{Vector, lanes};
-use crate::polarization::{Block, SpheroidBlock};
 use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
@@ -133,19 +132,18 @@ fn pass<const N: usize, const POLARIZED: bool>(
             *value *= transmittance;
         }
         if POLARIZED {
-            polarize(connections, row, (crossings, index));
+            polarize(connections, row, (crossings, part, index));
         }
     }
 }
 
-/// Applies the kernel of a crossing.
+/// Applies the kernels of a crossing.
 fn polarize<const N: usize>(
     connections: &mut ConnectionTable<N>,
     row: usize,
-    (crossings, index): (&CrossingTable<N>, usize),
+    (crossings, part, index): (&CrossingTable<N>, &CrossingPart, usize),
 ) {
-    let Block { a, c, s } = crossings.kernel(index);
-    let kernels = [SpheroidBlock { a, b: 1.0, c, d: c, s }; N];
+    let kernels = crossings.kernels(index, part.kind);
     let axis: Vector<f32> = lanes::row_of(&crossings.axis, index).into();
     let k = connections.along_light(row);
     if connections.state[row] == NONE {

@@ -1,7 +1,6 @@
 //! Takes paths through surfaces that let them straight on.
 
-use crate::math::{F32s, Vector, lanes};
-use crate::polarization::SpheroidBlock;
+use crate::math::{Vector, lanes};
 use crate::scattering::event::{Event, Form};
 use crate::scattering::{Met, Scene};
 use crate::transport::tables::carriers::CarrierTable;
@@ -26,7 +25,8 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
 ) {
     let &Crossing { crossings, part } = crossing;
     partition.parts.clear();
-    let event = Event { met: Met::Surface(part.kind), form: Form::Block, achromatic: true };
+    let achromatic = part.kind.passes_alike();
+    let event = Event { met: Met::Surface(part.kind), form: Form::Block, achromatic };
     for index in part.rows.clone() {
         let row = crossings.row[index] as usize;
         if flights.progress[row].is_over {
@@ -52,11 +52,9 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
                     partition.parts.push(Part { event, class, rows: row..row + 1 });
                 }
             }
-            let block = crossings.kernel(index);
-            let [a, c, s] = [block.a, block.c, block.s].map(F32s::splat);
-            let block = SpheroidBlock { a, b: F32s::splat(1.0), c, d: c, s };
+            let blocks = crossings.kernels(index, part.kind);
             let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
-            kernels.store_events((event.form, true), &([block; N], axis), (row, row + 1));
+            kernels.store_events((event.form, achromatic), &(blocks, axis), (row, row + 1));
         }
     }
 }

@@ -41,16 +41,18 @@ fn pass<const N: usize, const POLARIZED: bool, M: StraightOn<N>>(
         let live = LANES.min(rows.end - row);
         let CrossingTable { surfaces, rays, .. } = &*crossings;
         let at = Incidence::load(scene, models, surfaces, rays, (row, live));
-        let Passage { transmittance, chance, kernel, axis } = M::pass::<POLARIZED>(&at);
+        let Passage { transmittance, chance, kernels, axis } = M::pass::<POLARIZED>(&at);
         let transmittance = transmittance.map(F32s::to_array);
         for (lane, to) in crossings.transmittance[row..row + live].iter_mut().enumerate() {
             *to = lanes::row_of_lanes(&transmittance, lane);
         }
         lanes::store(&mut crossings.chance, row, rows.end, chance);
         if POLARIZED {
-            let elements = [kernel.a, kernel.c, kernel.s];
-            for (column, element) in crossings.kernel.iter_mut().zip(elements) {
-                lanes::store(column, row, rows.end, element);
+            for (n, kernel) in kernels.iter().enumerate().take(if M::ACHROMATIC { 1 } else { N }) {
+                let [a, c, s] = [kernel.a, kernel.c, kernel.s].map(F32s::to_array);
+                for (lane, to) in crossings.kernels[row..row + live].iter_mut().enumerate() {
+                    to[n] = [a[lane], c[lane], s[lane]];
+                }
             }
             axis.store(&mut crossings.axis, row, rows.end);
         }

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use crate::geometry::{Hit, HitColumns, Ray, RayColumns, SurfaceColumns};
+use crate::math::Real;
 use crate::math::columns::{Column, Rows, columns};
-use crate::polarization::kernel::Block;
+use crate::polarization::SpheroidBlock;
 use crate::scattering::surface::SurfaceKind;
 
 columns! {
@@ -22,9 +23,9 @@ columns! {
         pub transmittance: Vec<[f32; N]>,
         /// The probability with which paths pass.
         pub chance: Column,
-        /// Elements a, c and s of the kernel, the same for all wavelengths.
-        pub kernel: [Column; 3],
-        /// The x axis of the kernel's frames.
+        /// Elements a, c and s of the kernels; of an achromatic kind, the first alone counts.
+        pub kernels: Vec<[[f32; 3]; N]>,
+        /// The x axis of the kernels' frames.
         pub axis: [Column; 3],
     } beside {
         /// Crossings of surfaces of one kind, next to each other; no segment has two in one part.
@@ -73,10 +74,15 @@ impl<const N: usize> CrossingTable<N> {
         }
     }
 
-    /// The kernel of a row.
+    /// The kernels of a row of a kind.
     #[inline(always)]
-    pub fn kernel(&self, row: usize) -> Block<f32> {
-        let [a, c, s] = &self.kernel;
-        Block { a: a[row], c: c[row], s: s[row] }
+    pub fn kernels<F: Real>(&self, row: usize, kind: SurfaceKind) -> [SpheroidBlock<F>; N] {
+        let of = &self.kernels[row];
+        let kernel = |n: usize| {
+            let elements = of[if kind.passes_alike() { 0 } else { n }];
+            let [a, c, s] = elements.map(|element| F::splat(f64::from(element)));
+            SpheroidBlock { a, b: F::one(), c, d: c, s }
+        };
+        std::array::from_fn(kernel)
     }
 }

@@ -1,0 +1,294 @@
+//! A ball of water or glass in parallel light, by angle: the rainbow, whose intensity and
+//! polarization are sums over rays (van de Hulst 1957, "Light Scattering by Small Particles",
+//! section 12), and the bows of glass at every wavelength, whose angles follow from Snell's law.
+//!
+//! The camera is the sun: its rays are parallel, and by reciprocity what it sees of a lamp in some
+//! directions is what the ball would send there of its light. There is a ring of lamps far away for
+//! every bin of angles, each in a band of its own, so that a film of eight bands tells eight bins
+//! apart, and a set of eight wavelengths has one for each.
+//!
+//! A normal number exceeds the limit of 5 with a chance of 6e-7, and about 50 are looked at: noise
+//! fails these tests in 1 of 30,000 changes of the random numbers.
+
+use std::f64::consts::PI;
+
+use sunstone::glam::{DVec3, Vec3};
+use sunstone::spectra::{Line, LineShape};
+use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
+use sunstone::{Band, Error, Integrator, Mode, Options, PlacedWorld, Spectrum, StokesImage, World};
+
+use crate::fresnel::{bk7, reflectances};
+use crate::measured::{Measured, images, spectral};
+
+/// Bins of a render.
+const RINGS: usize = 8;
+/// Their distance in radii of the ball: rays from it are parallel there to 6e-4 degrees.
+const FAR: f64 = 1e5;
+/// Corners of a ring, whose edges are in its angle to 5e-4 degrees.
+const CORNERS: u32 = 512;
+/// Width of bins in degrees.
+const BIN_DEG: f64 = 0.1;
+/// Edge of the film in pixels.
+const EDGE: u32 = 64;
+/// Chords of a ray in the ball, at most, and segments of its path.
+const CHORDS: u32 = 5;
+const LENGTH: u32 = 2 + CHORDS;
+const LIMIT: f64 = 5.0;
+/// The index of water that the reference has.
+const WATER: f64 = 1.333;
+
+/// A bin: its least angle in degrees, and the middle of its band in nanometers.
+#[derive(Clone, Copy)]
+struct Ring {
+    from_deg: f64,
+    nm: f64,
+}
+
+/// Those from an angle in degrees on, in bands over visible light.
+fn rings_from(first_deg: f64) -> Vec<Ring> {
+    let ring = |index: usize| Ring {
+        from_deg: first_deg + BIN_DEG * index as f64,
+        nm: 420.0 + 40.0 * index as f64,
+    };
+    (0..RINGS).map(ring).collect()
+}
+
+/// A ball of radius 1 before the camera, and the lamps.
+fn world(ball: Bsdf, rings: &[Ring]) -> PlacedWorld {
+    let world = || -> Result<World, Error> {
+        let mut world = World::new("ball");
+        let ball = world.add_material("ball", ball)?;
+        world.add_sphere("ball", 1.0, ball, Transform::IDENTITY)?;
+        for (index, ring) in rings.iter().enumerate() {
+            // Wider than its band.
+            let line = Line { center_nm: ring.nm, power: 4.0, width_nm: 4.0 };
+            let light = Spectrum::lines(&[line], LineShape::Box)?;
+            let name = format!("ring {index}");
+            let glow = world.add_material(&name, Material::emitter(light).two_sided())?;
+            world.add_mesh(&name, zone(ring.from_deg), glow, Transform::IDENTITY)?;
+        }
+        let place = Transform::looking(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y);
+        let lens = Lens::Orthographic { half_width: 1.0, half_height: 1.0 };
+        world.set_camera("sun", lens, place)?;
+        world.set_resolution([EDGE; 2])?;
+        Ok(world)
+    };
+    PlacedWorld::new(world().expect("a sound world")).expect("a sound world")
+}
+
+/// All directions at an angle in degrees to those of the camera's rays, or up to a bin more.
+fn zone(from_deg: f64) -> Geometry {
+    let corner = |deg: f64, index: u32| -> Vec3 {
+        let (sine, cosine) = deg.to_radians().sin_cos();
+        let (y, x) = (2.0 * PI * f64::from(index) / f64::from(CORNERS)).sin_cos();
+        (FAR * DVec3::new(sine * x, sine * y, -cosine)).as_vec3()
+    };
+    let corners = |index| [corner(from_deg, index), corner(from_deg + BIN_DEG, index)];
+    let triangles = |index: u32| {
+        let (here, next) = (2 * index, 2 * ((index + 1) % CORNERS));
+        [[here, here + 1, next + 1], [here, next + 1, next]]
+    };
+    let positions = (0..CORNERS).flat_map(corners).collect();
+    Geometry::new(positions, (0..CORNERS).flat_map(triangles).collect())
+}
+
+/// The share of the light on the ball that leaves in a bin, and the same of what is polarized
+/// across the plane of scattering less that along it.
+fn measured(image: &StokesImage, channel: usize) -> [f64; 2] {
+    let [height, width, ..] = image.shape();
+    let plane = |component| image.plane(component, channel);
+    let mut sums = [0.0; 2];
+    for (row, y) in (0..height).map(|row| (row, 1.0 - (2.0 * row as f64 + 1.0) / height as f64)) {
+        for column in 0..width {
+            let x = (2.0 * column as f64 + 1.0) / width as f64 - 1.0;
+            let at = |component| f64::from(plane(component)[row * width + column]);
+            // Cosine and sine of twice the azimuth.
+            let radius2 = x * x + y * y;
+            let [cos2, sin2] = [(x * x - y * y) / radius2, 2.0 * x * y / radius2];
+            sums[0] += at(0);
+            sums[1] -= cos2 * at(1) + sin2 * at(2);
+        }
+    }
+    let pixel = 4.0 / (width * height) as f64;
+    sums.map(|sum| sum * pixel / PI)
+}
+
+/// What rays find in some bins of a least angle in degrees: the same two numbers, summed over rays
+/// that are evenly dense over the disk of the ball, with up to [`CHORDS`] chords in it.
+fn summed(n: f64, from_deg: &[f64], rays: u32) -> Vec<[f64; 2]> {
+    let mut bins = vec![[0.0; 2]; from_deg.len()];
+    for ray in 0..rays {
+        let sine = ((f64::from(ray) + 0.5) / f64::from(rays)).sqrt();
+        let (incidence, refraction) = (sine.asin(), (sine / n).asin());
+        let reflected = reflectances([n, 0.0], incidence.cos());
+        for chords in 0..=CHORDS {
+            let turn = 2.0 * (incidence - refraction)
+                + (f64::from(chords) - 1.0) * (PI - 2.0 * refraction);
+            let deg = turn.cos().acos().to_degrees();
+            let [s, p] = reflected.map(|r| match chords {
+                0 => r,
+                _ => (1.0 - r).powi(2) * r.powi(chords as i32 - 1),
+            });
+            for (bin, from) in bins.iter_mut().zip(from_deg) {
+                if (*from..from + BIN_DEG).contains(&deg) {
+                    bin[0] += 0.5 * (s + p) / f64::from(rays);
+                    bin[1] += 0.5 * (s - p) / f64::from(rays);
+                }
+            }
+        }
+    }
+    bins
+}
+
+/// What is found in the bins, and what rays find.
+struct Found {
+    deg: f64,
+    light: [Measured; 2],
+    expected: [f64; 2],
+}
+
+/// Bins of the water's light from an angle in degrees on.
+fn window(first_deg: f64, samples: u32, replicates: u32, rays: u32) -> Vec<Found> {
+    let rings = rings_from(first_deg);
+    let world = world(Bsdf::dielectric(WATER as f32), &rings);
+    let bands = rings.iter().map(|ring| Band::new(ring.nm as f32, 2.0)).collect();
+    let options = Options {
+        integrator: Some(Integrator::Path),
+        mode: Mode::Polarized,
+        samples,
+        path_length_max: LENGTH,
+        roulette_after: Some(LENGTH + 1),
+        ..Options::default()
+    };
+    let images = images(&world, &spectral(8, bands, options), replicates);
+    let from_deg: Vec<f64> = rings.iter().map(|ring| ring.from_deg).collect();
+    let expected = summed(f64::from(WATER as f32), &from_deg, rays);
+    let found = |(index, expected): (usize, [f64; 2])| {
+        let all: Vec<[f64; 2]> = images.iter().map(|image| measured(image, index)).collect();
+        let light = [0, 1].map(|of| Measured::of(&all.iter().map(|it| it[of]).collect::<Vec<_>>()));
+        let deg = from_deg[index];
+        let [s0, s1] = light;
+        println!(
+            "{deg:.1} degrees: {:.3e} of the light, {:+.2} % off (error {:.2} %); polarized \
+             {:.4}, should be {:.4}",
+            s0.mean,
+            100.0 * (s0.mean / expected[0] - 1.0),
+            100.0 * s0.error / s0.mean,
+            s1.mean / s0.mean,
+            expected[1] / expected[0]
+        );
+        Found { deg, light, expected }
+    };
+    expected.into_iter().enumerate().map(found).collect()
+}
+
+/// The angle in degrees at which rays that are reflected once in the ball turn back, from the
+/// reference.
+fn bow_deg() -> f64 {
+    let table = include_str!("../data/rainbow/bow.csv");
+    let primary = table.lines().find(|line| line.starts_with("1.333,1,"));
+    let cell = primary.and_then(|line| line.split(',').nth(3));
+    cell.and_then(|cell| cell.parse().ok()).expect("the primary bow")
+}
+
+/// The angle of least deviation of rays that are reflected once, by the index.
+fn bow_of(n: f64) -> f64 {
+    let incidence = ((n * n - 1.0) / 3.0).sqrt().acos();
+    let refraction = (incidence.sin() / n).asin();
+    (PI + 2.0 * incidence - 4.0 * refraction).to_degrees()
+}
+
+/// Every bin by the errors that the images have, and the bow where it belongs.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn the_primary_rainbow_is_where_and_what_rays_say() {
+    assert!((bow_of(WATER) - bow_deg()).abs() < 1e-9);
+    let found = window(137.6, 64, 16, 1_000_000);
+    for Found { deg, light, expected } in &found {
+        for (light, expected) in light.iter().zip(expected) {
+            let score = light.score(*expected, 2e-3 * expected);
+            assert!(score.abs() < LIMIT, "{deg}: {light:?}, should be {expected}");
+        }
+    }
+    // The bins are half empty where the bow is, and dark before it.
+    let before = found.iter().filter(|it| it.deg + BIN_DEG < bow_deg() - 0.1);
+    let dark = before.map(|it| it.light[0].mean).fold(0.0, f64::max);
+    let behind = found.iter().filter(|it| it.deg > bow_deg() - 0.1);
+    let bright = behind.map(|it| it.light[0].mean).fold(f64::INFINITY, f64::min);
+    assert!(dark < 0.1 * bright, "{dark}, {bright}");
+}
+
+/// One percent in bins of a tenth of a degree, of intensity and of the degree of polarization, on
+/// the bright side of the bow and far from it; before it, where there is little light, all of a
+/// window, and every bin by its error.
+#[test]
+#[ignore = "minutes"]
+fn rainbows_are_within_a_percent_of_sums_over_rays() {
+    for (first_deg, is_bright) in [(138.0, true), (138.8, true), (150.0, true), (136.8, false)] {
+        let found = window(first_deg, 2048, 16, 20_000_000);
+        let sum = |of: fn(&Found) -> f64| found.iter().map(of).sum::<f64>();
+        let all = sum(|it| it.light[0].mean) / sum(|it| it.expected[0]) - 1.0;
+        println!("from {first_deg} degrees: all {:+.3} % off", 100.0 * all);
+        assert!(all.abs() < 0.02, "{first_deg}: {all}");
+        for Found { deg, light: [s0, s1], expected } in &found {
+            let off = s0.mean / expected[0] - 1.0;
+            let polarized = s1.mean / s0.mean - expected[1] / expected[0];
+            if is_bright {
+                assert!(off.abs() < 0.01, "{deg}: {off}");
+                assert!(polarized.abs() < 0.01, "{deg}: {polarized}");
+            }
+            for (light, expected) in [s0, s1].into_iter().zip(expected) {
+                let score = light.score(*expected, 5e-4 * expected);
+                assert!(score.abs() < LIMIT, "{deg}: {light:?}, should be {expected}");
+            }
+        }
+    }
+}
+
+/// A ring that has the bow of its wavelength in its middle gets light from one side of it. If the
+/// bow were half a bin further, there would be all the light, or none.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bows_of_glass_are_where_snells_law_has_them_at_every_wavelength() {
+    let ring = |index: usize| {
+        let nm = 420.0 + 40.0 * index as f64;
+        Ring { from_deg: bow_of(bk7(nm)) - 0.5 * BIN_DEG, nm }
+    };
+    let rings: Vec<Ring> = (0..RINGS).map(ring).collect();
+    assert!(rings[RINGS - 1].from_deg - rings[0].from_deg < -1.0, "the bows are apart");
+    let (ior, _) = sunstone::spectra::index("BK7").expect("it is tabulated");
+    let world = world(Bsdf::DispersiveDielectric { ior, exterior_ior: 1.0.into() }, &rings);
+    let bands = rings.iter().map(|ring| Band::new(ring.nm as f32, 0.2)).collect();
+    let options = Options {
+        integrator: Some(Integrator::Path),
+        mode: Mode::Intensity,
+        samples: 64,
+        path_length_max: LENGTH,
+        roulette_after: Some(LENGTH + 1),
+        ..Options::default()
+    };
+    let images = images(&world, &spectral(8, bands, options), 16);
+    for (channel, ring) in rings.iter().enumerate() {
+        let light = |image: &StokesImage| {
+            image.plane(0, channel).iter().map(|value| f64::from(*value)).sum::<f64>()
+        };
+        let share = 4.0 / (PI * f64::from(EDGE * EDGE));
+        let all: Vec<f64> = images.iter().map(|image| share * light(image)).collect();
+        let found = Measured::of(&all);
+        // As if the bow were moved by half a bin, to either side, or not at all.
+        let from = [0.5, 0.0, -0.5].map(|bins| ring.from_deg + bins * BIN_DEG);
+        let expected = summed(bk7(ring.nm), &from, 1_000_000);
+        let [most, same, least] = [0, 1, 2].map(|index| expected[index][0]);
+        println!(
+            "{} nm, bow at {:.3} degrees: {:.3e} (error {:.1e}), should be {same:.3e}, between \
+             {least:.3e} and {most:.3e}",
+            ring.nm,
+            ring.from_deg + 0.5 * BIN_DEG,
+            found.mean,
+            found.error
+        );
+        assert!(found.mean - LIMIT * found.error > least, "{}: too little", ring.nm);
+        assert!(found.mean + LIMIT * found.error < most, "{}: too much", ring.nm);
+        assert!(most > 1.2 * same && same > 1.5 * least, "the test could not fail");
+    }
+}
