@@ -71,8 +71,8 @@ fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
         if let Color::Responses(_) = named.image.color {
-            let reason = "a page shows RGB, one wavelength or bands, and it has responses; name one \
-                          by --channel";
+            let reason = "a page shows RGB, one wavelength or bands, and it has responses; name \
+                          one by --channel";
             return Err(OutputError::Image { reason });
         }
     }
