@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use sunstone::internals::image::png;
 use sunstone::internals::image::visualize::{Map, View, panels, visualize};
-use sunstone::{Band, Bands, Color, Curves, ImageError, StokesImage, Stop};
+use sunstone::internals::spectrum::Curves;
+use sunstone::{Band, Bands, Color, ImageError, StokesImage, Stop};
 
 use crate::errors::{ERROR, of_image};
 use crate::wait::wait_for;
@@ -28,10 +29,10 @@ pub type Parts<'py> = (Array<'py>, Option<Array<'py>>, Option<Channels>, Vec<(St
 pub enum Channels {
     /// One wavelength in nanometers.
     Wavelength(f32),
+    /// Responses, as files hold them.
+    Responses(String),
     /// Bands.
     Bands(Vec<Row>),
-    /// The curves of responses, as [`Curves::to_text`] has them.
-    Responses(String),
 }
 
 impl Channels {
@@ -39,11 +40,11 @@ impl Channels {
         match color {
             Color::Rgb => None,
             Color::Mono { wavelength_nm } => Some(Self::Wavelength(*wavelength_nm)),
+            Color::Responses(curves) => Some(Self::Responses(curves.to_text())),
             Color::Bands(bands) => {
                 let row = |band: &Band| (band.name.clone(), band.center_nm, band.width_nm);
                 Some(Self::Bands(bands.list().iter().map(row).collect()))
             }
-            Color::Responses(curves) => Some(Self::Responses(curves.to_text())),
         }
     }
 }
@@ -52,15 +53,15 @@ fn color_of(channels: Option<Channels>) -> PyResult<Color> {
     Ok(match channels {
         None => Color::Rgb,
         Some(Channels::Wavelength(wavelength_nm)) => Color::Mono { wavelength_nm },
+        Some(Channels::Responses(text)) => {
+            let curves = Curves::from_text(&text);
+            let problem = "responses: this is not what Image.responses of an image has";
+            Color::Responses(Arc::new(curves.ok_or_else(|| ERROR.says(problem))?))
+        }
         Some(Channels::Bands(rows)) => {
             let band = |(name, center_nm, width_nm)| Band { name, center_nm, width_nm };
             let bands = Bands::new(rows.into_iter().map(band).collect());
             Color::Bands(Arc::new(bands.map_err(|fault| ERROR.says(fault))?))
-        }
-        Some(Channels::Responses(text)) => {
-            let curves = Curves::from_text(&text);
-            let curves = curves.ok_or_else(|| ERROR.says("these are no curves of responses"))?;
-            Color::Responses(Arc::new(curves))
         }
     })
 }
@@ -69,6 +70,14 @@ fn color_of(channels: Option<Channels>) -> PyResult<Color> {
 #[pyfunction]
 pub fn checked_bands(rows: Vec<Row>) -> PyResult<Option<Channels>> {
     color_of(Some(Channels::Bands(rows))).map(|color| Channels::of(&color))
+}
+
+/// The names of channels, and the wavelengths in nanometers that they stand for, if they do.
+#[pyfunction]
+pub fn about_channels(channels: Option<Channels>) -> PyResult<(Vec<String>, Vec<Option<f32>>)> {
+    let color = color_of(channels)?;
+    let wavelengths = (0..color.channels()).map(|channel| color.wavelength_of(channel)).collect();
+    Ok((color.channel_names(), wavelengths))
 }
 
 /// The channel that has a wavelength in nanometers, and the wavelength that it stands for.

@@ -51,7 +51,9 @@ mod _sunstone {
     #[pymodule_export]
     use super::geometry::Geometry;
     #[pymodule_export]
-    use super::image::{channel_at, checked_bands, load_image, picture, save_image};
+    use super::image::{
+        about_channels, channel_at, checked_bands, load_image, picture, save_image,
+    };
 
     #[pymodule_export]
     use super::scene::{Scene, keys_of, load};

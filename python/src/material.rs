@@ -1,6 +1,7 @@
 //! Materials of keyword arguments, which are those of the scene files.
 
 use pyo3::prelude::*;
+use sunstone::Spectrum;
 use sunstone::spectra::metal_names;
 use sunstone::world::{Bsdf, Material, Sides};
 
@@ -37,8 +38,8 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "absorber" => Bsdf::Absorber,
         "conductor" => conductor(keys)?,
         "dielectric" => {
-            let exterior_ior = keys.index("exterior_ior")?.unwrap_or(1.0.into());
-            Bsdf::boundary(keys.index("ior")?.unwrap_or(IOR.into()), exterior_ior)
+            let [ior, exterior_ior] = indices(keys)?;
+            Bsdf::boundary(ior, exterior_ior)
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
@@ -51,12 +52,17 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
             retardance_deg: keys
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
-        "thin_dielectric" => Bsdf::ThinDielectric {
-            ior: keys.index("ior")?.unwrap_or(IOR.into()),
-            exterior_ior: keys.index("exterior_ior")?.unwrap_or(1.0.into()),
-        },
+        "thin_dielectric" => {
+            let [ior, exterior_ior] = indices(keys)?;
+            Bsdf::ThinDielectric { ior, exterior_ior }
+        }
         model => return Err(keys.refuse("bsdf", &format!("`{model}` is not a model"), MODELS)),
     })
+}
+
+fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
+    let [ior, exterior_ior] = [keys.index("ior")?, keys.index("exterior_ior")?];
+    Ok([ior.unwrap_or(IOR.into()), exterior_ior.unwrap_or(1.0.into())])
 }
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {

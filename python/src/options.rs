@@ -27,24 +27,13 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         return Err(RENDER_ERROR.says("spp and iterations cannot both be given: leave one out"));
     }
     let default = Options::default();
-    let variance = match options.get_item("variance")?.filter(|value| !value.is_none()) {
-        Some(value) => flag("variance", &value)?,
-        None => default.variance,
-    };
-    let light = light(options)?;
-    let ((color, spectral), white_balance) =
-        of_arguments(&light).map_err(|text| RENDER_ERROR.says(text))?;
+    let variance = is_set(options, "variance")?;
+    let light = of_arguments(&light(options)?).map_err(|text| RENDER_ERROR.says(text))?;
     let of_photons = photons.samples.unwrap_or(1).max(1);
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
     let options = Options {
         integrator,
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
-        color,
-        spectral,
-        rgb_white: light.rgb_white.map(|WhiteName(white)| white),
-        white_balance,
-        raw_response: light.raw_response,
-        hold_spectra: light.hold_spectra,
         width: option(options, "width")?,
         height: option(options, "height")?,
         samples,
@@ -59,6 +48,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         photons,
         time_limit: time_limit(options)?,
         part: None,
+        ..light
     };
     Settings::new(options).map_err(of_settings)
 }
@@ -107,26 +97,28 @@ fn named<T: Copy>(
 
 /// What the channels stand for and what light is carried at, as the command line has it.
 fn light(options: &Bound<PyDict>) -> PyResult<ColorArguments> {
+    let (bands, responses) = (parsed(options, "bands")?, option(options, "responses")?);
+    if bands.is_some() && responses.is_some() {
+        return Err(RENDER_ERROR.says("bands and responses cannot both be given: leave one out"));
+    }
     Ok(ColorArguments {
         color: named(options, "color", &ColorName::ALL, ColorName::name)?.unwrap_or(ColorName::Rgb),
         wavelength: option(options, "wavelength")?,
         rgb_white: named(options, "rgb_white", &White::ALL, White::name)?.map(WhiteName),
         wavelengths: option(options, "wavelengths")?,
         range: parsed(options, "range")?,
-        bands: parsed(options, "bands")?,
-        responses: option(options, "responses")?,
-        raw_response: switch(options, "raw_response")?,
+        bands,
+        responses,
+        raw_response: is_set(options, "raw_response")?,
         white_balance: option(options, "white_balance")?,
-        hold_spectra: switch(options, "hold_spectra")?,
+        hold_spectra: is_set(options, "hold_spectra")?,
     })
 }
 
-/// An option that is on or off, and off where it is not there.
-fn switch(options: &Bound<PyDict>, name: &str) -> PyResult<bool> {
-    match options.get_item(name)?.filter(|value| !value.is_none()) {
-        Some(value) => flag(name, &value),
-        None => Ok(false),
-    }
+/// Whether an option that is true or false is there and true.
+fn is_set(options: &Bound<PyDict>, name: &str) -> PyResult<bool> {
+    let value = options.get_item(name)?.filter(|value| !value.is_none());
+    value.map_or(Ok(false), |value| flag(name, &value))
 }
 
 /// An option that the command line has as numbers with colons between, or as a name: such a text,

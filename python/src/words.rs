@@ -5,13 +5,14 @@ use sunstone::internals::render::settings::AUTO;
 use sunstone::{Integrator, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 25] = [
+const OPTIONS: [(&str, &str); 29] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("bands", ""),
     ("camera", ""),
     ("color", ""),
     ("height", ""),
+    ("hold-spectra", "=True"),
     ("integrator", ""),
     ("iterations", ""),
     ("max-path-length", ""),
@@ -19,7 +20,9 @@ const OPTIONS: [(&str, &str); 25] = [
     ("photons", ""),
     ("radius", ""),
     ("range", ""),
+    ("raw-response", "=True"),
     ("replicates", ""),
+    ("responses", ""),
     ("results", ""),
     ("rgb-white", ""),
     ("roulette-after", ""),
@@ -30,6 +33,7 @@ const OPTIONS: [(&str, &str); 25] = [
     ("variance", "=True"),
     ("wavelength", ""),
     ("wavelengths", ""),
+    ("white-balance", ""),
     ("width", ""),
 ];
 

@@ -38,7 +38,7 @@ class Image:
     Images pickle and copy with all that they hold.
     """
 
-    __slots__ = ("_bands", "_metadata", "_stokes", "_variance", "_wavelength_nm")
+    __slots__ = ("_bands", "_metadata", "_responses", "_stokes", "_variance", "_wavelength_nm")
 
     def __init__(
         self,
@@ -47,6 +47,7 @@ class Image:
         variance: npt.ArrayLike | None = None,
         wavelength_nm: float | None = None,
         bands: Iterable[Band | tuple[str, float, float]] | None = None,
+        responses: str | None = None,
         metadata: Mapping[str, str] | None = None,
     ) -> None:
         """An image of arrays, which are copied only where they have to be.
@@ -59,20 +60,22 @@ class Image:
             wavelength_nm: wavelength in vacuum in nanometers of an image of one channel.
             bands: what the channels stand for in place of it, in the order of their centers: name,
                 center and width in nanometers of each.
+            responses: or else the curves that they have, as `Image.responses` of another has them.
             metadata: facts about the image, names to texts.
         """
-        if bands is not None and wavelength_nm is not None:
-            raise Error("bands and wavelength_nm cannot both be given: leave one out")
+        given = {"wavelength_nm": wavelength_nm, "bands": bands, "responses": responses}
+        if len(names := [name for name, value in given.items() if value is not None]) > 1:
+            raise Error(f"{' and '.join(names)} cannot both be given: leave one out")
+        self._wavelength_nm = wavelength_nm
+        self._responses = responses
         self._bands = None if bands is None else _bands(bands)
-        count = len(self._bands) if self._bands is not None else 3 if wavelength_nm is None else 1
-        self._stokes = _checked("stokes", stokes, count, self._bands is not None)
+        self._stokes = _checked("stokes", stokes, self)
         self._variance = None
         if variance is not None:
-            self._variance = _checked("variance", variance, count, self._bands is not None)
+            self._variance = _checked("variance", variance, self)
             if self._variance.shape != self._stokes.shape:
                 shapes = f"{self._variance.shape}, and the values {self._stokes.shape}"
                 raise Error(f"variance has the shape {shapes}: give one to each value")
-        self._wavelength_nm = wavelength_nm
         self._metadata = dict(metadata or {})
 
     @classmethod
@@ -91,15 +94,18 @@ class Image:
         return cls(
             stokes,
             variance=variance,
-            wavelength_nm=None if isinstance(channels, list) else channels,
+            wavelength_nm=channels if isinstance(channels, float) else None,
             bands=channels if isinstance(channels, list) else None,
+            responses=channels if isinstance(channels, str) else None,
             metadata=dict(metadata),
         )
 
     @property
     def _channels(self) -> _sunstone._Channels:
         """What the channels stand for, as the native part has it."""
-        return self._wavelength_nm if self._bands is None else list(self._bands)
+        if self._bands is not None:
+            return list(self._bands)
+        return self._wavelength_nm if self._responses is None else self._responses
 
     @property
     def stokes(self) -> Array:
@@ -147,13 +153,10 @@ class Image:
     def channels(self) -> tuple[str, ...]:
         """What the channels are called.
 
-        ("R", "G", "B"), or the wavelength, as ("550 nm",), or the names of the bands.
+        ("R", "G", "B"), or the wavelength, as ("550 nm",), or the names of bands or responses.
         """
-        if self._bands is not None:
-            return tuple(band.name for band in self._bands)
-        if self._wavelength_nm is None:
-            return ("R", "G", "B")
-        return (f"{self._wavelength_nm:g} nm",)
+        names, _ = _sunstone.about_channels(self._channels)
+        return tuple(names)
 
     @property
     def wavelength_nm(self) -> float | None:
@@ -169,16 +172,22 @@ class Image:
         return self._bands
 
     @property
+    def responses(self) -> str | None:
+        """The curves of the channels, if they have any, as files hold them: a text."""
+        return self._responses
+
+    @property
     def wavelengths_nm(self) -> Array | None:
-        """The wavelength of every channel in nanometers, of bands their centers; None in RGB.
+        """The wavelength of every channel in nanometers; None in RGB.
+
+        Of bands their centers, and of responses their means, not a number where one has none.
 
         >>> plt.plot(image.wavelengths_nm, image.stokes[y, x, :, 0])
         """
-        if self._bands is not None:
-            return np.array([band.center_nm for band in self._bands], np.float32)
-        if self._wavelength_nm is None:
+        if (channels := self._channels) is None:
             return None
-        return np.array([self._wavelength_nm], np.float32)
+        _, wavelengths = _sunstone.about_channels(channels)
+        return np.array(wavelengths, np.float32)
 
     def at(self, wavelength_nm: float) -> Image:
         """The band that has a wavelength in nanometers, as an image of the one of its center.
@@ -251,7 +260,8 @@ class Image:
 
     def __reduce__(self) -> tuple[object, ...]:
         rows = None if self._bands is None else [(*band,) for band in self._bands]
-        return _image, (self._stokes, self._variance, self._wavelength_nm, self._metadata, rows)
+        kept = (self._stokes, self._variance, self._wavelength_nm, self._metadata)
+        return _image, (*kept, rows, self._responses)
 
 
 def _image(
@@ -260,9 +270,15 @@ def _image(
     wavelength_nm: float | None,
     metadata: dict[str, str],
     bands: list[tuple[str, float, float]] | None = None,
+    responses: str | None = None,
 ) -> Image:
     return Image(
-        stokes, variance=variance, wavelength_nm=wavelength_nm, bands=bands, metadata=metadata
+        stokes,
+        variance=variance,
+        wavelength_nm=wavelength_nm,
+        bands=bands,
+        responses=responses,
+        metadata=metadata,
     )
 
 
@@ -272,12 +288,16 @@ def _bands(bands: Iterable[Band | tuple[str, float, float]]) -> tuple[Band, ...]
     return tuple(Band(*row) for row in rows)
 
 
-def _checked(name: str, values: npt.ArrayLike, channels: int, are_bands: bool) -> Array:
+def _checked(name: str, values: npt.ArrayLike, image: Image) -> Array:
+    """Values of a shape that goes with what the channels of an image stand for."""
     array = np.require(values, np.float32, ("C", "W", "A"))
+    channels = len(image.channels)
     if array.ndim != 4 or array.shape[2] != channels or array.shape[3] not in (1, 4):
-        what = f"{channels} bands" if are_bands else "one wavelength" if channels == 1 else "RGB"
+        what = "of one wavelength" if image.wavelength_nm is not None else "in RGB"
+        if image.bands is not None or image.responses is not None:
+            what = f"of {channels} {'bands' if image.bands is not None else 'responses'}"
         raise Error(
             f"{name} has the shape {array.shape}: must be (height, width, {channels}, 1 or 4), as "
-            f"an image {'in' if what == 'RGB' else 'of'} {what} has"
+            f"an image {what} has"
         )
     return array

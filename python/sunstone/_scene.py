@@ -213,6 +213,10 @@ class Scene(Editable):
         wavelengths: Literal[4, 8] | None = None,
         range: Sequence[float] | str | None = None,
         bands: Sequence[float] | str | None = None,
+        responses: str | None = None,
+        raw_response: bool = False,
+        white_balance: str | None = None,
+        hold_spectra: bool = False,
         iterations: int | None = None,
         max_path_length: int | None = None,
         roulette_after: int | None = None,
@@ -252,7 +256,16 @@ class Scene(Editable):
                 (380, 780); by default those of the bands.
             bands: of "spectral", what is measured: the centers of the first and the last in
                 nanometers and how many there are, as (400, 700, 31); each as wide as these are
-                apart. A text is what the command line takes: "400:700:31".
+                apart. A text is what the command line takes: "400:700:31", "450x20,red=650x30" or
+                the path of a file .csv.
+            responses: of "spectral" in place of bands, channels with curves of their own: "xyz",
+                "luminance", "nikon-d5100", "sigma-sd1" or the path of a file .csv.
+            raw_response: of responses: integrals of radiance times their numbers; otherwise each is
+                normalized to 1 for a spectrum of radiance 1 per nanometer.
+            white_balance: of "spectral" without `bands`, a light that the film shows as white: an
+                illuminant ("D50"), a temperature ("3200K") or the path of a file .spd.
+            hold_spectra: hold what tables and formulas say at their ends where the wavelengths
+                reach beyond, instead of refusing that; a warning and the metadata say of which.
             iterations: in place of `spp`: of one sample in every pixel, or, by "ppm", of a pass of
                 photons with its samples.
             max_path_length: most segments of a path: 1 shows emitters only, 2 adds direct light; no

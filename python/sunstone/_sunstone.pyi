@@ -9,9 +9,10 @@ import numpy.typing as npt
 __version__: str
 
 _Array = npt.NDArray[np.float32]
-# One wavelength in nanometers, or bands: name, center and width; None of red, green and blue.
+# One wavelength in nanometers, bands (name, center and width), or responses as files hold them; None
+# of red, green and blue.
 _Row = tuple[str, float, float]
-_Channels = float | list[_Row] | None
+_Channels = float | str | list[_Row] | None
 _Parts = tuple[_Array, _Array | None, _Channels, list[tuple[str, str]]]
 
 _Job = tuple[
@@ -117,6 +118,7 @@ def save_image(
     metadata: list[tuple[str, str]],
 ) -> None: ...
 def checked_bands(rows: list[_Row]) -> list[_Row]: ...
+def about_channels(channels: _Channels) -> tuple[list[str], list[float | None]]: ...
 def channel_at(channels: _Channels, wavelength_nm: float) -> tuple[int, float]: ...
 def load_image(path: str) -> _Parts: ...
 def picture(

@@ -130,8 +130,8 @@ class World(Editable):
             eta: of "conductor": real part of the index of refraction n - i k.
             k: of "conductor": its extinction coefficient.
             ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default. One that
-                depends on the wavelength disperses light by "dielectric"; in RGB, and of a pane,
-                that at 587.56 nm holds for all.
+                depends on the wavelength disperses light by "dielectric"; in RGB that at 587.56 nm
+                holds for all.
             exterior_ior: of these: index of refraction outside; 1 by default.
             axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
                 the x axis of the shape, counterclockwise about the normal; 0 by default.

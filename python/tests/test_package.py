@@ -41,6 +41,9 @@ CASES: list[dict[str, Any]] = [
     dict(color="spectral", wavelengths=4),
     dict(color="spectral", bands=(420, 660, 7), variance=True),
     dict(color="spectral", bands="450:650:3", range=(400, 700), rgb_white="d65", mode="scalar"),
+    dict(color="spectral", bands="450x20,red=650x30", wavelengths=4),
+    dict(color="spectral", responses="nikon-d5100", white_balance="D50", wavelengths=4),
+    dict(color="spectral", responses="xyz", raw_response=True, mode="scalar", variance=True),
     dict(sampling="intensity", replicates=2, threads=1),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
@@ -80,6 +83,8 @@ def test_bits_are_the_program_s(
     if image.bands is not None:
         colors = [f".{band.center_nm:.6f}nm".replace(".", ",") for band in image.bands]
         colors = ["." + color[1:] for color in colors]
+    elif image.responses is not None:
+        colors = [f".{name}" for name in image.channels]
     for array, prefix in (image.stokes, ""), (image.variance, "variance."):
         for channel, color in enumerate(colors):
             for component in range(components):
@@ -103,7 +108,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 26
+    assert len(names) == len(set(names)) == 30
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -236,6 +241,12 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(color="spectral", bands=(700, 400, 3)), r"^bands go from 700 down to 400 nm; turn them"),
     (dict(color="spectral", bands=(400, math.inf, 3)), r"^bands from 400 to inf nm are no wavel"),
     (dict(color="spectral", bands=(), range=(400, 700)), r"^bands: it is the centers"),
+    (dict(color="spectral", bands="a.csv", responses="xyz"), r"^bands and responses cannot both"),
+    (dict(color="spectral", responses="kodak"), r"^responses kodak is not known: use one of"),
+    (dict(color="spectral", responses="no.csv"), r"^cannot read no.csv"),
+    (dict(color="spectral", raw_response=True), r"^raw_response"),
+    (dict(color="rgb", responses="xyz"), r"^responses goes with color=\"spectral\""),
+    (dict(color="spectral", white_balance="blue"), r"^white_balance: "),
     (
         dict(color="spectral", bands=(400, 700, 31), range=(400, 700)),
         r"^bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
@@ -354,6 +365,29 @@ def test_bands_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> Non
         plain.at(550)
 
 
+def test_responses_are_channels(room: sunstone.World, tmp_path: pathlib.Path) -> None:
+    options = dict(**SMALL, color="spectral", wavelengths=4)
+    image = room.render(**options, responses="nikon-d5100", white_balance="3200K", variance=True)
+    assert image.channels == ("red", "green", "blue") and image.bands is None
+    assert image.stokes.shape == (16, 16, 3, 4) and image.responses is not None
+    assert image.wavelengths_nm is not None
+    red, green, blue = image.wavelengths_nm
+    assert 560 < red < 640 and 500 < green < 560 and 430 < blue < 500
+    image.save(tmp_path / "a.exr")
+    others = [sunstone.Image.load(tmp_path / "a.exr"), pickle.loads(pickle.dumps(image))]
+    others.append(sunstone.Image(image.stokes, responses=image.responses))
+    for other in others:
+        assert np.array_equal(other.stokes, image.stokes) and other.responses == image.responses
+    assert "red, green, blue" in repr(image) and image._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(sunstone.Error, match="responses: this is not what"):
+        sunstone.Image(image.stokes, responses="nikon-d5100")
+    with pytest.raises(sunstone.Error, match="an image of 3 responses has"):
+        sunstone.Image(image.stokes[:, :, :2], responses=image.responses)
+    (tmp_path / "two.csv").write_text("wavelength_nm,a,b\n450,0,0\n550,1,0\n650,0,1\n")
+    other = room.render(**options, responses=str(tmp_path / "two.csv"))
+    assert other.channels == ("a", "b")
+
+
 def test_bands_are_named_by_who_makes_an_image(tmp_path: pathlib.Path) -> None:
     values = np.random.default_rng(1).random((2, 3, 2, 1), np.float32)
     image = sunstone.Image(values, bands=[("NIR", 850, 40), sunstone.Band("SWIR", 1600.1, 90)])
@@ -373,7 +407,7 @@ def test_bands_are_named_by_who_makes_an_image(tmp_path: pathlib.Path) -> None:
     ):
         with pytest.raises(sunstone.Error, match=text):
             sunstone.Image(values, bands=bands)
-    with pytest.raises(sunstone.Error, match="bands and wavelength_nm cannot both be given"):
+    with pytest.raises(sunstone.Error, match="wavelength_nm and bands cannot both be given"):
         sunstone.Image(values, bands=[("a", 1, 1), ("b", 2, 1)], wavelength_nm=550)
 
 
@@ -410,8 +444,11 @@ def test_glass_of_worlds_disperses() -> None:
     del scene["glass"].ior
     assert np.array_equal(scene.render(**spectral).stokes, image.stokes)
     scene["glass"].ior = {"nm": [450, 650], "value": [1.6, 1.5]}
-    with pytest.raises(sunstone.SceneError, match="`glass`.*asked for 425 nm, but it covers 450"):
+    with pytest.raises(sunstone.SceneError, match="`glass`, ior: covers 450 to 650 nm only.*425"):
         scene.render(**spectral)
+    with pytest.warns(sunstone.RenderWarning, match="glass"):
+        held = scene.render(**spectral, hold_spectra=True)
+    assert np.isfinite(held.stokes).all()
 
 
 def test_files_take_spectra_as_edits(cornell: sunstone.Scene) -> None:
@@ -745,10 +782,10 @@ def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPa
     (tmp_path / "scenes").symlink_to(CORNELL.parent)
     monkeypatch.chdir(tmp_path)
     parts = (ROOT / "README.md").read_text().split("```python\n")[1:]
-    assert len(parts) == 4
+    assert len(parts) == 5
     names = {"sunstone": sunstone}
     for part in parts:
-        block = part.split("```")[0].replace("spp=64", "spp=1").replace("spp=16", "spp=1")
+        block = part.split("```")[0].replace("spp=64", "spp=4").replace("spp=16", "spp=1")
         exec(block, names)
     assert (tmp_path / "cornell.exr").exists() and (tmp_path / "turned-45.exr").exists()
 

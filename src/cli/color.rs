@@ -12,9 +12,9 @@ use super::white::WhiteName;
 use crate::image::{extension, read_bytes};
 use crate::math::Fault;
 use crate::math::text::{excerpt, printable};
-use crate::render::Spectral;
 use crate::render::settings::{WAVELENGTH_NM, check_color};
 use crate::render::spectral::RANGE_NM;
+use crate::render::{Options, Spectral};
 use crate::spectrum::{Bands, Color, Curves, WhiteBalance};
 
 /// Color modes by name.
@@ -170,7 +170,7 @@ impl FromStr for BandsText {
 }
 
 /// What the channels stand for, and what light is carried at.
-pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
+fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectral>), CliError> {
     let ColorArguments { color, wavelength, wavelengths, range, bands, responses, .. } = arguments;
     let usage = |text: &str| Err(CliError::Usage(text.to_owned()));
     let typed = [
@@ -201,18 +201,31 @@ pub(super) fn color(arguments: &ColorArguments) -> Result<(Color, Option<Spectra
     }
 }
 
-/// The same for programs, which say in words of their own what is wrong, and the light that is to
-/// be white.
+/// The options of a render that tell what the channels stand for and what light is carried at; the
+/// others are the defaults.
+pub(super) fn light(arguments: &ColorArguments) -> Result<Options, CliError> {
+    let (color, spectral) = color(arguments)?;
+    Ok(Options {
+        color,
+        spectral,
+        rgb_white: arguments.rgb_white.map(|WhiteName(white)| white),
+        white_balance: white_balance(arguments)?,
+        raw_response: arguments.raw_response,
+        hold_spectra: arguments.hold_spectra,
+        ..Options::default()
+    })
+}
+
+/// The same for programs, which say in words of their own what is wrong.
 ///
 /// # Errors
 /// The text of the command line, with its options.
-pub fn of_arguments(
-    arguments: &ColorArguments,
-) -> Result<((Color, Option<Spectral>), Option<WhiteBalance>), String> {
-    let both = color(arguments).and_then(|color| Ok((color, white_balance(arguments)?)));
-    both.map_err(|error| match error {
-        CliError::Usage(text) => text,
-        error => error.to_string(),
+pub fn of_arguments(arguments: &ColorArguments) -> Result<Options, String> {
+    light(arguments).map_err(|error| {
+        if let CliError::Usage(text) = &error {
+            return text.clone();
+        }
+        error.to_string()
     })
 }
 
@@ -263,7 +276,7 @@ fn curves(name: &str) -> Result<Curves, CliError> {
 }
 
 /// The light that is to be white.
-pub(super) fn white_balance(arguments: &ColorArguments) -> Result<Option<WhiteBalance>, CliError> {
+fn white_balance(arguments: &ColorArguments) -> Result<Option<WhiteBalance>, CliError> {
     let Some(name) = &arguments.white_balance else { return Ok(None) };
     let light = if is_file(name, LIGHTS) {
         let short = Path::new(name).file_name().map_or(name.into(), |name| name.to_string_lossy());

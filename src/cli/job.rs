@@ -10,8 +10,7 @@ use crate::render::{Options, Photons, Settings};
 
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
-use super::color::{color, white_balance};
-use super::white::WhiteName;
+use super::color::light;
 
 /// What the files of parts end with.
 pub(super) const PART: &str = "part";
@@ -37,7 +36,8 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
             arguments.output.display()
         )));
     }
-    let (color, spectral) = color(&arguments.color)?;
+    let light = light(&arguments.color)?;
+    let color = &light.color;
     let is_image = arguments.part.is_none();
     if color.is_of_many()
         && is_image
@@ -52,12 +52,6 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
     let options = Options {
         integrator: arguments.integrator.0,
         mode: arguments.mode.0,
-        color,
-        spectral,
-        rgb_white: arguments.color.rgb_white.map(|WhiteName(white)| white),
-        white_balance: white_balance(&arguments.color)?,
-        raw_response: arguments.color.raw_response,
-        hold_spectra: arguments.color.hold_spectra,
         width: arguments.width,
         height: arguments.height,
         samples,
@@ -71,6 +65,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,
         part: arguments.part,
+        ..light
     };
     Ok(Settings::new(options)?)
 }

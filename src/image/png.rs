@@ -11,8 +11,8 @@ use crate::image::StokesImage;
 use crate::math::elementary::exp2;
 
 /// S0 as a picture: linear values times two to the power `exposure_ev`, clipped, sRGB encoded.
-/// Monochromatic images are grey; bands are in color where they tell it, and responses that are
-/// called red, green and blue, and else the grey of their mean; what is not a number is black.
+/// Monochromatic images are grey, and bands in color where they tell it; the mean of others, and of
+/// responses, is grey; what is not a number is black.
 pub fn preview(image: &StokesImage, exposure_ev: f32) -> Picture {
     let image = image.shown();
     let gain = exp2(exposure_ev);

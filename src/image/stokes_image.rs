@@ -116,28 +116,28 @@ impl StokesImage {
     }
 
     /// An image that can be shown in red, green and blue or in grey: of bands what the eye sees of
-    /// them, of three responses that are called red, green and blue these as if they were those of
-    /// sRGB, and else the mean of all channels.
+    /// them, or their mean where they do not tell that; of responses their mean, and of three that
+    /// are called red, green and blue, these as if they were those of sRGB.
     pub(crate) fn shown(&self) -> Cow<'_, Self> {
-        let colors = match &self.color {
+        let (middle, seen) = match &self.color {
             Color::Rgb | Color::Mono { .. } => return Cow::Borrowed(self),
             Color::Responses(_) if self.channel_names() == ["red", "green", "blue"] => {
                 return Cow::Owned(Self { color: Color::Rgb, ..self.clone() });
             }
-            Color::Bands(bands) => rgb_of_bands(bands),
-            Color::Responses(_) => None,
+            Color::Bands(bands) => {
+                (mean_of(bands.ends_nm().map(|nm| nm as f32)), rgb_of_bands(bands))
+            }
+            Color::Responses(curves) => (mean_of(curves.ends_nm()), None),
         };
         let channels = self.color.channels();
-        let (color, weights): (Color, Vec<Vec<f32>>) = match colors {
+        let (color, weights): (Color, Vec<Vec<f32>>) = match seen {
             Some(weights) => {
                 let of_channel = |i: usize| weights.iter().map(|weight| weight[i]).collect();
                 (Color::Rgb, [0, 1, 2].map(of_channel).to_vec())
             }
             None => {
-                let ends = [0, channels - 1].map(|channel| self.color.wavelength_of(channel));
-                let [first, last] = ends.map(|nm| nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
                 let mean = vec![1.0 / channels as f32; channels];
-                (Color::Mono { wavelength_nm: 0.5 * (first + last) }, vec![mean])
+                (Color::Mono { wavelength_nm: middle }, vec![mean])
             }
         };
         let mixed = |planes: &[Vec<f32>]| -> Vec<Vec<f32>> {
@@ -221,6 +221,10 @@ impl Rows for StokesImage {
     fn fault(&self) -> Option<&'static str> {
         check_shape(self).err()
     }
+}
+
+fn mean_of([one, two]: [f32; 2]) -> f32 {
+    0.5 * (one + two)
 }
 
 /// The sum of planes times weights.

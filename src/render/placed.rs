@@ -57,8 +57,8 @@ const KEPT_MAX: usize = 16;
 /// A scene of so many columns, with what these are and with its film.
 type Kept<const N: usize> = (Key, [u32; 2], Sets<N>);
 
-/// What light is carried at, by which white, what spectra say beyond their ends, and how the film of
-/// a spectral render responds.
+/// What light is carried at, by which white, what spectra say beyond their ends, and how the film
+/// of a spectral render responds.
 type Key = (Columns, White, Beyond, Option<Responses>);
 
 /// The latest of them.

@@ -126,16 +126,14 @@ impl Color {
     }
 
     /// The channel that has a wavelength in nanometers, and the wavelength that it stands for: the
-    /// center of its band, or its own. None of red, green and blue has one, nor of responses, which
-    /// are told by name.
+    /// center of its band, or its own. None of responses has one, nor of red, green and blue.
     pub fn channel_at(&self, wavelength_nm: f32) -> Option<(usize, f32)> {
         match self {
-            Color::Rgb => None,
+            Color::Rgb | Color::Responses(_) => None,
             Color::Mono { wavelength_nm: own } => (*own == wavelength_nm).then_some((0, *own)),
             Color::Bands(bands) => {
                 bands.index_at(wavelength_nm).map(|index| (index, bands.list()[index].center_nm))
             }
-            Color::Responses(_) => None,
         }
     }
 }

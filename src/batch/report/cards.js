@@ -159,9 +159,9 @@ class Cards {
       ["seconds", job.seconds],
     ];
     if (job.image) {
-      const { width, height, channels, components, bands } = job.image;
+      const { width, height, channels, components, many } = job.image;
       facts.push(["size", `${width} × ${height}`], ["channels", channels.join(", ")]);
-      if (bands) facts.push(["bands", bands]);
+      if (many) facts.push(["of", many]);
       facts.push(["components", components === 4 ? "S0 to S3" : "S0 alone"]);
     }
     const list = facts.flatMap(([key, value]) => [

@@ -46,8 +46,9 @@ struct Shown {
     width: usize,
     height: usize,
     channels: Vec<String>,
-    /// The bands that it has, in words; what is shown is what the eye sees of them, or their mean.
-    bands: Option<String>,
+    /// The bands or responses that it has, in words; what is shown is what the eye sees of them, or
+    /// their mean.
+    many: Option<String>,
     components: usize,
     #[serde(flatten)]
     figures: Figures,
@@ -163,10 +164,10 @@ impl Entry {
 impl Shown {
     fn read(path: &Path, edge: usize) -> Result<Self, String> {
         let whole = image::load(path).map_err(|error| error.to_string())?;
-        let bands = whole.color.is_of_many().then(|| whole.color.to_string());
         let image = whole.shown();
-        let channels = match &bands {
-            Some(bands) if image.color.channels() == 1 => vec![format!("mean of {bands}")],
+        let many = whole.color.is_of_many().then(|| whole.color.to_string());
+        let channels = match &many {
+            Some(many) if image.color.channels() == 1 => vec![format!("mean of {many}")],
             Some(_) | None => image.channel_names(),
         };
         let is_finite = finite(&image);
@@ -174,7 +175,7 @@ impl Shown {
             width: image.width,
             height: image.height,
             channels,
-            bands,
+            many,
             components: image.components,
             figures: Figures::new(&image, &is_finite),
             thumbnail: Thumbnail::new(&image, &is_finite, edge),

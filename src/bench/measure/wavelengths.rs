@@ -39,7 +39,10 @@ pub fn carried(options: &Options) -> Vec<Carried> {
         }
     };
     let plain = |color: &Color, rgb_white| {
-        let options = Options { spectral: None, rgb_white, ..options.clone() };
+        // What a film of spectra does with its channels.
+        let (white_balance, raw_response) = (None, false);
+        let options =
+            Options { spectral: None, rgb_white, white_balance, raw_response, ..options.clone() };
         let (name, wavelengths) = (color.to_string(), color.channels());
         Carried { name, wavelengths, options: Options { color: color.clone(), ..options } }
     };

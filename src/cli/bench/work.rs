@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use super::args::WorkArguments;
 use crate::bench::measure::{Subject, subject};
 use crate::cli::args::{FileArguments, IntegratorName};
-use crate::cli::color::color;
+use crate::cli::color::light;
 use crate::cli::files::say;
-use crate::cli::white::WhiteName;
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
@@ -64,12 +63,8 @@ pub fn options(
     let per_iteration = Some(work.photons.unwrap_or(PHOTONS));
     let photons = Photons { per_iteration, samples: Some(samples), ..Photons::default() };
     check_photons(&photons)?;
-    let (color, spectral) = color(&work.color)?;
     let options = Options {
         integrator: Some(integrator),
-        color,
-        spectral,
-        rgb_white: work.color.rgb_white.map(|WhiteName(white)| white),
         width: Some(width),
         height: Some(height),
         samples,
@@ -77,7 +72,7 @@ pub fn options(
         roulette_after: work.roulette_after,
         seed: work.seed,
         photons,
-        ..Options::default()
+        ..light(&work.color)?
     };
     Ok(Settings::new(options)?.options())
 }

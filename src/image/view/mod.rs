@@ -70,9 +70,9 @@ pub fn page(images: &[Named]) -> Result<String, OutputError> {
 fn check(images: &[Named]) -> Result<(), OutputError> {
     for named in images {
         check_shape(named.image).map_err(|reason| OutputError::Image { reason })?;
-        if matches!(named.image.color, Color::Responses(_)) {
-            let reason = "a page shows RGB, bands or one wavelength, and it has responses; name one \
-                          by --channel";
+        if let Color::Responses(_) = named.image.color {
+            let reason = "a page shows RGB, one wavelength or bands, and it has responses; name \
+                          one by --channel";
             return Err(OutputError::Image { reason });
         }
     }
