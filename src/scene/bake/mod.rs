@@ -358,7 +358,7 @@ fn make_alike<const N: usize>(rows: &mut [Material<N>], disperses: bool) {
 }
 
 fn outside_table(place: &str, error: OutsideTable) -> SceneError {
-    let remedy = "render within that, extend it, or hold what is at its ends (--hold-spectra); a \\
+    let remedy = "render within that, extend it, or hold what is at its ends (--hold-spectra); a \
                   lamp of [r, g, b] is known where rgb_white is";
     SceneError::new(place, format!("a spectrum does not cover the render: {error}"), remedy)
 }
