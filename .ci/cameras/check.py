@@ -25,13 +25,13 @@ ANGLES = np.radians([0, 45, 90, 135])
 EXPOSURE = 1  # stops
 
 
-def scene():
+def scene(name, radiance):
     """Each patch is a square that emits, behind one that polarizes; the camera looks along -z."""
     positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
     data = b"".join(struct.pack("<3f", *p) for p in positions)
     data += struct.pack("<12f", *[0, 0, 1] * 4) + struct.pack("<6H", 0, 1, 2, 0, 2, 3)
     extension = "SUNSTONE_polarization"
-    material = {"extensions": {extension: {"bsdf": "absorber"}}, "emissiveFactor": RADIANCE}
+    material = {"extensions": {extension: {"bsdf": "absorber"}}, "emissiveFactor": radiance}
     materials = [material]
     primitive = {"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2}
     meshes = [{"primitives": [{**primitive, "material": 0}]}]
@@ -63,7 +63,7 @@ def scene():
                       for view, kind, count, shape in accessors],
     }
     document["accessors"][0].update(min=[-1, -1, 0], max=[1, 1, 0])
-    with open("patches.gltf", "w") as file:
+    with open(name, "w") as file:
         json.dump(document, file)
 
 
@@ -118,12 +118,13 @@ def check(kind, bits, black_level):
 
 
 def main():
-    scene()
+    scene("color.gltf", RADIANCE)
+    # A grey is its number at all wavelengths.
+    scene("mono.gltf", [RADIANCE[1]] * 3)
     size = ["--width", str(2 * PATCH), "--height", str(2 * PATCH), "--quiet"]
     common = ["--integrator", "path", "--spp", "4", *size]
-    sunstone("render", "patches.gltf", "-o", "color.exr", *common)
-    # At 550 nm the radiance is the green one.
-    sunstone("render", "patches.gltf", "-o", "mono.exr", *common, "--color", "mono")
+    sunstone("render", "color.gltf", "-o", "color.exr", *common)
+    sunstone("render", "mono.gltf", "-o", "mono.exr", *common, "--color", "mono")
     for kind in ["mono", "color"]:
         for bits, black_level in [(8, 0), (8, 10), (12, 0), (12, 240), (16, 0), (16, 4000)]:
             check(kind, bits, black_level)
