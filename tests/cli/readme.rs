@@ -28,7 +28,9 @@ const SMALL_PHOTONS: [&str; 8] =
 fn small_bench(bench: &str) -> &'static [&'static str] {
     match bench {
         "table1" => &SMALL_PHOTONS,
-        "overhead" => &["--spp", "16", "--rounds", "1", "--width", "24", "--height", "16"],
+        "overhead" | "wavelengths" => {
+            &["--spp", "16", "--rounds", "1", "--width", "24", "--height", "16"]
+        }
         "scaling" => &["--points", "2", "--rounds", "1", "--width", "16", "--height", "16"],
         "error" => &["--reference-spp", "16", "--iterations", "2", "--width", "16"],
         "history" => &[],
@@ -74,7 +76,7 @@ fn the_commands_run_as_printed() {
         }
         sunstone(&here, &words).done();
     }
-    let benches = ["table1", "overhead", "scaling", "error", "history"];
+    let benches = ["table1", "overhead", "wavelengths", "scaling", "error", "history"];
     let benches = benches.map(|bench| format!("bench {bench}"));
     let rest =
         ["render", "merge", "batch", "report", "farm", "visualize", "view", "compare", "inspect"];

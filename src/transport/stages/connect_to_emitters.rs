@@ -25,14 +25,19 @@ pub fn connect_to_emitters<const N: usize, C>(
 ) {
     connections.clear();
     for_scatterer!(scene, arrived.event.met, all => {
-        connect(connections, arrived, (scene, all), strategy);
+        let turn = |rows: Consecutive, given, drawn| all.at(&arrived.surfaces, rows).turn(given, drawn);
+        connect(connections, arrived, (scene, &turn), strategy);
     });
 }
 
-fn connect<const N: usize, C, S: Scatterer<N>>(
+/// What vertices in some rows do to light between two directions.
+// Called by way of a pointer: the stage is large, and is compiled once for all scatterers.
+type TurnOf<'a, const N: usize> = dyn Fn(Consecutive, Vector<F32s>, Vector<F32s>) -> Turn<N> + 'a;
+
+fn connect<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, C>,
-    (scene, all): (&Scene<N>, S),
+    (scene, turn_of): (&Scene<N>, &TurnOf<N>),
     strategy: Strategy,
 ) {
     let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
@@ -41,8 +46,8 @@ fn connect<const N: usize, C, S: Scatterer<N>>(
         let live = LANES.min(rows.end - row);
         let Chosen { lanes: mut chosen, offset, emitters, chance: of_choice } =
             choose(paths, surfaces, scene, (row, live), path_length);
-        let vertices = all.at(surfaces, Consecutive(row, live));
-        let turn = vertices.turn(-Vector::load(&paths.rays.direction, row), chosen.direction);
+        let given = -Vector::load(&paths.rays.direction, row);
+        let turn = turn_of(Consecutive(row, live), given, chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
         let weight = match strategy {
             Strategy::Unidirectional | Strategy::Merging => mis::power_of_emitter_connected(chance),
