@@ -107,13 +107,15 @@ impl Film {
         let (width, height) = (width as usize, height as usize);
         let pixels = width * height + gauge.pixels();
         let values = pixels * components * color.channels();
+        // Where wavelengths differ, all pixels share what halves would tell: they know too little.
+        let is_one_sequence = variances == Variances::Blocks && gauge == Gauge::None;
         let finished = match (variances, begins_later) {
             (Variances::None, _) => Finished::Sums,
             (Variances::Replicates | Variances::Blocks, true) => Finished::Blocks(Vec::new()),
             (Variances::Replicates | Variances::Blocks, false) => Finished::Means {
                 mean: vec![0.0; values],
                 deviations: vec![0.0; values],
-                halves: (variances == Variances::Blocks).then(|| Halves::new(values)),
+                halves: is_one_sequence.then(|| Halves::new(values)),
             },
         };
         let sums = ExactSums::new(values);

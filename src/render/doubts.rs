@@ -42,7 +42,9 @@ pub fn doubts(renderer: &Renderer, world: &PlacedWorld) -> Doubts {
     let is_chosen = note.is_none() && settings.photons.radius.is_none();
     let share = kernel.filter(|_| is_chosen).map(|radius| radius / world.radius());
     let warning = share.and_then(blur_of_photons);
-    let unmeasured = lack_of_wavelengths(&settings.color, &renderer.unmeasured());
+    let [unmeasured, if_dispersed] = renderer.unmeasured();
+    let unmeasured = lack_of_wavelengths(&settings.color, &unmeasured)
+        .or_else(|| lack_of_dispersed(&settings.color, &if_dispersed));
     Doubts { settings, profile, note, warning, unmeasured }
 }
 
@@ -97,16 +99,29 @@ fn blur_of_photons(share: f32) -> Option<String> {
 
 /// What there is to doubt about an image some of whose channels no iteration had a wavelength for.
 fn lack_of_wavelengths(color: &Color, unmeasured: &[usize]) -> Option<String> {
-    let (&first, &last) = (unmeasured.first()?, unmeasured.last()?);
-    let [first, last] = [first, last].map(|channel| color.channel_name(channel));
-    let which = match unmeasured.len() {
-        1 => format!("channel {first} is"),
-        count => format!("{count} of {} channels, from {first} to {last}, are", color.channels()),
-    };
+    let which = which(color, unmeasured)?;
     Some(format!(
-        "{which} black, as no iteration had a wavelength there: more --spp, or broader bands, \
-         find some"
+        "no iteration had a wavelength in {which}: that is black; more --spp, or broader bands, \
+         find some, if light is emitted there"
     ))
+}
+
+/// The same of channels that no iteration had the wavelength for that light goes on at.
+fn lack_of_dispersed(color: &Color, unmeasured: &[usize]) -> Option<String> {
+    let which = which(color, unmeasured)?;
+    Some(format!(
+        "light that is refracted goes on at one wavelength an iteration, of which none was in \
+         {which}: that lacks this light; more --spp, or broader bands, find some"
+    ))
+}
+
+fn which(color: &Color, channels: &[usize]) -> Option<String> {
+    let (&first, &last) = (channels.first()?, channels.last()?);
+    let [first, last] = [first, last].map(|channel| color.channel_name(channel));
+    Some(match channels.len() {
+        1 => format!("channel {first}"),
+        count => format!("{count} of {} channels, from {first} to {last}", color.channels()),
+    })
 }
 
 /// What there is to doubt about an image, by what its render says.
@@ -180,9 +195,11 @@ mod tests {
         let bands = Color::Bands(Arc::new(Bands::evenly(400.0, 700.0, 31).unwrap()));
         assert_eq!(lack_of_wavelengths(&bands, &[]), None);
         let one = lack_of_wavelengths(&bands, &[15]).unwrap();
-        assert!(one.starts_with("channel 550 nm is black"), "{one}");
+        assert!(one.contains("in channel 550 nm: that is black"), "{one}");
         let some = lack_of_wavelengths(&bands, &[1, 5, 30]).unwrap();
-        assert!(some.starts_with("3 of 31 channels, from 410 nm to 700 nm, are"), "{some}");
+        assert!(some.contains("in 3 of 31 channels, from 410 nm to 700 nm: that"), "{some}");
+        let some = lack_of_dispersed(&bands, &[1, 5, 30]).unwrap();
+        assert!(some.contains("3 of 31 channels, from 410 nm to 700 nm: that lacks"), "{some}");
     }
 
     #[test]

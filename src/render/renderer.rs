@@ -355,8 +355,10 @@ impl Renderer {
         self.steps.radii()
     }
 
-    /// The channels for which no iteration has had a wavelength so far, so that they are black.
-    pub fn unmeasured(&self) -> Vec<usize> {
+    /// The channels for which no iteration has had a wavelength so far, so that they are black; and
+    /// those for which none has had one that light goes on at which disperses, so that they lack
+    /// that light.
+    pub fn unmeasured(&self) -> [Vec<usize>; 2] {
         self.steps.unmeasured()
     }
 

@@ -31,8 +31,9 @@ pub trait Steps: Send + Sync {
     fn profile(&self) -> Profile;
     /// Radii of the latest iteration of photons: that on surfaces, then those in the media.
     fn radii(&self) -> Vec<Option<f32>>;
-    /// Channels for which there has been no wavelength so far.
-    fn unmeasured(&self) -> Vec<usize>;
+    /// Channels for which there has been no wavelength so far; and those for which there has been
+    /// none that light goes on at which disperses, if any does.
+    fn unmeasured(&self) -> [Vec<usize>; 2];
     /// What is needed to go on from here, but for `done`: to the same bits, unless an iteration was
     /// left unfinished, when there is none.
     fn state(&self) -> Option<State<'_>>;
@@ -165,8 +166,12 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
         self.photons.as_ref().map_or(Vec::new(), PhotonPass::radii)
     }
 
-    fn unmeasured(&self) -> Vec<usize> {
-        self.film.unmeasured()
+    fn unmeasured(&self) -> [Vec<usize>; 2] {
+        let Place { replicate, of_replicate, .. } = self.place;
+        let samples = self.settings.passes.map_or(1, |passes| passes.samples);
+        let seeds = (0..=replicate).map(|replicate| combine(self.settings.seed, replicate));
+        let count = of_replicate.div_ceil(samples);
+        [self.film.unmeasured(), self.sets.unmeasured_if_dispersed(count, seeds)]
     }
 
     fn state(&self) -> Option<State<'_>> {

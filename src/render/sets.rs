@@ -3,11 +3,11 @@
 //!
 //! An iteration has one set, which all pixels and both sides share, so that photons can be merged
 //! and vertices connected. Its wavelengths are `P^-1((i + u) / N)`, where P is the cumulated
-//! density by which wavelengths are chosen ([`Density`]) and u moves on by the golden ratio from
-//! each iteration to the next, from a start that follows from the seed (Wilkie et al. 2014, "Hero
-//! wavelength spectral sampling", with one hero for all pixels). So the set is a function of the
-//! iteration's number, seed and replicate. The order of the wavelengths turns with the iterations:
-//! the first is the one that paths go on at where light disperses.
+//! density by which wavelengths are chosen ([`Density`]) and u is the first number of a Sobol'
+//! sequence over the iterations, shifted by the seed (Wilkie et al. 2014, "Hero wavelength spectral
+//! sampling", with one hero for all pixels). So the set is a function of the iteration's number,
+//! seed and replicate. The second number says which of the wavelengths comes first: the one that
+//! paths go on at where light disperses.
 
 use std::sync::Arc;
 
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::settings::SettingsError;
 use super::spectral::Spectral;
+use crate::math::U32s;
 use crate::math::hash::mix;
 use crate::scattering::Scene;
 use crate::scene::baked::{Optics, Shapes};
@@ -24,9 +25,7 @@ use crate::scene::{
 };
 use crate::spectrum::density::{Density, integral, nodes_nm};
 use crate::spectrum::{Beyond, Carried, Responses, Taken, White};
-
-/// The golden ratio's part behind the point, of 2^64.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+use crate::transport::sampler::sobol_second;
 
 /// What an iteration is rendered with.
 pub struct Iteration<const N: usize> {
@@ -68,6 +67,8 @@ pub struct Spectra {
     expected: Vec<Option<f64>>,
     /// First and last wavelength, as they may be asked for.
     ends_nm: [f32; 2],
+    /// Whether any surface refracts light in other ways at other wavelengths.
+    disperses: bool,
 }
 
 /// The iterations of a render.
@@ -89,6 +90,28 @@ impl<const N: usize> Sets<N> {
     /// Whether every iteration has wavelengths of its own.
     pub fn differ(&self) -> bool {
         self.spectra.is_some()
+    }
+
+    /// The channels that respond to none of the wavelengths that light goes on at which disperses,
+    /// in the first iterations of some seeds; none if nothing disperses light.
+    pub fn unmeasured_if_dispersed(
+        &self,
+        count: u32,
+        seeds: impl Iterator<Item = u32>,
+    ) -> Vec<usize> {
+        let Some(spectra) = self.spectra.as_ref().filter(|spectra| spectra.disperses) else {
+            return Vec::new();
+        };
+        let responses = spectra.responses.list();
+        let mut unmet: Vec<usize> = (0..responses.len()).collect();
+        for (seed, index) in seeds.flat_map(|seed| (0..count).map(move |index| (seed, index))) {
+            let first_nm = f64::from(spectra.set::<N>(index, seed)[0]);
+            unmet.retain(|channel| responses[*channel].at(first_nm) == 0.0);
+            if unmet.is_empty() {
+                break;
+            }
+        }
+        unmet
     }
 
     /// `count` iterations from `first` on, of the sequences of a seed. If they do not differ, one
@@ -136,6 +159,7 @@ impl Spectra {
             density,
             responses,
             ends_nm,
+            disperses: world.disperses(),
         };
         Ok((spectra, emitters))
     }
@@ -163,13 +187,18 @@ impl Spectra {
         bake_optics_at(&self.world, &self.shapes, carried, &self.common, emitters)
     }
 
-    fn iteration<const N: usize>(&self, base: &Scene<N>, index: u32, seed: u32) -> Iteration<N> {
+    /// The wavelengths of an iteration in nanometers.
+    fn set<const N: usize>(&self, index: u32, seed: u32) -> [f32; N] {
         let [first, last] = self.ends_nm;
         let (place, hero) = (place(index, seed), hero(index, seed, N));
-        let wavelengths: [f32; N] = std::array::from_fn(|column| {
+        std::array::from_fn(|column| {
             let share = (((column + hero) % N) as f64 + place) / N as f64;
             (self.density.inverse(share) as f32).clamp(first, last)
-        });
+        })
+    }
+
+    fn iteration<const N: usize>(&self, base: &Scene<N>, index: u32, seed: u32) -> Iteration<N> {
+        let wavelengths: [f32; N] = self.set(index, seed);
         let densities = wavelengths.map(|nm| self.density.at(f64::from(nm)));
         let emitters = Emitters {
             rows: Arc::clone(&base.optics.emitters),
@@ -218,21 +247,23 @@ fn carried<const N: usize>(wavelengths_nm: [f32; N], by: (White, Beyond)) -> Car
     Carried::set(wavelengths_nm).under(white).beyond(beyond)
 }
 
-/// Where the first wavelength of a set is within its N-th part of all: from 0 to 1.
+/// Where the wavelengths of a set are within their N-th parts of all: from 0 to 1.
 fn place(iteration: u32, seed: u32) -> f64 {
-    let [high, low] = [seed ^ 0x5bec_7a1e, seed ^ 0x1f83_d9ab].map(|bits| u64::from(mix(bits)));
-    let start = high << 32 | low;
-    let place = start.wrapping_add(GOLDEN.wrapping_mul(u64::from(iteration)));
-    (place >> 11) as f64 / (1_u64 << 53) as f64
+    f64::from(point(iteration, seed)[0]) / (1_u64 << 32) as f64
 }
 
-/// Which part of the set comes first: the one whose wavelength paths go on at that disperse. Each
-/// is it in turn, from one that follows from the seed, and neighbors soon after each other.
+/// Which part of the set comes first: the one whose wavelength paths go on at that disperse.
 fn hero(iteration: u32, seed: u32, count: usize) -> usize {
-    // Without a divisor in common with the numbers of wavelengths.
-    const STEP: u32 = 3;
-    let start = mix(seed ^ 0x2545_f491);
-    (start.wrapping_add(iteration.wrapping_mul(STEP)) % count as u32) as usize
+    ((u64::from(point(iteration, seed)[1]) * count as u64) >> 32) as usize
+}
+
+/// The point of an iteration in the square, of 2^32: of Sobol's sequence, shifted digit by digit.
+/// Of 2^k iterations in a row, from a multiple of that on, there is one in each of 2^k rectangles
+/// of one shape, so that the first wavelengths are as even as all are.
+fn point(iteration: u32, seed: u32) -> [u32; 2] {
+    let first = iteration.reverse_bits();
+    let [second, ..] = sobol_second(U32s::splat(first)).to_array();
+    [first ^ mix(seed ^ 0x5bec_7a1e), second ^ mix(seed ^ 0x1f83_d9ab)]
 }
 
 /// The same ends in single precision, none of them outside.
@@ -320,14 +351,13 @@ mod tests {
 
     #[test]
     fn iterations_cover_all_evenly() {
-        const COUNT: u32 = 1000;
+        const COUNT: u32 = 1024;
         for seed in [0, 1, 0xffff_ffff] {
             let mut places: Vec<f64> = (0..COUNT).map(|index| place(index, seed)).collect();
             places.sort_by(f64::total_cmp);
-            assert!(places[0] >= 0.0 && places[COUNT as usize - 1] < 1.0);
-            // The golden ratio leaves gaps of no more than 1.9 times their mean.
-            let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
-            assert!(gaps.fold(0.0, f64::max) < 1.95 / f64::from(COUNT), "{seed}");
+            for (stratum, place) in (0_u32..).zip(places) {
+                assert_eq!((place * f64::from(COUNT)) as u32, stratum, "{seed}");
+            }
         }
         let starts: Vec<f64> = (0..COUNT).map(|seed| place(0, seed)).collect();
         let mean = starts.iter().sum::<f64>() / f64::from(COUNT);
@@ -336,10 +366,12 @@ mod tests {
 
     #[test]
     fn every_wavelength_is_the_first_equally_often() {
+        // One in each of 64 parts of all that is chosen from.
         for (seed, count) in [(0, 4), (7, 8), (u32::MAX, 8)] {
-            let mut found: Vec<usize> = (0..count as u32).map(|it| hero(it, seed, count)).collect();
+            let at = |it| (hero(it, seed, count) as f64 + place(it, seed)) / count as f64;
+            let mut found: Vec<usize> = (64..128).map(|it| (64.0 * at(it)) as usize).collect();
             found.sort_unstable();
-            assert_eq!(found, (0..count).collect::<Vec<_>>());
+            assert_eq!(found, (0..64).collect::<Vec<_>>());
         }
         // Of a few iterations, by all seeds.
         let first = |place: usize| (0..8000).filter(|&seed| hero(0, seed, 8) == place).count();

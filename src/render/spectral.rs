@@ -18,6 +18,8 @@ pub struct Spectral {
 pub const WAVELENGTHS: [u32; 2] = [4, 8];
 /// The range where none is named, in nanometers.
 pub const RANGE_NM: [f32; 2] = [380.0, 780.0];
+/// What else the range can come from, in words.
+const BY_DEFAULT: &str = " (if it is not given, it is that of the bands or responses)";
 /// What rounding may make of the ends of bands, in nanometers.
 const ROUNDING_NM: f64 = 1e-3;
 
@@ -71,11 +73,14 @@ pub fn columns(options: &Options) -> Result<Columns, SettingsError> {
     for nm in [first, last] {
         if !WAVELENGTHS_NM.contains(&nm) {
             let (least, most) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
-            return wrong("range", format!("must be within {least}:{most} nanometers, not {nm}"));
+            let rule = format!("must be within {least}:{most} nanometers, not {nm}{BY_DEFAULT}");
+            return wrong("range", rule);
         }
     }
     if first >= last {
-        let rule = format!("must go from a shorter to a longer wavelength, not {first}:{last}");
+        let rule = format!(
+            "must go from a shorter to a longer wavelength, not {first}:{last}{BY_DEFAULT}"
+        );
         return wrong("range", rule);
     }
     check_film(&options.color, [first, last])?;

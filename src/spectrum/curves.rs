@@ -24,6 +24,8 @@ const NANOMETERS: Range =
     Range::new("in nanometers, from 1 to 1000000", |nm| (1.0..=1e6).contains(&nm));
 /// What values can be: larger ones times light might be no finite numbers.
 const VALUES: Range = Range::new("from -1e12 to 1e12", |value| value.abs() <= 1e12);
+/// Least integral of a curve over that of its size, for the curve to be normalized.
+const NORMALIZED_MIN: f64 = 1e-2;
 /// Most characters of a cell or a name that an error shows.
 const CELL: usize = 20;
 const REMEDY: &str = "write a line of names, as wavelength_nm,red,green,blue, and then a \
@@ -241,15 +243,22 @@ impl Curves {
         white: Option<&WhiteBalance>,
     ) -> Result<Self, Fault> {
         let mut normalized = self.raw();
-        let [first, last] = range_nm;
-        for curve in &mut normalized.channels {
+        let ([first, last], range) = (range_nm, range_nm.map(f64::from));
+        let one = |_| 1.0;
+        for (index, curve) in normalized.channels.iter_mut().enumerate() {
             let response = curve.response(&self.nm);
             let integral = match white {
-                None => response.integral(range_nm.map(f64::from), &[], |_| 1.0),
+                None => response.integral(range, &[], one),
                 Some(white) => white.seen_by(&response, range_nm)?,
             };
             let factor = (1.0 / integral) as f32;
-            if !(integral > 0.0 && factor > 0.0 && factor.is_finite()) {
+            // What its signs leave of it must be more than rounding.
+            let least = NORMALIZED_MIN * self.size(&self.channels[index]).integral(range, &[], one);
+            let is_known = match white {
+                None => integral > least,
+                Some(_) => integral > 0.0,
+            };
+            if !(is_known && factor > 0.0 && factor.is_finite()) {
                 let light = white.map_or("a flat spectrum", |white| white.name());
                 let channel = &curve.name;
                 let problem = format!(
@@ -364,6 +373,11 @@ mod tests {
         );
         let error = nir.unwrap().normalized([600.0, 700.0], None).unwrap_err();
         assert!(error.problem.contains("channel nir") && error.problem.contains("is -50"));
+        for last in [1.0, 1.001] {
+            let text = format!("wavelength_nm,a\n500,-1\n600,{last}\n");
+            let even = Curves::from_csv("even.csv", &text).unwrap();
+            assert!(even.normalized([500.0, 600.0], None).is_err(), "{last}");
+        }
         assert_eq!(curves.dark_in([650.0, 900.0]), Some(("vis", Some([400.0, 600.0]))));
         assert_eq!(curves.dark_in([500.0, 650.0]), None);
     }

@@ -17,6 +17,8 @@ const WIEN_NM_K: f64 = 2.897_771_955e6;
 const BLACKBODY_NM: [f32; 2] = [100.0, 10_000.0];
 /// Where lines are defined: everywhere.
 const LINES_NM: [f32; 2] = [f32::MIN_POSITIVE, f32::MAX];
+/// Least width of a line over its wavelength: 100 to 200 numbers of single precision.
+const RELATIVE_WIDTH_MIN: f64 = 2e-5;
 /// Most lines of a spectrum.
 const LINES_MAX: usize = 10_000;
 
@@ -61,8 +63,9 @@ impl Spectrum {
     /// in nanometers.
     ///
     /// # Errors
-    /// With the number of the first line that has no width, no wavelength, or a power that is
-    /// negative, or that is not finite; and when there are none, or more than 10,000.
+    /// With the number of the first line that has no wavelength, or a width below a 50,000th of
+    /// that, or a power that is negative, or that is not finite; and when there are none, or more
+    /// than 10,000.
     pub fn lines(lines: &[Line], shape: LineShape) -> Result<Self, Fault> {
         if !(1..=LINES_MAX).contains(&lines.len()) {
             let problem = format!("needs one to {LINES_MAX} lines, not {}", lines.len());
@@ -81,6 +84,16 @@ impl Line {
         Range::POSITIVE.check("center_nm", self.center_nm)?;
         Range::NOT_NEGATIVE.check("power", self.power)?;
         Range::POSITIVE.check("width_nm", self.width_nm)?;
+        let least = self.center_nm * RELATIVE_WIDTH_MIN;
+        if self.width_nm < least {
+            let problem = format!(
+                "is {}, and wavelengths, which are numbers of single precision, tell apart no \
+                 line at {} nm that is narrower than {least:.3} nm",
+                self.width_nm, self.center_nm
+            );
+            let remedy = "give it that width: over so little, light does nothing else";
+            return Err(Fault::new("width_nm", problem, remedy));
+        }
         Range::NOT_NEGATIVE.check("power over width_nm", self.peak(shape))
     }
 
@@ -193,7 +206,7 @@ mod tests {
     #[test]
     fn between_knots_no_line_is_underrated() {
         for center_nm in [436.0, 589.3, 650.05, 1000.123] {
-            for width_nm in [0.002, 0.1, 0.5, 20.0] {
+            for width_nm in [0.03, 0.1, 0.5, 20.0] {
                 for shape in [LineShape::Box, LineShape::Gaussian] {
                     let line = Line { center_nm, power: 1.0, width_nm };
                     let spectrum = Spectrum::lines(&[line], shape).unwrap();
@@ -244,7 +257,8 @@ mod tests {
             (Line { power: -1.0, ..line }, "lines[1].power"),
             (Line { power: f64::INFINITY, ..line }, "lines[1].power"),
             (Line { width_nm: 0.0, ..line }, "lines[1].width_nm"),
-            (Line { power: 1e38, width_nm: 1e-6, ..line }, "lines[1].power over width_nm"),
+            (Line { width_nm: 0.01, ..line }, "lines[1].width_nm"),
+            (Line { power: 1e38, width_nm: 0.02, ..line }, "lines[1].power over width_nm"),
         ] {
             let fault = Spectrum::lines(&[line, wrong], LineShape::Box).unwrap_err();
             assert_eq!(fault.field, field);

@@ -98,7 +98,7 @@ fn owen(bits: U32s, seed: U32s) -> U32s {
 /// The second Sobol' dimension from the first: multiplication by the Pascal matrix modulo two in
 /// log steps (Ahmed 2024, "An implementation algorithm of 2D Sobol sequence").
 #[inline(always)]
-fn sobol_second(first: U32s) -> U32s {
+pub fn sobol_second(first: U32s) -> U32s {
     let bits = first ^ (first << 16);
     let bits = bits ^ ((bits & U32s::splat(0x00ff_00ff)) << 8);
     let bits = bits ^ ((bits & U32s::splat(0x0f0f_0f0f)) << 4);

@@ -26,7 +26,8 @@ fn lamp(glow: Spectrum, options: Options) -> (StokesImage, Vec<usize>) {
     let settings = Settings::new(options).expect("sound options");
     let mut renderer = Renderer::new(&world, &settings).expect("a sound world");
     renderer.run(|_| ControlFlow::Continue(()));
-    let unmeasured = renderer.unmeasured();
+    let [unmeasured, if_dispersed] = renderer.unmeasured();
+    assert!(if_dispersed.is_empty(), "nothing disperses light here");
     (renderer.finish(), unmeasured)
 }
 

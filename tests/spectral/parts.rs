@@ -184,5 +184,11 @@ fn what_a_table_does_not_cover_is_held_if_that_is_asked_for() {
     }
     let longer = done(renderer(&longer_tabulated_room(), asked));
     assert_eq!(longer.metadata("held spectra"), None);
-    assert!(held.planes == longer.planes);
+    for (plane, (held, longer)) in held.planes.iter().zip(&longer.planes).enumerate() {
+        for (pixel, (held, longer)) in held.iter().zip(longer).enumerate() {
+            // What is between two equal values of a table is rounded.
+            let off = (held - longer).abs();
+            assert!(off <= 1e-6 * longer.abs().max(1e-3), "{plane}, {pixel}: {held}, {longer}");
+        }
+    }
 }

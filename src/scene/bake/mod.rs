@@ -327,7 +327,7 @@ fn materials<const N: usize>(
     });
     let mut rows = rows.into_iter().collect::<Result<Vec<_>, SceneError>>()?;
     let disperses = match carried.is_one_of_many() {
-        true => world.in_order::<(&Name, &Bsdf), _>(|(_, bsdf)| bsdf.disperses()).contains(&true),
+        true => world.disperses(),
         false => rows.iter().any(disperses_here),
     };
     make_alike(&mut rows, disperses);

@@ -151,6 +151,11 @@ impl World {
         lamps.into_iter().flatten().collect()
     }
 
+    /// Whether any surface refracts light of other wavelengths in other ways.
+    pub(crate) fn disperses(&self) -> bool {
+        self.entities.query::<&Bsdf>().iter().any(Bsdf::disperses)
+    }
+
     /// Entities that match a query, in their order, each turned into what `f` makes of it.
     pub(super) fn in_order<Q: hecs::Query, T>(
         &self,

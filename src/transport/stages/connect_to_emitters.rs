@@ -25,7 +25,9 @@ pub fn connect_to_emitters<const N: usize, C>(
 ) {
     connections.clear();
     for_scatterer!(scene, arrived.event.met, all => {
-        let turn = |rows: Consecutive, given, drawn| all.at(&arrived.surfaces, rows).turn(given, drawn);
+        let turn = |rows: Consecutive, given, drawn| {
+            all.at(arrived.surfaces, rows).turn(given, drawn)
+        };
         connect(connections, arrived, (scene, &turn), strategy);
     });
 }
