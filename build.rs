@@ -1,5 +1,7 @@
-//! Names the build: renders go on, or are put together, only where they were begun by the same.
+//! Names the build: renders go on, or are put together, only where they were begun by the same. And
+//! has the linker keep functions once that are the same, where it can.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,11 +24,41 @@ fn main() -> io::Result<()> {
     for name in VARIABLES {
         digest.write_all(env::var(name).unwrap_or_default().as_bytes())?;
     }
-    let compiler = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    digest.write_all(&Command::new(compiler).arg("--version").output()?.stdout)?;
+    digest.write_all(&compiler().arg("--version").output()?.stdout)?;
     let target = env::var("TARGET").unwrap_or_default();
     println!("cargo::rustc-env=SUNSTONE_BUILD={:016x} for {target}", digest.0);
+    if links_with(FOLDED)? {
+        println!("cargo::rustc-link-arg-bins={FOLDED}");
+    }
     Ok(())
+}
+
+fn compiler() -> Command {
+    Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+}
+
+/// Of functions that are the same, which is a twentieth of the program, one is kept: LLD can, which
+/// Rust links with on Linux, and mold. Where a function is, nobody asks.
+const FOLDED: &str = "-Wl,--icf=all";
+
+/// Whether the linker of this build understands an argument: a program of nothing is linked.
+fn links_with(argument: &str) -> io::Result<bool> {
+    let variable = |name: &str| env::var(name).unwrap_or_default();
+    let folder = PathBuf::from(variable("OUT_DIR"));
+    let source = folder.join("nothing.rs");
+    fs::write(&source, "fn main() {}")?;
+    let mut compiler = compiler();
+    compiler.args(["--crate-type", "bin", "--target", &variable("TARGET")]);
+    if let Some(linker) = env::var_os("RUSTC_LINKER") {
+        let mut option = OsString::from("linker=");
+        option.push(linker);
+        compiler.arg("-C").arg(option);
+    }
+    let flags = variable("CARGO_ENCODED_RUSTFLAGS");
+    compiler.args(flags.split('\u{1f}').filter(|flag| !flag.is_empty()));
+    compiler.arg("-C").arg(format!("link-arg={argument}"));
+    compiler.arg("-o").arg(folder.join("nothing")).arg(&source);
+    Ok(compiler.output()?.status.success())
 }
 
 /// A file, or all files in a folder, in the order of their names.
