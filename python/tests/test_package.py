@@ -434,7 +434,8 @@ def test_glass_of_worlds_disperses() -> None:
     world["glass"].ior = "BK7"
     # Spectra of edits are those of what was made so.
     world["sky"].emission = {"illuminant": "D65"}
-    spectral = dict(options, color="spectral", bands=(450, 650, 5))
+    # In so many iterations every band has a wavelength of light that disperses.
+    spectral = dict(options, color="spectral", bands=(450, 650, 5), spp=32)
     image = world.render(**spectral)
     assert np.isfinite(image.stokes).all() and image.stokes[..., 0].max() > 0
     scene = world.place()
@@ -453,7 +454,8 @@ def test_glass_of_worlds_disperses() -> None:
 
 def test_files_take_spectra_as_edits(cornell: sunstone.Scene) -> None:
     scene = copy.copy(cornell)
-    spectral = dict(**SMALL, color="spectral", bands=(450, 650, 5))
+    # In so many iterations every band has a wavelength of light that disperses.
+    spectral = dict(SMALL, color="spectral", bands=(450, 650, 5), spp=32)
     before = scene.render(**spectral)
     scene["materials/glass/ior"] = "SF10"
     other = scene.render(**spectral)
