@@ -74,7 +74,8 @@ impl Asked<'_> {
             }
         }
         let (rms, worst) = (rms(&scores), worst(&scores));
-        let [_, high] = rms_limits(scores.len());
+        // Components behind a polarizer share their noise: one counts as a source of chance.
+        let [_, high] = rms_limits(scores.len().div_ceil(one[0].planes.len()));
         let words = format!(
             "{}, {:?}, {:?}, {} wavelengths, {nm} nm: rms {rms:.2} of {} cells (up to {high:.2}), \
              worst {worst:.2}",
