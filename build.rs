@@ -37,7 +37,7 @@ fn compiler() -> Command {
     Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
 }
 
-/// Of functions that are the same, which is a twentieth of the program, one is kept: LLD can, which
+/// Of functions that are the same, which is a twenty-fifth of the program, one is kept: LLD can, which
 /// Rust links with on Linux, and mold. Where a function is, nobody asks.
 const FOLDED: &str = "-Wl,--icf=all";
 

@@ -1,7 +1,6 @@
 //! Films against sums over wavelengths that know nothing of the renderer: channels by responses,
 //! colors, and what white is to them.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use sunstone::glam::{DVec3, Vec3};
@@ -9,9 +8,11 @@ use sunstone::internals::spectrum::color_space::rgb_of_xyz;
 use sunstone::spectra::{Line, LineShape};
 use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
 use sunstone::{
-    Color, Curves, Error, Integrator, Mode, Options, PlacedWorld, Renderer, Settings, Spectral,
-    Spectrum, StokesImage, WhiteBalance, World,
+    Color, Curves, Error, Integrator, Mode, Options, PlacedWorld, Settings, Spectral, Spectrum,
+    StokesImage, WhiteBalance, World,
 };
+
+use crate::measured::images;
 
 /// Independent renders of each.
 const REPLICATES: u32 = 12;
@@ -64,19 +65,12 @@ fn options(color: Color, range_nm: [f32; 2], seed: u32) -> Options {
 
 /// The mean S0 of every channel, of independent renders.
 fn means(world: &PlacedWorld, options: &Options) -> Vec<Vec<f64>> {
-    let image = |replicate| {
-        let seed = options.seed + replicate;
-        let settings = Settings::new(Options { seed, ..options.clone() }).expect("sound options");
-        let mut renderer = Renderer::new(world, &settings).expect("a sound world");
-        renderer.run(|_| ControlFlow::Continue(()));
-        renderer.finish()
-    };
     let mean = |image: StokesImage| -> Vec<f64> {
         let plane = |channel| image.plane(0, channel).iter().map(|it| f64::from(*it));
         let pixels = image.plane(0, 0).len() as f64;
         (0..image.color.channels()).map(|it| plane(it).sum::<f64>() / pixels).collect()
     };
-    (0..REPLICATES).map(image).map(mean).collect()
+    images(world, options, REPLICATES).into_iter().map(mean).collect()
 }
 
 /// Mean and squared standard error.
