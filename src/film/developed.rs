@@ -354,8 +354,8 @@ mod tests {
         let mono = Color::Mono { wavelength_nm: 550.0 };
         let mut film = Film::new([2, 1], mono, 1, (Variances::Replicates, Gauge::None), false);
         for values in [[3.0, 1.5], [5.0, 0.5]] {
-            film.add(0, &values[..1]);
-            film.add(1, &values[1..]);
+            film.add(0, 0, &values[..1]);
+            film.add(1, 0, &values[1..]);
             film.finish_block(1);
         }
         let left = film.developed().behind(Some(Analyzer::LeftCircular), 4);
@@ -380,8 +380,13 @@ mod tests {
             let mut film = Film::new(size, Color::Rgb, 4, (variances, Gauge::None), false);
             for block in 0..blocks {
                 for pixel in 0..width * height {
-                    let value = |plane: usize| (pixel * 31 + plane * 7 + block * 13) as f32 % 5.3;
-                    film.add(pixel, &std::array::from_fn::<f32, 12, _>(value));
+                    for channel in 0..3 {
+                        let value = |component: usize| {
+                            let plane = component * 3 + channel;
+                            (pixel * 31 + plane * 7 + block * 13) as f32 % 5.3
+                        };
+                        film.add(pixel, channel, &std::array::from_fn::<f32, 4, _>(value));
+                    }
                 }
                 film.finish_block(1);
             }

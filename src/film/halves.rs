@@ -250,7 +250,7 @@ mod tests {
                 Film::new(size, mono.clone(), 1, (Variances::Blocks, Gauge::None), false);
             for block in 0..BLOCKS {
                 for pixel in 0..TILE * TILE {
-                    film.add(pixel, &[value(number, pixel, block)]);
+                    film.add(pixel, 0, &[value(number, pixel, block)]);
                 }
                 film.finish_block(1);
             }

@@ -149,35 +149,28 @@ impl Film {
         self.components
     }
 
-    /// Where a plane, `component * channels + channel`, is among the values of a pixel. With a
-    /// gauge the components of a channel stand together, as few channels are added to at a time.
+    /// Where a plane, `component * channels + channel`, is among the values of a pixel: the
+    /// components of a channel stand together, as they are added to together.
     #[inline(always)]
     fn place(&self, plane: usize) -> usize {
         let channels = self.color.channels();
-        match self.gauge {
-            Gauge::None => plane,
-            Gauge::Kept => plane % channels * self.components + plane / channels,
-        }
+        plane % channels * self.components + plane / channels
     }
 
-    /// Adds to one value of a pixel.
+    /// Adds to the first components of a channel of a pixel.
     #[inline(always)]
-    pub fn add_value(&mut self, pixel: usize, plane: usize, value: f32) {
-        self.sums.add(pixel * self.values_per_pixel() + self.place(plane), &[value]);
-    }
-
-    /// Adds to the values of a pixel, in the order that they are kept in; the first are those of S0
-    /// if there is no gauge.
-    #[inline(always)]
-    pub fn add(&mut self, pixel: usize, values: &[f32]) {
-        self.sums.add(pixel * self.values_per_pixel(), values);
+    pub fn add(&mut self, pixel: usize, channel: usize, components: &[f32]) {
+        let first = pixel * self.values_per_pixel() + channel * self.components;
+        self.sums.add(first, components);
     }
 
     /// Adds to the gauge, which is kept: a value for every channel.
     pub fn add_to_gauge(&mut self, values: &[f32]) {
         assert_eq!(self.gauge, Gauge::Kept, "a film has the gauge that it was made with");
         let pixel = self.width * self.height;
-        values.iter().enumerate().for_each(|(channel, met)| self.add_value(pixel, channel, *met));
+        for (channel, met) in values.iter().enumerate() {
+            self.add(pixel, channel, &[*met]);
+        }
     }
 
     /// Adds sums of neighbors in a row, from the one at `first` on, to the pixels from `pixel` on.
@@ -255,20 +248,20 @@ mod tests {
         let mut film = black([2, 1], 1, Variances::Replicates, false);
         let mut plain = black([2, 1], 1, Variances::None, false);
         for value in [1.0, 2.0, 6.0] {
-            plain.add(0, &[value * 4.0]);
-            plain.add(1, &[4.0]);
+            plain.add(0, 0, &[value * 4.0]);
+            plain.add(1, 0, &[4.0]);
             assert_eq!(of(&plain.so_far(4)).planes[0][1], 1.0);
             plain.finish_block(4);
-            film.add(0, &[value * 4.0]);
-            film.add(1, &[2.0]);
-            film.add(1, &[2.0]);
+            film.add(0, 0, &[value * 4.0]);
+            film.add(1, 0, &[2.0]);
+            film.add(1, 0, &[2.0]);
             let preview = of(&film.so_far(4));
             film.finish_block(4);
             assert_eq!(preview.planes, of(&film.developed()).planes);
         }
-        film.add(0, &[30.0]);
+        film.add(0, 0, &[30.0]);
         assert_eq!(of(&film.so_far(3)).planes, [vec![66.0 / 15.0, 12.0 / 15.0]]);
-        film.add(0, &[-30.0]);
+        film.add(0, 0, &[-30.0]);
         let image = of(&film.developed());
         assert_eq!(image.planes, [vec![3.0, 1.0]]);
         assert_eq!(of(&plain.developed()).planes, image.planes);
@@ -288,9 +281,8 @@ mod tests {
                 for iteration in 0..6 {
                     let met = [1.0, (iteration % 2) as f32 * 0.5, 0.0];
                     for (channel, met) in met.into_iter().enumerate() {
-                        film.add_value(0, channel, 3.0 * met);
-                        film.add_value(1, channel, met);
-                        film.add_value(1, 3 * 2 + channel, 0.5 * met);
+                        film.add(0, channel, &[3.0 * met]);
+                        film.add(1, channel, &[met, 0.0, 0.5 * met]);
                     }
                     film.add_to_gauge(&met);
                     let so_far = of(&film.so_far(1));
@@ -312,7 +304,7 @@ mod tests {
             let mut films = [false, true].map(|later| black([1, 1], 4, variances, later));
             for (value, iterations) in [(0.3, 1), (0.7, 2), (0.1, 2), (1.9, 4)] {
                 for film in &mut films {
-                    film.add(0, &[value, 0.1 * value]);
+                    film.add(0, 0, &[value, 0.1 * value]);
                     film.finish_block(iterations);
                 }
             }

@@ -133,8 +133,12 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
     /// The sensor's rays are known.
     fn weigh_start(_: &mut PathTable<N, M::Sensor>, _: &SurfaceColumns, _: &Scene<N>) {}
 
-    fn depolarize(paths: &mut PathTable<N, M::Sensor>, partition: &Partition) {
-        depolarize_sensor(&mut paths.carriers, &mut paths.beta, partition);
+    fn depolarize(w: &mut Workspace<N, M>) {
+        let Workspace { sensor: [_, sorted], walk, measured, profile, .. } = w;
+        let PathTable { carriers, beta, identity, .. } = sorted;
+        profile.time(Stage::Mueller, || {
+            depolarize_sensor(carriers, beta, measured, identity, &walk.partition);
+        });
     }
 
     fn rescale(paths: &mut PathTable<N, M::Sensor>) {
@@ -202,8 +206,11 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
         weigh_choice(paths, surfaces, scene);
     }
 
-    fn depolarize(paths: &mut PathTable<N, M::Light>, partition: &Partition) {
-        depolarize_light(&mut paths.carriers, &mut paths.beta, partition);
+    fn depolarize(w: &mut Workspace<N, M>) {
+        let Workspace { light: [_, sorted], walk, profile, .. } = w;
+        profile.time(Stage::Mueller, || {
+            depolarize_light(&mut sorted.carriers, &mut sorted.beta, &walk.partition);
+        });
     }
 
     fn rescale(paths: &mut PathTable<N, M::Light>) {

@@ -79,8 +79,8 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
         scene: &Scene<N>,
     );
 
-    /// Ends polarization at depolarizers.
-    fn depolarize(paths: &mut PathTable<N, Self::Carriers>, partition: &Partition);
+    /// Ends the polarization of the sorted paths at depolarizers.
+    fn depolarize(workspace: &mut Workspace<N, M>);
 
     /// Keeps polarization within the range of numbers.
     fn rescale(paths: &mut PathTable<N, Self::Carriers>);
@@ -260,7 +260,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
             }
         }
     });
-    profile.time(Stage::Mueller, || S::depolarize(sorted, partition));
+    S::depolarize(w);
 }
 
 /// Sends the sorted paths that go on on in new directions; false if there are none.

@@ -6,6 +6,10 @@
 //! sum is the same however they were grouped. A smaller value beside a larger one errs by 2^-106 of
 //! that.
 
+use std::ops::{Add, Sub};
+
+use wide::{f32x4, f64x4};
+
 /// Sums of columns of values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExactSums {
@@ -59,6 +63,18 @@ impl ExactSums {
         }
     }
 
+    /// Adds four values to the sums from `first` on, side by side.
+    #[inline(always)]
+    pub fn add_four(&mut self, first: usize, values: f32x4) {
+        let [a, b, c, d] = values.to_array().map(f64::from);
+        let high = &mut self.high[first..first + 4];
+        let low = &mut self.low[first..first + 4];
+        let of = |column: &[f64]| f64x4::new([column[0], column[1], column[2], column[3]]);
+        let (sum, error) = two_sum(of(high), f64x4::new([a, b, c, d]));
+        high.copy_from_slice(&sum.to_array());
+        low.copy_from_slice(&(of(low) + error).to_array());
+    }
+
     /// Adds `count` sums of others, from `from` on, to those from `first` on.
     #[inline(always)]
     pub fn add_sums(&mut self, first: usize, others: &Self, from: usize, count: usize) {
@@ -87,7 +103,7 @@ impl ExactSums {
 
 /// The rounded sum, and what is missing from it.
 #[inline(always)]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+fn two_sum<F: Copy + Add<Output = F> + Sub<Output = F>>(a: F, b: F) -> (F, F) {
     let sum = a + b;
     let of_b = sum - a;
     let error = (a - (sum - of_b)) + (b - of_b);
@@ -121,6 +137,11 @@ mod tests {
         let (first, second) = values.split_at(1000);
         let mut parts = sum_of(&mut second.iter().copied());
         parts.add_sums(0, &sum_of(&mut first.iter().copied()), 0, 1);
+        let mut fours = ExactSums::new(4);
+        values.as_chunks::<4>().0.iter().for_each(|four| fours.add_four(0, f32x4::new(*four)));
+        let mut together = ExactSums::new(1);
+        (0..4).for_each(|index| together.add_sums(0, &fours, index, 1));
+        assert_eq!(forward.get(0).to_bits(), together.get(0).to_bits());
         assert_eq!(forward.get(0).to_bits(), backward.get(0).to_bits());
         assert_eq!(forward.get(0).to_bits(), parts.get(0).to_bits());
         let plain =

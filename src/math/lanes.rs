@@ -134,6 +134,25 @@ pub fn row_of_lanes<const N: usize>(values: &[[f32; LANES]; N], lane: usize) -> 
     row
 }
 
+/// The columns of the rows that eight lanes hold.
+#[inline(always)]
+pub fn columns<'a, const N: usize>(of_lane: impl Fn(usize) -> &'a [f32; N]) -> [F32s; N] {
+    let mut columns = [F32s::splat(0.0); N];
+    let (eights, rest) = columns.as_chunks_mut::<LANES>();
+    for (place, eight) in eights.iter_mut().enumerate() {
+        let mut rows = [F32s::splat(0.0); LANES];
+        for (lane, row) in rows.iter_mut().enumerate() {
+            *row = load(of_lane(lane), place * LANES);
+        }
+        *eight = F32s::transpose(rows);
+    }
+    let first = N - rest.len();
+    for (place, column) in rest.iter_mut().enumerate() {
+        *column = F32s::from(each(|lane| of_lane(lane)[first + place]));
+    }
+    columns
+}
+
 /// One value per lane. A plain loop: `array::from_fn` and `map` with closures of some size are not
 /// always inlined, and then cost more than what they compute.
 #[inline(always)]
@@ -148,6 +167,15 @@ pub fn each<T: Copy + Default>(of_lane: impl Fn(usize) -> T) -> [T; LANES] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_those_of_the_rows() {
+        let rows: [[f32; 11]; LANES] =
+            std::array::from_fn(|lane| std::array::from_fn(|place| (lane * 100 + place) as f32));
+        for (place, column) in columns(|lane| &rows[lane]).iter().enumerate() {
+            assert_eq!(column.to_array(), rows.map(|row| row[place]));
+        }
+    }
 
     #[test]
     fn masks_select_the_lanes_that_are_so() {

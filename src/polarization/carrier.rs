@@ -51,7 +51,7 @@
 //! ```
 
 use super::frame::Rotation;
-use super::kernel::{Kernel, dot};
+use super::kernel::{Block, Kernel, dot};
 use super::stokes::Stokes;
 use crate::math::{Real, Vector};
 
@@ -81,6 +81,18 @@ pub struct Departure<F> {
 }
 
 impl<F: Real> Departure<F> {
+    /// Of a rotation from the event's axis `x_event`.
+    #[inline(always)]
+    pub fn by(rotation: Rotation<F>, x_event: Vector<F>) -> Self {
+        Self { rotation, x: x_event }
+    }
+
+    /// The rotation.
+    #[inline(always)]
+    pub fn rotation(&self) -> Rotation<F> {
+        self.rotation
+    }
+
     /// From the event's axis to the subpath's, for light that leaves the event along the unit
     /// vector `k`.
     #[inline(always)]
@@ -184,6 +196,41 @@ impl<F: Real> SensorMatrix<F> {
     #[inline(always)]
     pub fn depolarized(self) -> SensorColumn<F> {
         SensorColumn(Stokes(self.matrix.map(|row| row[0])))
+    }
+}
+
+/// A [`SensorMatrix`] of one event, as the product that it is: `R B` of 7 numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorEvent<F> {
+    /// The event.
+    pub kernel: Block<F>,
+    /// How light leaves it into the film's frame.
+    pub departure: Departure<F>,
+}
+
+impl<F: Real> SensorEvent<F> {
+    /// The same as a matrix.
+    #[inline(always)]
+    pub fn matrix(&self) -> SensorMatrix<F> {
+        SensorMatrix::first_event(&self.departure, self.kernel)
+    }
+
+    /// The film's Stokes vector of light that arrives in the frame of the event.
+    #[inline(always)]
+    pub fn measure(&self, light: &LightCarrier<F>, arrival: &Arrival<F>) -> Stokes<F> {
+        self.departure.rotation.apply(light.scatter(arrival, self.kernel).stokes)
+    }
+
+    /// What a depolarizer leaves; see [`SensorMatrix::depolarized`].
+    #[inline(always)]
+    pub fn depolarized(&self) -> SensorColumn<F> {
+        SensorColumn(self.departure.rotation.apply(self.kernel.first_stokes()))
+    }
+
+    /// The row by which the intensity on the film follows from light in the frame of the event.
+    #[inline(always)]
+    pub fn first_row(&self) -> [F; 4] {
+        self.kernel.first_row()
     }
 }
 

@@ -35,7 +35,9 @@ pub mod rayleigh;
 pub mod stokes;
 
 pub use analyzer::Analyzer;
-pub use carrier::{Arrival, Departure, LightCarrier, SensorColumn, SensorMatrix, SensorRow};
+pub use carrier::{
+    Arrival, Departure, LightCarrier, SensorColumn, SensorEvent, SensorMatrix, SensorRow,
+};
 pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{
     Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,

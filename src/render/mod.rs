@@ -16,6 +16,7 @@ mod sets;
 pub mod settings;
 pub mod spectral;
 pub mod statistics;
+mod sums;
 pub mod system;
 pub mod threads;
 mod tiles;

@@ -40,15 +40,18 @@ pub enum Projection<const N: usize> {
     /// Each the column of its place.
     Columns,
     /// Some of them shares of all.
-    Shares {
-        /// Those that take anything.
-        taken: Vec<Taken<N>>,
-        /// How many channels there are.
-        channels: usize,
-        /// What each adds to the gauge of the film: how often the wavelengths fall into it, over
-        /// how often they do so on the average.
-        met: Vec<f32>,
-    },
+    Shares(Shares<N>),
+}
+
+/// What channels take of wavelengths.
+pub struct Shares<const N: usize> {
+    /// Those that take anything.
+    pub taken: Vec<Taken<N>>,
+    /// How many channels there are.
+    pub channels: usize,
+    /// What each adds to the gauge of the film: how often the wavelengths fall into it, over how
+    /// often they do so on the average.
+    pub met: Vec<f32>,
 }
 
 /// What is the same in all iterations of a spectral render.
@@ -211,7 +214,7 @@ impl Spectra {
         let (channels, met) = (self.expected.len(), self.met(&wavelengths));
         Iteration {
             scene: Arc::new(base.with_optics(optics)),
-            film: Projection::Shares { taken, channels, met },
+            film: Projection::Shares(Shares { taken, channels, met }),
         }
     }
 

@@ -4,18 +4,21 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use wide::f32x4;
+
 use crate::film::Film;
 use crate::integrators::profile::{Profile, Stage};
 use crate::integrators::workspace::Workspace;
 use crate::math::exact::ExactSums;
 use crate::spectrum::Taken;
 use crate::transport::chunk::{ITERATIONS, Sequence, TILE, WIDE_TILE, tiles};
-use crate::transport::tables::measured::Splats;
+use crate::transport::tables::measured::{PolarizedSplat, Splat, Splats};
 use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
 
 use super::Resolved;
 use super::sets::{Iteration, Projection};
+use super::sums::{are_finite, sum_measured};
 
 /// Workspaces at rest.
 pub struct Pool<const N: usize, M: LightModel<N>> {
@@ -112,9 +115,9 @@ fn add_to_gauge<const N: usize>(film: &mut Film, (iterations, of_each): Lit<N>, 
     for (iteration, start) in iterations.iter().zip(starts) {
         match &iteration.film {
             Projection::Columns => {}
-            Projection::Shares { met, .. } => {
+            Projection::Shares(shares) => {
                 let samples = of_each.min(count - start) as f32;
-                let values: Vec<f32> = met.iter().map(|met| met * samples).collect();
+                let values: Vec<f32> = shares.met.iter().map(|met| met * samples).collect();
                 film.add_to_gauge(&values);
             }
         }
@@ -173,35 +176,57 @@ fn add_splats<const N: usize>(
     projection: &Projection<N>,
     splats: &Splats<N>,
 ) -> u64 {
-    let components = film.components();
     let mut not_finite = 0;
-    let mut add = |pixel: u32, values: &[[f32; N]]| {
-        let is_added = match projection {
-            Projection::Columns if are_finite(values.as_flattened()) => {
-                film.add(pixel as usize, values.as_flattened());
-                true
-            }
-            Projection::Columns => false,
-            Projection::Shares { taken, channels, .. } => {
-                add_shares(taken, *channels, values, |plane, value| {
-                    film.add_value(pixel as usize, plane, value);
-                })
-            }
-        };
-        not_finite += u64::from(!is_added);
-    };
-    for splat in &splats.unpolarized {
-        add(splat.pixel, &[splat.value]);
+    for Splat { pixel, value } in &splats.unpolarized {
+        if are_finite(value) {
+            add_intensity(film, projection, *pixel, value);
+        } else {
+            not_finite += 1;
+        }
     }
-    for splat in &splats.polarized {
-        add(splat.pixel, &splat.stokes[..components]);
+    let has_stokes = film.components() > 1;
+    for PolarizedSplat { pixel, stokes } in &splats.polarized {
+        if !are_finite(stokes.as_flattened()) {
+            not_finite += 1;
+        } else if has_stokes {
+            add_stokes(film, projection, *pixel, stokes);
+        } else {
+            add_intensity(film, projection, *pixel, &stokes.map(|[s0, ..]| s0));
+        }
     }
     not_finite
 }
 
-/// Whether all are finite; without a way out before the end, so that many are looked at at once.
-fn are_finite(values: &[f32]) -> bool {
-    values.iter().fold(true, |all, value| all & value.is_finite())
+fn add_intensity<const N: usize>(
+    film: &mut Film,
+    projection: &Projection<N>,
+    pixel: u32,
+    value: &[f32; N],
+) {
+    let mut add = |channel: usize, value: f32| film.add(pixel as usize, channel, &[value]);
+    match projection {
+        Projection::Columns => value.iter().enumerate().for_each(|(n, value)| add(n, *value)),
+        Projection::Shares(shares) => {
+            shares.taken.iter().for_each(|taken| add(taken.channel, taken.of(value)));
+        }
+    }
+}
+
+fn add_stokes<const N: usize>(
+    film: &mut Film,
+    projection: &Projection<N>,
+    pixel: u32,
+    stokes: &[[f32; 4]; N],
+) {
+    let mut add = |channel: usize, stokes: &[f32; 4]| film.add(pixel as usize, channel, stokes);
+    match projection {
+        Projection::Columns => stokes.iter().enumerate().for_each(|(n, stokes)| add(n, stokes)),
+        Projection::Shares(shares) => {
+            let states = stokes.map(f32x4::new);
+            let of = |taken: &Taken<N>| taken.of_each(&states).to_array();
+            shares.taken.iter().for_each(|taken| add(taken.channel, &of(taken)));
+        }
+    }
 }
 
 /// All chunks of one tile and wave.
@@ -223,7 +248,11 @@ fn tile<const N: usize, M: LightModel<N>>(
             let chunk = chunk(start, ITERATIONS.min(end - start));
             integrator.chunk(workspace, &iteration.scene, &chunk, maps);
             if integrator.measures() {
-                sum_measured(&mut result.sums, workspace, (&chunk, &iteration.film));
+                let Workspace { measured, profile, .. } = &mut *workspace;
+                let slots = (chunk.slots(), chunk.pixels());
+                profile.not_finite += profile.time(Stage::Film, || {
+                    sum_measured(&mut result.sums, measured, &iteration.film, slots)
+                });
             }
             if integrator.splats() {
                 splats.append(&mut workspace.splats);
@@ -234,105 +263,6 @@ fn tile<const N: usize, M: LightModel<N>>(
         }
     }
     result
-}
-
-/// Adds the slots of a chunk to the values of its pixels, but for those that are not finite, which
-/// are counted.
-fn sum_measured<const N: usize, M: LightModel<N>>(
-    sums: &mut ExactSums,
-    workspace: &mut Workspace<N, M>,
-    (chunk, projection): (&Chunk, &Projection<N>),
-) {
-    let Workspace { measured, profile, .. } = workspace;
-    let stride = measured.components() * N;
-    if let Projection::Shares { taken, channels, .. } = projection {
-        profile.not_finite += profile.time(Stage::Film, || {
-            let values = measured.values_mut(chunk.slots());
-            sum_shares(sums, values, (taken, stride / N, *channels), chunk.pixels())
-        });
-        return;
-    }
-    let not_finite = profile.time(Stage::Film, || {
-        sums.resize(chunk.pixels() * stride);
-        let mut not_finite = 0;
-        for values in measured.values_mut(chunk.slots()).chunks_exact_mut(chunk.pixels() * stride) {
-            if !are_finite(values) {
-                for slot in values.chunks_exact_mut(stride).filter(|slot| !are_finite(slot)) {
-                    slot.fill(0.0);
-                    not_finite += 1;
-                }
-            }
-            sums.add(0, values);
-        }
-        not_finite
-    });
-    profile.not_finite += not_finite;
-}
-
-/// Adds what channels take of slots to the pixels of these, channel by channel as films with a
-/// gauge have them; returns how many slots are left out as not finite.
-fn sum_shares<const N: usize>(
-    sums: &mut ExactSums,
-    slots: &[f32],
-    (taken, components, channels): (&[Taken<N>], usize, usize),
-    pixels: usize,
-) -> u64 {
-    match components {
-        4 => sum_shares_of::<N, 4>(sums, slots, (taken, channels), pixels),
-        1 => sum_shares_of::<N, 1>(sums, slots, (taken, channels), pixels),
-        other => unreachable!("films have one or four Stokes components, not {other}"),
-    }
-}
-
-/// The same of `C` Stokes components, which are added together.
-fn sum_shares_of<const N: usize, const C: usize>(
-    sums: &mut ExactSums,
-    slots: &[f32],
-    (taken, channels): (&[Taken<N>], usize),
-    pixels: usize,
-) -> u64 {
-    let stride = C * channels;
-    sums.resize(pixels * stride);
-    let (slots, _) = slots.as_chunks::<N>().0.as_chunks::<C>();
-    let mut not_finite = 0;
-    for (index, slot) in slots.iter().enumerate() {
-        if !are_finite(slot.as_flattened()) {
-            not_finite += 1;
-            continue;
-        }
-        let columns: [[f32; C]; N] =
-            std::array::from_fn(|column| std::array::from_fn(|component| slot[component][column]));
-        let first = index % pixels * stride;
-        for Taken { channel, shares } in taken {
-            let mut stokes = [0.0; C];
-            for (share, column) in shares.iter().zip(&columns) {
-                stokes.iter_mut().zip(column).for_each(|(sum, value)| *sum += share * value);
-            }
-            sums.add(first + channel * C, &stokes);
-        }
-    }
-    not_finite
-}
-
-/// Adds what channels take of the components of a Stokes vector, plane by plane, if all of these
-/// are finite, and says whether they are.
-#[inline(always)]
-fn add_shares<const N: usize>(
-    taken: &[Taken<N>],
-    channels: usize,
-    values: &[[f32; N]],
-    mut add: impl FnMut(usize, f32),
-) -> bool {
-    if !are_finite(values.as_flattened()) {
-        return false;
-    }
-    for (component, values) in values.iter().enumerate() {
-        for Taken { channel, shares } in taken {
-            let products = shares.iter().zip(values).map(|(share, value)| share * value);
-            add(component * channels + channel, products.sum());
-        }
-    }
-    true
 }
 
 fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4]) {

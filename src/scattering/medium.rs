@@ -32,6 +32,8 @@ pub struct Medium<const N: usize> {
     /// Coefficient that free flights are drawn by, per scene unit: the geometric mean of the two, 0
     /// where the medium only absorbs; that of extinction where it hardly does.
     pub sigma_d: [f32; N],
+    /// Whether that is extinction at all wavelengths.
+    pub flies_by_extinction: bool,
     /// The mean of that over the wavelengths: what takes the place of a surface's cosine where
     /// strategies are weighed against each other.
     pub density: f32,
@@ -50,7 +52,7 @@ pub struct Medium<const N: usize> {
 impl<const N: usize> Medium<N> {
     /// Derives the row of a baked medium.
     pub fn new(medium: &baked::Medium<N>) -> Self {
-        let sigma_t = std::array::from_fn(|n| medium.sigma_a[n] + medium.sigma_s[n]);
+        let sigma_t: [f32; N] = std::array::from_fn(|n| medium.sigma_a[n] + medium.sigma_s[n]);
         let sigma_d = std::array::from_fn(|n| of_flights(medium.sigma_s[n], sigma_t[n]));
         let phase = PhaseFunction::from(&medium.phase);
         let (mut reduced, mut is_peaked) = (0.0_f32, false);
@@ -63,6 +65,7 @@ impl<const N: usize> Medium<N> {
             sigma_t,
             sigma_s: medium.sigma_s,
             sigma_d,
+            flies_by_extinction: sigma_d == sigma_t,
             density: mean(&sigma_d),
             reduced,
             is_peaked,
@@ -76,7 +79,18 @@ impl<const N: usize> Medium<N> {
         let phase = PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [0.0; N] });
         let [sigma_t, sigma_s, sigma_d] = [[0.0; N]; 3];
         let (density, reduced, is_peaked, peak) = (0.0, 0.0, false, 0.0);
-        Self { sigma_t, sigma_s, sigma_d, density, reduced, is_peaked, peak, phase }
+        let flies_by_extinction = true;
+        Self {
+            sigma_t,
+            sigma_s,
+            sigma_d,
+            flies_by_extinction,
+            density,
+            reduced,
+            is_peaked,
+            peak,
+            phase,
+        }
     }
 
     /// Mean extinction coefficient over the wavelengths.

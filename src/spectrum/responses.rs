@@ -1,5 +1,7 @@
 //! How strongly the channels of a film respond to light, by wavelength.
 
+use wide::f32x4;
+
 use super::cie::VISIBLE_NM;
 use super::color_space::RgbResponse;
 use super::{Band, Bands, Color, WhiteBalance};
@@ -31,6 +33,35 @@ pub struct Taken<const N: usize> {
     pub channel: usize,
     /// Factors of the columns, not all of them zero.
     pub shares: [f32; N],
+}
+
+impl<const N: usize> Taken<N> {
+    /// What it takes of values in the columns.
+    #[inline(always)]
+    pub fn of(&self, columns: &[f32; N]) -> f32 {
+        let mut parts = *columns;
+        parts.iter_mut().zip(&self.shares).for_each(|(part, share)| *part *= share);
+        // By halves, which are added side by side.
+        let mut count = N;
+        while count > 1 {
+            let half = count.div_ceil(2);
+            for index in half..count {
+                parts[index - half] += parts[index];
+            }
+            count = half;
+        }
+        parts[0]
+    }
+
+    /// The same of the Stokes vectors in the columns.
+    #[inline(always)]
+    pub fn of_each(&self, columns: &[f32x4; N]) -> f32x4 {
+        let mut sum = f32x4::ZERO;
+        for (share, column) in self.shares.iter().zip(columns) {
+            sum = column.mul_add(f32x4::splat(*share), sum);
+        }
+        sum
+    }
 }
 
 impl Response {

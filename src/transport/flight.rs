@@ -68,25 +68,28 @@ fn meet<const N: usize>(
     distance: f32,
     length: f32,
 ) {
+    progress.is_over = true;
+    let depths = medium.sigma_t.map(|sigma_t| sigma_t * distance);
+    progress.depth.iter_mut().zip(depths).for_each(|(sum, depth)| *sum += depth);
+    progress.drawn.iter_mut().zip(depths).for_each(|(sum, depth)| *sum += depth);
     let mut survival = SURVIVAL_MIN;
-    for n in 0..N {
-        let depth = medium.sigma_t[n] * distance;
-        progress.depth[n] += depth;
-        progress.drawn[n] += depth;
-        let weight = match rarity(medium, n, length) {
-            Some(rarity) => {
-                progress.drawn[n] += ln(rarity);
-                medium.sigma_s[n] / medium.sigma_t[n] * rarity
+    if medium.flies_by_extinction {
+        for (sigma_s, sigma_t) in medium.sigma_s.iter().zip(&medium.sigma_t) {
+            // Where nothing scatters, nor absorbs, this is not a number, and nothing.
+            survival = survival.max(sigma_s / sigma_t);
+        }
+    } else {
+        for n in 0..N {
+            match rarity(medium, n, length) {
+                Some(rarity) => {
+                    progress.drawn[n] += ln(rarity);
+                    survival = survival.max(medium.sigma_s[n] / medium.sigma_t[n] * rarity);
+                }
+                None => progress.drawn[n] = f32::INFINITY,
             }
-            None => {
-                progress.drawn[n] = f32::INFINITY;
-                0.0
-            }
-        };
-        survival = survival.max(weight);
+        }
     }
     progress.survival = survival.min(1.0);
-    progress.is_over = true;
 }
 
 /// How much rarer flights end on a piece than light does; none where no flight does.

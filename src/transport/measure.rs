@@ -56,13 +56,15 @@ fn measure_intensity<const N: usize>(
     let class = carriers.class[row];
     let x = || lanes::row_of(&carriers.axis, row).into();
     let accepted = |n: usize| value[n] * carriers.load_row(n, row, x()).depolarized();
-    let column = |n: usize| carriers.load_column(n, row);
     match class {
-        SensorClass::Fresh | SensorClass::Plain => measured.add_intensity(slot, value),
+        SensorClass::Fresh => {
+            measured.add_stokes(slot, |n| Stokes([value[n], 0.0, 0.0, 0.0]));
+        }
+        SensorClass::Plain => measured.add_intensity(slot, value),
         SensorClass::Row => measured.add_intensity(slot, std::array::from_fn(accepted)),
-        SensorClass::Column => add(measured, slot, |n| column(n).spread(value[n])),
-        SensorClass::RankOne => add(measured, slot, |n| column(n).spread(accepted(n))),
-        SensorClass::Full | SensorClass::Common => add(measured, slot, |n| {
+        SensorClass::Once => measured
+            .add_stokes(slot, |n| carriers.load_event(n, row, x()).depolarized().spread(value[n])),
+        SensorClass::Full | SensorClass::Common => measured.add_stokes(slot, |n| {
             let matrix = carriers.load_matrix(class.channel_of(n), row, x());
             matrix.depolarized().spread(value[n])
         }),
@@ -83,48 +85,32 @@ fn measure_stokes<const N: usize>(
         let x = lanes::row_of(&carriers.axis, row).into();
         (x, Arrival::between(light.x, x, k))
     };
-    let column = |n: usize| carriers.load_column(n, row);
-    let intensity = |accepted: f32| Stokes([accepted, 0.0, 0.0, 0.0]);
     match class {
         SensorClass::Fresh => {
             let film_x = film_axis(-k, film_up.to_array().into());
             let light = light.turned(film_x, k);
-            add(measured, slot, |n| light.stokes[n].scaled(value[n]));
+            measured.add_stokes(slot, |n| light.stokes[n].scaled(value[n]));
         }
         SensorClass::Plain => {
-            add(measured, slot, |n| intensity(light.at(n).depolarized()).scaled(value[n]));
-        }
-        SensorClass::Column => {
-            add(measured, slot, |n| column(n).spread(light.at(n).depolarized()).scaled(value[n]));
+            let accepted = |n: usize| light.at(n).depolarized() * value[n];
+            measured.add_intensity(slot, std::array::from_fn(accepted));
         }
         SensorClass::Row => {
             let (x, arrival) = framed();
             let accepted = |n| carriers.load_row(n, row, x).measure(&light.at(n), &arrival);
-            add(measured, slot, |n| intensity(accepted(n)).scaled(value[n]));
+            measured.add_intensity(slot, std::array::from_fn(|n| accepted(n) * value[n]));
         }
-        SensorClass::RankOne => {
+        SensorClass::Once => {
             let (x, arrival) = framed();
-            let accepted = |n| carriers.load_row(n, row, x).measure(&light.at(n), &arrival);
-            add(measured, slot, |n| column(n).spread(accepted(n)).scaled(value[n]));
+            let event = |n| carriers.load_event(n, row, x);
+            let scaled = |n| event(n).measure(&light.at(n), &arrival).scaled(value[n]);
+            measured.add_stokes(slot, scaled);
         }
         SensorClass::Full | SensorClass::Common => {
             let (x, arrival) = framed();
             let matrix = |n| carriers.load_matrix(class.channel_of(n), row, x);
-            add(measured, slot, |n| matrix(n).measure(&light.at(n), &arrival).scaled(value[n]));
-        }
-    }
-}
-
-/// Adds a Stokes vector of every wavelength to a slot, as far as the film has its components.
-#[inline(always)]
-fn add<const N: usize>(
-    measured: &mut Measured<N>,
-    slot: usize,
-    stokes: impl Fn(usize) -> Stokes<f32>,
-) {
-    for n in 0..N {
-        for (sums, value) in measured.at(slot).iter_mut().zip(stokes(n).0) {
-            sums[n] += value;
+            let scaled = |n| matrix(n).measure(&light.at(n), &arrival).scaled(value[n]);
+            measured.add_stokes(slot, scaled);
         }
     }
 }

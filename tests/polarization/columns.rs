@@ -21,8 +21,9 @@ use sunstone::internals::transport::tables::carriers::{
 };
 use sunstone::internals::transport::tables::classes::{LightClass, SensorClass};
 use sunstone::internals::transport::tables::kernels::KernelColumns;
-use sunstone::internals::transport::tables::measured::Measured;
+use sunstone::internals::transport::tables::measured::{Measured, Reading};
 use sunstone::internals::transport::tables::partition::{Part, Partition};
+use sunstone::internals::transport::tables::paths::IdentityColumns;
 use sunstone::internals::transport::tables::states::LightState;
 use sunstone::internals::transport::tables::{channels, vectors};
 
@@ -234,19 +235,24 @@ fn exact_light(rows: &Rows, row: usize, n: usize) -> Vec<LightCarrier<f64>> {
     states
 }
 
-/// Calls `visit` with the sensor paths before every event from the sensor on, and their
-/// throughputs.
+/// Calls `visit` with the sensor paths before every event from the sensor on, their throughputs,
+/// and slots that know of their first depolarizers, and of no light yet.
 fn sensor_side(
     rows: &Rows,
     components: usize,
-    mut visit: impl FnMut(&SensorCarriers<N>, &Channels<N>, usize),
+    mut visit: impl FnMut(&SensorCarriers<N>, &Channels<N>, &Measured<N>, usize),
 ) {
     let mut carriers = SensorCarriers::<N>::new(rows.len());
+    let mut measured = Measured::new(rows.len(), components);
+    let mut identity = IdentityColumns::new(rows.len());
+    for (row, slot) in identity.slot[..rows.len()].iter_mut().enumerate() {
+        *slot = row as u32;
+    }
     let mut kernels = KernelColumns::new(rows.len());
     let mut beta = rows.throughputs();
     carriers.start_at_film(rows.len(), components);
     for depth in 0.. {
-        visit(&carriers, &beta, depth);
+        visit(&carriers, &beta, &measured, depth);
         let live = rows.longer_than(depth);
         if live.is_empty() {
             return;
@@ -259,7 +265,7 @@ fn sensor_side(
         let class = |carriers: &SensorCarriers<N>, row: usize| carriers.class[row] as usize;
         let event = |row: usize| rows.event(row, place(row));
         let all = rows.partition(live.clone(), event, |row| class(&carriers, row));
-        depolarize_sensor(&mut carriers, &mut beta, &all);
+        depolarize_sensor(&mut carriers, &mut beta, &mut measured, &identity, &all);
         // Chains have films of their own, which rows ask for until their first event.
         let is_fresh = carriers.class[0] == SensorClass::Fresh;
         let groups: Vec<Range<usize>> =
@@ -321,12 +327,25 @@ impl Worst {
     }
 }
 
+/// What a slot has measured, by wavelength.
+fn stokes_of(measured: &mut Measured<N>, slot: usize) -> [[f32; 4]; N] {
+    let unpolarized = |intensity: &[f32; N]| intensity.map(|value| [value, 0.0, 0.0, 0.0]);
+    if measured.components() == 1 {
+        let (slots, _) = measured.intensities_mut(slot + 1).as_chunks::<N>();
+        return unpolarized(&slots[slot]);
+    }
+    match measured.reading(slot) {
+        Reading::Intensity(intensity) => unpolarized(intensity),
+        Reading::Stokes(states) => states.map(|state| state.to_array()),
+    }
+}
+
 fn check(case: Case, components: usize) -> f64 {
     let rows = Rows::new(case);
     let light = light_side(&rows);
     let mut worst = Worst(0.0);
-    sensor_side(&rows, components, |carriers, beta, depth| {
-        let mut measured = [(); 2].map(|()| Measured::<N>::new(rows.len(), components));
+    sensor_side(&rows, components, |carriers, beta, slots, depth| {
+        let mut measured = [slots.clone(), slots.clone()];
         let live = (0..rows.len()).filter(|&row| rows.events(row) >= depth);
         for row in live.clone() {
             let join = rows.events(row) - depth;
@@ -349,9 +368,10 @@ fn check(case: Case, components: usize) -> f64 {
                 let lights = [polarized, LightCarrier { stokes, x: polarized.x }];
                 for (measured, light) in measured.iter_mut().zip(lights) {
                     let expected = sensor.measure(&light, k);
-                    for (component, found) in measured.at(row).iter().enumerate() {
+                    let found = stokes_of(measured, row);
+                    for component in 0..components {
                         let place = (rows.chains[row].id, depth, n, component);
-                        worst.compare(found[n], expected[component], place);
+                        worst.compare(found[n][component], expected[component], place);
                     }
                 }
             }

@@ -40,12 +40,13 @@ fn flint_and_point_light() -> World {
 }
 
 /// Light comes to the floor by two faces, or by a ball in which it may be totally reflected at some
-/// wavelengths and not at others.
+/// wavelengths and not at others. The bulb is as large as paths from the sensor need to find it that
+/// often that their spread tells their error.
 fn caustic() -> World {
     let mut scene = room(&[]);
     let bulb = scene.diffuse(0.4);
-    let bulb = scene.emits(bulb, 30.0);
-    scene.sphere(v(0.3, 0.75, 0.2), 0.12, bulb);
+    let bulb = scene.emits(bulb, 8.0);
+    scene.sphere(v(0.3, 0.72, 0.2), 0.24, bulb);
     let flint = glass(&mut scene, 1.45, 1.95);
     scene.sphere(v(0.1, -0.4, 0.1), 0.35, flint);
     scene.cuboid(v(-0.6, -0.3, 0.0), v(0.15, 0.3, 0.2), flint);

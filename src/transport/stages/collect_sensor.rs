@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 use crate::math::columns::Column;
-use crate::math::{F32s, LANES, Vector};
+use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::kernel::{Block, SpheroidBlock};
-use crate::polarization::{Departure, SensorMatrix, SensorRow, film_axis};
+use crate::polarization::{Departure, Rotation, SensorMatrix, SensorRow, film_axis};
 use crate::scattering::event::Form;
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::carriers::SensorCarriers;
@@ -44,20 +44,69 @@ fn collect<const N: usize, K: StoredKernel>(
     part: &Part,
 ) {
     let before = SensorClass::of(part);
-    let after = before.extended::<N>(part.event.achromatic);
+    let after = before.extended::<N>(part.event.form, part.event.achromatic);
     match before {
+        SensorClass::Fresh if after == SensorClass::Once => {
+            begin_once(carriers, kernels, (direction, film_up), part);
+        }
         SensorClass::Fresh => {
             begin_matrix::<N, K>(carriers, kernels, (direction, film_up), part, after);
         }
+        SensorClass::Once => extend_once::<N, K>(carriers, kernels, direction, part),
         SensorClass::Full | SensorClass::Common => {
             extend_matrix::<N, K>(carriers, kernels, direction, part, [before, after]);
         }
-        SensorClass::Plain | SensorClass::Column => begin_row::<N, K>(carriers, kernels, part),
-        SensorClass::Row | SensorClass::RankOne => {
+        SensorClass::Plain => begin_row::<N, K>(carriers, kernels, part),
+        SensorClass::Row => {
             extend_row::<N, K>(carriers, kernels, direction, part);
         }
     }
     carriers.class[part.rows.clone()].fill(after);
+}
+
+/// `R` and `B`, whose product is not needed yet.
+fn begin_once<const N: usize>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    (direction, film_up): (&[Column; 3], Vec3),
+    part: &Part,
+) {
+    let end = part.rows.end;
+    for row in part.rows.clone().step_by(LANES) {
+        let ray = Vector::load(direction, row);
+        let axis = Vector::load(&kernels.axis, row);
+        let departure = Departure::between(axis, film_axis(ray, Vector::splat(film_up)), -ray);
+        let Rotation { cos2, sin2 } = departure.rotation();
+        let [of_cos2, of_sin2] = &mut carriers.rotation;
+        lanes::store(of_cos2, row, end, cos2);
+        lanes::store(of_sin2, row, end, sin2);
+        for n in 0..N {
+            let kernel = Block::load(kernels, part.event.channel(n), row);
+            carriers.store_event(n, row, end, kernel);
+        }
+        axis.store(&mut carriers.axis, row, end);
+    }
+}
+
+/// `T = R B R' B'`, of the event that was and another.
+fn extend_once<const N: usize, K: StoredKernel>(
+    carriers: &mut SensorCarriers<N>,
+    kernels: &KernelColumns<N>,
+    direction: &[Column; 3],
+    part: &Part,
+) {
+    let end = part.rows.end;
+    for row in part.rows.clone().step_by(LANES) {
+        let axis = Vector::load(&kernels.axis, row);
+        let x = Vector::load(&carriers.axis, row);
+        let departure = Departure::between(axis, x, -Vector::load(direction, row));
+        for n in 0..N {
+            let kernel = K::load(kernels, part.event.channel(n), row);
+            let sensor = carriers.load_event(n, row, x).matrix();
+            carriers.store_matrix(n, row, end, &sensor.collect(&departure, kernel));
+        }
+        axis.store(&mut carriers.axis, row, end);
+    }
 }
 
 /// `T = R B`, of the class `after`.

@@ -3,6 +3,7 @@
 use crate::geometry::{HitColumns, IN_MEDIUM};
 use crate::math::{F32s, LANES, Real, lanes};
 use crate::scattering::Scene;
+use crate::scattering::medium::Medium;
 use crate::scene::baked::NONE;
 use crate::transport::flight::fly;
 use crate::transport::tables::flights::FlightTable;
@@ -51,40 +52,61 @@ fn weigh<const N: usize, C>(
 ) {
     let live = LANES.min(paths.len - row);
     let of = |lane: usize| row + lane.min(live - 1);
-    let depth = |n: usize| F32s::from(lanes::each(|lane| flights.progress[of(lane)].depth[n]));
-    let drawn = |n: usize| F32s::from(lanes::each(|lane| flights.progress[of(lane)].drawn[n]));
-    let mut least = drawn(0);
-    for n in 1..N {
-        least = least.min(drawn(n));
-    }
+    let depth = lanes::columns(|lane| &flights.progress[of(lane)].depth);
     let meets = lanes::each(|lane| {
         let met = hits.primitive[of(lane)];
         met >= IN_MEDIUM && met != NONE
     });
-    let meets = lanes::mask_of(meets);
-    let one = F32s::splat(1.0);
-    let mut densities = [one; N];
-    let mut values = [one; N];
-    let mut sum = F32s::splat(0.0);
-    for n in 0..N {
-        let sigma = |of_medium: fn(&crate::scattering::medium::Medium<N>) -> &[f32; N]| {
-            let value = |lane| of_medium(scene.medium(paths.media.inside[of(lane)]))[n];
-            Real::select(meets, F32s::from(lanes::each(value)), one)
-        };
-        // Only ratios matter: the least depth is taken out, so that no sum underflows.
-        values[n] = sigma(|medium| &medium.sigma_s) * (least - depth(n)).exp();
-        densities[n] = sigma(|medium| &medium.sigma_t) * (least - drawn(n)).exp();
-        if N > 1 {
-            densities[n] *= lanes::load(&paths.media.share[n], row);
-        }
-        sum += densities[n];
+    let zero = F32s::splat(0.0);
+    let is_deep = depth.iter().fold(zero, |is_deep, depth| is_deep | depth.simd_gt(zero));
+    if !is_deep.any() && !meets.contains(&true) {
+        return;
     }
-    let inverse = one / sum;
+    let drawn = lanes::columns(|lane| &flights.progress[of(lane)].drawn);
+    let least = drawn[1..].iter().fold(drawn[0], |least, drawn| least.min(*drawn));
+    // Only ratios matter: the least depth is taken out, so that no sum underflows.
+    let of_light = depth.map(|depth| (least - depth).exp());
+    let of_flights = if drawn == depth { of_light } else { drawn.map(|it| (least - it).exp()) };
+    let media = lanes::each(|lane| paths.media.inside[of(lane)]);
+    let sigmas = Sigmas { scene, media, meets };
+    let mut densities = [zero; N];
+    let mut sum = zero;
+    for (n, density) in densities.iter_mut().enumerate() {
+        *density = of_flights[n] * sigmas.at(|medium| medium.sigma_t[n]);
+        if N > 1 {
+            *density *= lanes::load(&paths.media.share[n], row);
+        }
+        sum += *density;
+    }
+    let inverse = F32s::splat(1.0) / sum;
     for n in 0..N {
-        let beta = lanes::load(&paths.beta[n], row) * values[n] * inverse;
+        let value = of_light[n] * sigmas.at(|medium| medium.sigma_s[n]);
+        let beta = lanes::load(&paths.beta[n], row) * value * inverse;
         lanes::store(&mut paths.beta[n], row, paths.len, beta);
         if N > 1 {
             lanes::store(&mut paths.media.share[n], row, paths.len, densities[n] * inverse);
         }
+    }
+}
+
+/// The coefficients of the media that eight rows are in.
+struct Sigmas<'a, const N: usize> {
+    scene: &'a Scene<N>,
+    media: [u32; LANES],
+    /// Which of them meet particles there.
+    meets: [bool; LANES],
+}
+
+impl<const N: usize> Sigmas<'_, N> {
+    /// A coefficient where rows meet particles, else one.
+    #[inline(always)]
+    fn at(&self, of: impl Fn(&Medium<N>) -> f32) -> F32s {
+        let one = F32s::splat(1.0);
+        let [first, rest @ ..] = &self.media;
+        let values = match rest.iter().all(|other| other == first) {
+            true => F32s::splat(of(self.scene.medium(*first))),
+            false => F32s::from(lanes::each(|lane| of(self.scene.medium(self.media[lane])))),
+        };
+        Real::select(lanes::mask_of(self.meets), values, one)
     }
 }

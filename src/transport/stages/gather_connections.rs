@@ -127,8 +127,8 @@ pub fn splat_connections<const N: usize>(
                 let film_x = film_axis(-k, sensor.up().to_array().into());
                 let light = &connections.states[state as usize];
                 let arrival = Arrival::between(light.x, film_x, k);
-                let mut stokes = [[0.0; N]; 4];
-                for (n, &value) in value.iter().enumerate() {
+                let mut stokes = [[0.0; 4]; N];
+                for (n, (stokes, &value)) in stokes.iter_mut().zip(&value).enumerate() {
                     let arriving = light.at(n);
                     let measured = match passing {
                         None => arriving.turned(&arrival).stokes,
@@ -137,9 +137,7 @@ pub fn splat_connections<const N: usize>(
                             Stokes([behind.measure(&arriving, &arrival), 0.0, 0.0, 0.0])
                         }
                     };
-                    for (stokes, component) in stokes.iter_mut().zip(measured.scaled(value).0) {
-                        stokes[n] = component;
-                    }
+                    *stokes = measured.scaled(value).0;
                 }
                 splats.polarized.push(PolarizedSplat { pixel, stokes });
             }

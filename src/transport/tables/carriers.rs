@@ -1,12 +1,12 @@
 //! Polarization as components that rows have or lack: what the carriers of a path table hold, by
 //! the classes of [`super::classes`].
 //!
-//! The tables hold nothing but the carriers of the algebra ([`LightCarrier`], [`SensorMatrix`],
-//! [`SensorRow`], [`SensorColumn`]), one per row and wavelength with an axis per row: they load
-//! from the columns and store to them, and all that happens to them is theirs.
+//! The tables hold nothing but the carriers of the algebra ([`LightCarrier`], [`SensorEvent`],
+//! [`SensorMatrix`], [`SensorRow`]), one per row and wavelength with an axis per row: they load from the columns and
+//! store to them, and all that happens to them is theirs.
 //!
 //! Depolarizers fold what scales the intensity (r0, or T00 and the light side's s0) into the
-//! throughput `beta`, so c is stored relative to its first element.
+//! throughput `beta`.
 
 use super::classes::{LightClass, SensorClass};
 use super::partition::Part;
@@ -15,7 +15,7 @@ use crate::math::columns::{Channels, Column, take};
 use crate::math::lanes::{self, FromColumn};
 use crate::math::{F32s, Vector};
 use crate::polarization::{
-    Arrival, LightCarrier, Rotation, SensorColumn, SensorMatrix, SensorRow, Stokes,
+    Arrival, Block, Departure, LightCarrier, Rotation, SensorEvent, SensorMatrix, SensorRow, Stokes,
 };
 
 /// Columns of polarization that travel with the rows of a path table.
@@ -90,10 +90,12 @@ pub struct SensorCarriers<const N: usize> {
     pub class: Vec<SensorClass>,
     /// The x axis of the frame in which light is accepted, perpendicular to the ray.
     pub axis: [Column; 3],
-    /// c1..c3 over c0.
-    pub column: [Channels<N>; 3],
     /// r0..r3.
     pub row: [Channels<N>; 4],
+    /// a, c and s of one event.
+    pub block: [Channels<N>; 3],
+    /// The rotation behind it: cos 2a and sin 2a.
+    pub rotation: [Column; 2],
     /// T, `[row][column]`.
     pub matrix: [[Channels<N>; 4]; 4],
 }
@@ -168,12 +170,33 @@ impl<const N: usize> SensorCarriers<N> {
         SensorRow { row: elements(|i| F::load(&self.row[i][wavelength], row)), x }
     }
 
-    /// Reads the column c of a wavelength from `row` on.
+    /// Reads the one event of a wavelength from `row` on, where the axis is `x`.
     #[inline(always)]
-    pub fn load_column<F: FromColumn>(&self, wavelength: usize, row: usize) -> SensorColumn<F> {
-        let [c1, c2, c3] = &self.column;
-        let [c1, c2, c3] = [c1, c2, c3].map(|column| F::load(&column[wavelength], row));
-        SensorColumn(Stokes([F::one(), c1, c2, c3]))
+    pub fn load_event<F: FromColumn>(
+        &self,
+        wavelength: usize,
+        row: usize,
+        x: Vector<F>,
+    ) -> SensorEvent<F> {
+        let [a, c, s] = &self.block;
+        let [cos2, sin2] = &self.rotation;
+        let rotation = Rotation { cos2: F::load(cos2, row), sin2: F::load(sin2, row) };
+        let kernel = Block {
+            a: F::load(&a[wavelength], row),
+            c: F::load(&c[wavelength], row),
+            s: F::load(&s[wavelength], row),
+        };
+        SensorEvent { kernel, departure: Departure::by(rotation, x) }
+    }
+
+    /// Writes the one event of a wavelength of the rows from `row` to `end`, at most eight, but for
+    /// the axis and the rotation, which all wavelengths share.
+    #[inline(always)]
+    pub fn store_event(&mut self, wavelength: usize, row: usize, end: usize, kernel: Block<F32s>) {
+        let [a, c, s] = &mut self.block;
+        lanes::store(&mut a[wavelength], row, end, kernel.a);
+        lanes::store(&mut c[wavelength], row, end, kernel.c);
+        lanes::store(&mut s[wavelength], row, end, kernel.s);
     }
 
     /// Writes the matrix in a channel of the rows from `row` to `end`, at most eight, without the
@@ -205,21 +228,6 @@ impl<const N: usize> SensorCarriers<N> {
     ) {
         for (column, value) in self.row.iter_mut().zip(&sensor.row) {
             lanes::store(&mut column[wavelength], row, end, *value);
-        }
-    }
-
-    /// Writes the column c of a wavelength, whose first element is one, of the rows from `row` to
-    /// `end`, at most eight.
-    #[inline(always)]
-    pub fn store_column(
-        &mut self,
-        wavelength: usize,
-        row: usize,
-        end: usize,
-        SensorColumn(Stokes([_one, rest @ ..])): SensorColumn<F32s>,
-    ) {
-        for (column, value) in self.column.iter_mut().zip(rest) {
-            lanes::store(&mut column[wavelength], row, end, value);
         }
     }
 }
@@ -288,8 +296,9 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         Self {
             class: vec![SensorClass::Fresh; capacity],
             axis: vectors(capacity),
-            column: std::array::from_fn(|_| channels(capacity)),
             row: std::array::from_fn(|_| channels(capacity)),
+            block: std::array::from_fn(|_| channels(capacity)),
+            rotation: channels(capacity),
             matrix: std::array::from_fn(|_| std::array::from_fn(|_| channels(capacity))),
         }
     }
@@ -308,13 +317,16 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         if class.has_axis() && accepted > 1 {
             gather_group(&mut self.axis, &from.axis, order, rows.start);
         }
-        if class.has_column() {
-            for (to, from) in self.column.iter_mut().zip(&from.column) {
+        if class.has_row() {
+            for (to, from) in self.row[..accepted].iter_mut().zip(&from.row) {
                 gather_group(to, from, order, rows.start);
             }
         }
-        if class.has_row() {
-            for (to, from) in self.row[..accepted].iter_mut().zip(&from.row) {
+        if class == SensorClass::Once {
+            gather_group(&mut self.rotation, &from.rotation, order, rows.start);
+            // Unpolarized light takes but the first column of the kernel.
+            let kept = if part.is_depolarized() { 1 } else { 3 };
+            for (to, from) in self.block[..kept].iter_mut().zip(&from.block) {
                 gather_group(to, from, order, rows.start);
             }
         }
@@ -329,7 +341,7 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
 
     fn leans(part: &Part) -> bool {
         let class = SensorClass::of(part);
-        class.has_row() || class.has_matrix()
+        class.has_axis()
     }
 
     #[inline(always)]
@@ -341,11 +353,14 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
         (axis, k): (Vector<F32s>, Vector<F32s>),
     ) -> [F32s; 2] {
         let (class, x) = (SensorClass::of(part), Vector::load(&self.axis, row));
-        let accepted = if class.has_matrix() {
-            let channel = class.channel_of(wavelength);
-            elements(|j| F32s::load(&self.matrix[0][j][channel], row))
-        } else {
-            self.load_row(wavelength, row, x).row
+        let accepted = match class {
+            SensorClass::Full | SensorClass::Common => {
+                let channel = class.channel_of(wavelength);
+                elements(|j| F32s::load(&self.matrix[0][j][channel], row))
+            }
+            SensorClass::Once => self.load_event(wavelength, row, x).first_row(),
+            SensorClass::Row => self.load_row(wavelength, row, x).row,
+            SensorClass::Fresh | SensorClass::Plain => Stokes::unpolarized().0,
         };
         let [r0, r1, ..] = Rotation::between(axis, x, k).collect_row(accepted);
         [r0, r1]

@@ -6,20 +6,22 @@
 //! | light | [`LightClass::Unpolarized`] | none | emitted unpolarized, or after a depolarizer |
 //! | light | [`LightClass::Polarized`] | Stokes, axis | after a polarizing event |
 //! | sensor | [`SensorClass::Fresh`] | none: T = 1 in the film's frame | no event yet |
-//! | sensor | [`SensorClass::Plain`] | none: c = r = e0 | after a depolarizer, nothing polarizing |
-//! | | | | before (a film of intensities counts as one) |
+//! | sensor | [`SensorClass::Plain`] | none: r = e0 | after a depolarizer (a film of intensities |
+//! | | | | counts as one) |
 //! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row, polarizing events since; behind an |
 //! | | | | analyzer from the film on |
-//! | sensor | [`SensorClass::Column`] | c | polarizing events, then a depolarizer |
-//! | sensor | [`SensorClass::RankOne`] | c, r, axis | a `Column` row, polarizing events since |
+//! | sensor | [`SensorClass::Once`] | a, c, s, a rotation, axis | one polarizing event, of the form |
+//! | | | | of a block, no depolarizer yet |
 //! | sensor | [`SensorClass::Full`] | T, axis | polarizing events, no depolarizer yet |
 //! | sensor | [`SensorClass::Common`] | T once, axis | the same, no event told wavelengths |
 //! | | | | apart |
 //!
-//! After the first depolarizer T D = (T e0)(d e0^T) has rank one for ever: the column c is fixed
-//! and only the row r is extended.
+//! After the first depolarizer T D = (T e0)(d e0^T) has rank one for ever: the column T e0 is fixed
+//! and belongs to the slot that the row measures for ([`super::measured`]); only the row d e0^T is
+//! extended.
 
 use super::partition::Part;
+use crate::scattering::event::Form;
 
 /// Classes of light paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,10 +63,8 @@ pub enum SensorClass {
     Plain,
     /// Intensity out, `row` in.
     Row,
-    /// `column` out, intensity in.
-    Column,
-    /// `column` out, `row` in.
-    RankOne,
+    /// The product of a rotation and one block.
+    Once,
     /// `matrix`.
     Full,
     /// The first wavelength's `matrix`, for all of them. With one wavelength it is
@@ -74,15 +74,8 @@ pub enum SensorClass {
 
 impl SensorClass {
     /// All of them, in the order of their places.
-    pub const ALL: [Self; 7] = [
-        Self::Fresh,
-        Self::Plain,
-        Self::Row,
-        Self::Column,
-        Self::RankOne,
-        Self::Full,
-        Self::Common,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Fresh, Self::Plain, Self::Row, Self::Once, Self::Full, Self::Common];
 
     /// The class of the rows of a part.
     #[inline(always)]
@@ -93,24 +86,18 @@ impl SensorClass {
     /// Whether rows accept light in the frame of an axis of theirs.
     #[inline(always)]
     pub fn has_axis(self) -> bool {
-        self.has_row() || self.has_matrix()
+        match self {
+            Self::Row | Self::Once | Self::Full | Self::Common => true,
+            Self::Fresh | Self::Plain => false,
+        }
     }
 
     /// Whether rows have the row r.
     #[inline(always)]
     pub fn has_row(self) -> bool {
         match self {
-            Self::Row | Self::RankOne => true,
-            Self::Fresh | Self::Plain | Self::Column | Self::Full | Self::Common => false,
-        }
-    }
-
-    /// Whether rows have the column c.
-    #[inline(always)]
-    pub fn has_column(self) -> bool {
-        match self {
-            Self::Column | Self::RankOne => true,
-            Self::Fresh | Self::Plain | Self::Row | Self::Full | Self::Common => false,
+            Self::Row => true,
+            Self::Fresh | Self::Plain | Self::Once | Self::Full | Self::Common => false,
         }
     }
 
@@ -119,7 +106,7 @@ impl SensorClass {
     pub fn has_matrix(self) -> bool {
         match self {
             Self::Full | Self::Common => true,
-            Self::Fresh | Self::Plain | Self::Row | Self::Column | Self::RankOne => false,
+            Self::Fresh | Self::Plain | Self::Row | Self::Once => false,
         }
     }
 
@@ -135,24 +122,16 @@ impl SensorClass {
         if self == Self::Common { 0 } else { wavelength }
     }
 
-    /// What rows become at a depolarizer.
+    /// What rows of `N` wavelengths become at a polarizing event whose kernel has a form, the same
+    /// for all wavelengths or not.
     #[inline(always)]
-    pub fn depolarized(self) -> Self {
+    pub fn extended<const N: usize>(self, form: Form, achromatic: bool) -> Self {
+        let is_common = N > 1 && achromatic;
         match self {
-            Self::Fresh | Self::Plain | Self::Row => Self::Plain,
-            Self::Column | Self::RankOne | Self::Full | Self::Common => Self::Column,
-        }
-    }
-
-    /// What rows of `N` wavelengths become at a polarizing event, the same for all wavelengths or
-    /// not.
-    #[inline(always)]
-    pub fn extended<const N: usize>(self, achromatic: bool) -> Self {
-        match self {
-            Self::Fresh | Self::Common if N > 1 && achromatic => Self::Common,
-            Self::Fresh | Self::Full | Self::Common => Self::Full,
+            Self::Fresh if form == Form::Block && !is_common => Self::Once,
+            Self::Fresh | Self::Common if is_common => Self::Common,
+            Self::Fresh | Self::Once | Self::Full | Self::Common => Self::Full,
             Self::Plain | Self::Row => Self::Row,
-            Self::Column | Self::RankOne => Self::RankOne,
         }
     }
 }
@@ -168,20 +147,22 @@ mod tests {
         assert!(light.eq(0..LightClass::ALL.len()) && sensor.eq(0..SensorClass::ALL.len()));
     }
 
-    /// What a row is extended by and what is left of it have the columns that this takes.
+    /// What a row is extended by has the columns that this takes.
     #[test]
     fn classes_follow_from_the_columns() {
         for class in SensorClass::ALL {
-            for achromatic in [false, true] {
-                let after = class.extended::<3>(achromatic);
-                assert!(after.has_axis() && after.has_column() == class.has_column());
-                assert_eq!(after.extended::<3>(achromatic), after);
-                assert_ne!(class.extended::<1>(achromatic), SensorClass::Common);
-                assert_eq!(after.depolarized(), after.extended::<3>(true).depolarized());
+            for (form, achromatic) in [Form::Block, Form::Spheroid]
+                .into_iter()
+                .flat_map(|form| [false, true].map(|achromatic| (form, achromatic)))
+            {
+                let after = class.extended::<3>(form, achromatic);
+                assert!(after.has_axis());
+                assert_ne!(after, SensorClass::Fresh);
+                let later = after.extended::<3>(form, achromatic);
+                assert_eq!(later.extended::<3>(form, achromatic), later);
+                assert_ne!(later, SensorClass::Once);
+                assert_ne!(class.extended::<1>(form, achromatic), SensorClass::Common);
             }
-            let after = class.depolarized();
-            assert!(!after.has_axis());
-            assert_eq!(after.has_column(), class.has_column() || class.has_matrix());
         }
     }
 }
