@@ -7,6 +7,7 @@ use crate::math::{F32s, LANES, lanes};
 use crate::scene::baked;
 
 use super::phase::{HenyeyGreenstein, PhaseFunction, Scatters, for_phase};
+use super::surface::SURVIVAL_MIN;
 
 /// Mean square of a phase function ([`Scatters::moments`]) from which on it is nearly a delta: that
 /// of Henyey and Greenstein's at a mean cosine of 0.93.
@@ -32,11 +33,12 @@ pub struct Medium<const N: usize> {
     /// Coefficient that free flights are drawn by, per scene unit: the geometric mean of the two, 0
     /// where the medium only absorbs; that of extinction where it hardly does.
     pub sigma_d: [f32; N],
-    /// Whether that is extinction at all wavelengths.
-    pub flies_by_extinction: bool,
     /// The mean of that over the wavelengths: what takes the place of a surface's cosine where
     /// strategies are weighed against each other.
     pub density: f32,
+    /// Where that is extinction at all wavelengths, the largest albedo: the probability with which
+    /// roulette lets paths go on from the particles that they meet.
+    pub by_extinction: Option<f32>,
     /// The largest reduced extinction coefficient over the wavelengths, of which scattering that
     /// leads forwards is left out by its mean cosine: one over the transport mean free path.
     pub reduced: f32,
@@ -65,8 +67,8 @@ impl<const N: usize> Medium<N> {
             sigma_t,
             sigma_s: medium.sigma_s,
             sigma_d,
-            flies_by_extinction: sigma_d == sigma_t,
             density: mean(&sigma_d),
+            by_extinction: (sigma_d == sigma_t).then(|| survival(&medium.sigma_s, &sigma_t)),
             reduced,
             is_peaked,
             peak: for_phase!(&phase, phase => end_of_peak(phase)),
@@ -79,18 +81,8 @@ impl<const N: usize> Medium<N> {
         let phase = PhaseFunction::HenyeyGreenstein(HenyeyGreenstein { g: [0.0; N] });
         let [sigma_t, sigma_s, sigma_d] = [[0.0; N]; 3];
         let (density, reduced, is_peaked, peak) = (0.0, 0.0, false, 0.0);
-        let flies_by_extinction = true;
-        Self {
-            sigma_t,
-            sigma_s,
-            sigma_d,
-            flies_by_extinction,
-            density,
-            reduced,
-            is_peaked,
-            peak,
-            phase,
-        }
+        let by_extinction = Some(SURVIVAL_MIN);
+        Self { sigma_t, sigma_s, sigma_d, density, by_extinction, reduced, is_peaked, peak, phase }
     }
 
     /// Mean extinction coefficient over the wavelengths.
@@ -105,6 +97,13 @@ fn of_flights(sigma_s: f32, sigma_t: f32) -> f32 {
         return sigma_t;
     }
     (f64::from(sigma_s) * f64::from(sigma_t)).sqrt() as f32
+}
+
+/// The largest albedo, as roulette takes it.
+fn survival<const N: usize>(sigma_s: &[f32; N], sigma_t: &[f32; N]) -> f32 {
+    // Where nothing scatters, nor absorbs, the ratio is not a number, and nothing.
+    let albedos = sigma_s.iter().zip(sigma_t).map(|(sigma_s, sigma_t)| sigma_s / sigma_t);
+    albedos.fold(SURVIVAL_MIN, f32::max).min(1.0)
 }
 
 fn mean<const N: usize>(values: &[f32; N]) -> f32 {

@@ -72,24 +72,26 @@ fn meet<const N: usize>(
     let depths = medium.sigma_t.map(|sigma_t| sigma_t * distance);
     progress.depth.iter_mut().zip(depths).for_each(|(sum, depth)| *sum += depth);
     progress.drawn.iter_mut().zip(depths).for_each(|(sum, depth)| *sum += depth);
+    progress.survival = match medium.by_extinction {
+        Some(survival) => survival,
+        None => thin_out(progress, medium, length),
+    };
+}
+
+/// Makes up for flights that end more rarely on a piece than light does; the probability with which
+/// roulette lets them go on.
+fn thin_out<const N: usize>(progress: &mut Progress<N>, medium: &Medium<N>, length: f32) -> f32 {
     let mut survival = SURVIVAL_MIN;
-    if medium.flies_by_extinction {
-        for (sigma_s, sigma_t) in medium.sigma_s.iter().zip(&medium.sigma_t) {
-            // Where nothing scatters, nor absorbs, this is not a number, and nothing.
-            survival = survival.max(sigma_s / sigma_t);
-        }
-    } else {
-        for n in 0..N {
-            match rarity(medium, n, length) {
-                Some(rarity) => {
-                    progress.drawn[n] += ln(rarity);
-                    survival = survival.max(medium.sigma_s[n] / medium.sigma_t[n] * rarity);
-                }
-                None => progress.drawn[n] = f32::INFINITY,
+    for n in 0..N {
+        match rarity(medium, n, length) {
+            Some(rarity) => {
+                progress.drawn[n] += ln(rarity);
+                survival = survival.max(medium.sigma_s[n] / medium.sigma_t[n] * rarity);
             }
+            None => progress.drawn[n] = f32::INFINITY,
         }
     }
-    progress.survival = survival.min(1.0);
+    survival.min(1.0)
 }
 
 /// How much rarer flights end on a piece than light does; none where no flight does.
