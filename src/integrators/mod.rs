@@ -82,6 +82,12 @@ macro_rules! integrators {
                 match self { $(Self::$name => <$schedule>::PHOTONS,)* }
             }
 
+            /// Whether paths carry partial weights of all strategies that find them: those do of
+            /// integrators whose light paths reach the film.
+            pub(crate) fn weighs_strategies(self) -> bool {
+                self.splats()
+            }
+
             /// Path length from which on roulette plays for sensor paths, if nothing else is asked
             /// for.
             pub fn roulette_after(self) -> u32 {

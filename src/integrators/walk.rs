@@ -278,7 +278,9 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     }
     let bounce = Bounce { path_length, side: S::SIDE, sampling: chunk.sampling };
     profile.time(Stage::Scatter, || {
-        pay_out(sorted);
+        if chunk.plays_roulette(S::SIDE, path_length) {
+            pay_out(sorted);
+        }
         scatter::<N, M, _>(sorted, walk, scene, bounce);
     });
     let WalkTables { surfaces, partition, departures, .. } = walk;

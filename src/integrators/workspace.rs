@@ -67,11 +67,11 @@ pub struct WalkTables<const N: usize> {
 }
 
 impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
-    /// Empty tables, with or without media.
-    pub fn new(components: usize, with_media: bool) -> Self {
+    /// Empty tables for films of so many components, with or without media and partial weights.
+    pub fn new(components: usize, with: (bool, bool)) -> Self {
         Self {
-            sensor: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
-            light: std::array::from_fn(|_| PathTable::new(ROWS, with_media)),
+            sensor: std::array::from_fn(|_| PathTable::new(ROWS, with)),
+            light: std::array::from_fn(|_| PathTable::new(ROWS, with)),
             walk: WalkTables::new(),
             queries: PhotonQueries::default(),
             merged: MergedRows::new(ROWS),

@@ -70,9 +70,10 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         let photons = settings.passes.map(|passes| PhotonPass::new(scene, passes, M::POLARIZED));
         let groups = settings.groups();
         let place = Place::after(&groups, settings.first_sample, settings.first_sample);
+        let with = (scene.has_media(), settings.integrator.weighs_strategies());
         Self {
             film: black_film(scene, settings, sets.differ()),
-            pool: Pool::new(settings.components(), scene.has_media()),
+            pool: Pool::new(settings.components(), with),
             sets,
             settings: settings.clone(),
             photons,

@@ -24,19 +24,20 @@ use super::sums::{are_finite, sum_measured};
 pub struct Pool<const N: usize, M: LightModel<N>> {
     resting: Mutex<Vec<Box<Workspace<N, M>>>>,
     components: usize,
-    with_media: bool,
+    with: (bool, bool),
 }
 
 impl<const N: usize, M: LightModel<N>> Pool<N, M> {
-    /// None yet, for films of so many Stokes components, and scenes with or without media.
-    pub fn new(components: usize, with_media: bool) -> Self {
-        Self { resting: Mutex::new(Vec::new()), components, with_media }
+    /// None yet, for films of so many Stokes components, and paths with or without media and
+    /// partial weights.
+    pub fn new(components: usize, with: (bool, bool)) -> Self {
+        Self { resting: Mutex::new(Vec::new()), components, with }
     }
 
     /// Does `work` with one of them.
     pub fn with<R>(&self, work: impl FnOnce(&mut Workspace<N, M>) -> R) -> R {
         let resting = self.resting.lock().expect("no thread panics while it holds the lock").pop();
-        let create = || Box::new(Workspace::new(self.components, self.with_media));
+        let create = || Box::new(Workspace::new(self.components, self.with));
         let mut workspace = resting.unwrap_or_else(create);
         let result = work(&mut workspace);
         self.resting.lock().expect("no thread panics while it holds the lock").push(workspace);

@@ -62,8 +62,10 @@ fn measure_intensity<const N: usize>(
         }
         SensorClass::Plain => measured.add_intensity(slot, value),
         SensorClass::Row => measured.add_intensity(slot, std::array::from_fn(accepted)),
-        SensorClass::Once => measured
-            .add_stokes(slot, |n| carriers.load_event(n, row, x()).depolarized().spread(value[n])),
+        SensorClass::Once | SensorClass::OnceCommon => measured.add_stokes(slot, |n| {
+            let event = carriers.load_event(class.channel_of(n), row, x());
+            event.depolarized().spread(value[n])
+        }),
         SensorClass::Full | SensorClass::Common => measured.add_stokes(slot, |n| {
             let matrix = carriers.load_matrix(class.channel_of(n), row, x());
             matrix.depolarized().spread(value[n])
@@ -100,9 +102,9 @@ fn measure_stokes<const N: usize>(
             let accepted = |n| carriers.load_row(n, row, x).measure(&light.at(n), &arrival);
             measured.add_intensity(slot, std::array::from_fn(|n| accepted(n) * value[n]));
         }
-        SensorClass::Once => {
+        SensorClass::Once | SensorClass::OnceCommon => {
             let (x, arrival) = framed();
-            let event = |n| carriers.load_event(n, row, x);
+            let event = |n| carriers.load_event(class.channel_of(n), row, x);
             let scaled = |n| event(n).measure(&light.at(n), &arrival).scaled(value[n]);
             measured.add_stokes(slot, scaled);
         }

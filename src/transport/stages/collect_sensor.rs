@@ -46,13 +46,15 @@ fn collect<const N: usize, K: StoredKernel>(
     let before = SensorClass::of(part);
     let after = before.extended::<N>(part.event.form, part.event.achromatic);
     match before {
-        SensorClass::Fresh if after == SensorClass::Once => {
-            begin_once(carriers, kernels, (direction, film_up), part);
+        SensorClass::Fresh if after.has_event() => {
+            begin_once(carriers, kernels, (direction, film_up), part, after);
         }
         SensorClass::Fresh => {
             begin_matrix::<N, K>(carriers, kernels, (direction, film_up), part, after);
         }
-        SensorClass::Once => extend_once::<N, K>(carriers, kernels, direction, part),
+        SensorClass::Once | SensorClass::OnceCommon => {
+            extend_once::<N, K>(carriers, kernels, direction, part, [before, after]);
+        }
         SensorClass::Full | SensorClass::Common => {
             extend_matrix::<N, K>(carriers, kernels, direction, part, [before, after]);
         }
@@ -64,12 +66,13 @@ fn collect<const N: usize, K: StoredKernel>(
     carriers.class[part.rows.clone()].fill(after);
 }
 
-/// `R` and `B`, whose product is not needed yet.
+/// `R` and `B`, whose product is not needed yet, of the class `after`.
 fn begin_once<const N: usize>(
     carriers: &mut SensorCarriers<N>,
     kernels: &KernelColumns<N>,
     (direction, film_up): (&[Column; 3], Vec3),
     part: &Part,
+    after: SensorClass,
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
@@ -80,9 +83,9 @@ fn begin_once<const N: usize>(
         let [of_cos2, of_sin2] = &mut carriers.rotation;
         lanes::store(of_cos2, row, end, cos2);
         lanes::store(of_sin2, row, end, sin2);
-        for n in 0..N {
-            let kernel = Block::load(kernels, part.event.channel(n), row);
-            carriers.store_event(n, row, end, kernel);
+        for channel in 0..after.wavelengths::<N>() {
+            let kernel = Block::load(kernels, part.event.channel(channel), row);
+            carriers.store_event(channel, row, end, kernel);
         }
         axis.store(&mut carriers.axis, row, end);
     }
@@ -94,16 +97,17 @@ fn extend_once<const N: usize, K: StoredKernel>(
     kernels: &KernelColumns<N>,
     direction: &[Column; 3],
     part: &Part,
+    [before, after]: [SensorClass; 2],
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let axis = Vector::load(&kernels.axis, row);
         let x = Vector::load(&carriers.axis, row);
         let departure = Departure::between(axis, x, -Vector::load(direction, row));
-        for n in 0..N {
-            let kernel = K::load(kernels, part.event.channel(n), row);
-            let sensor = carriers.load_event(n, row, x).matrix();
-            carriers.store_matrix(n, row, end, &sensor.collect(&departure, kernel));
+        for channel in 0..after.wavelengths::<N>() {
+            let kernel = K::load(kernels, part.event.channel(channel), row);
+            let sensor = carriers.load_event(before.channel_of(channel), row, x).matrix();
+            carriers.store_matrix(channel, row, end, &sensor.collect(&departure, kernel));
         }
         axis.store(&mut carriers.axis, row, end);
     }

@@ -29,7 +29,9 @@ pub fn depolarize_sensor<const N: usize, C: SensorSide<N>>(
         match class {
             SensorClass::Fresh | SensorClass::Plain => {}
             SensorClass::Row => end_rows(carriers, beta, part),
-            SensorClass::Once => end_events(carriers, (measured, identity), part),
+            SensorClass::Once | SensorClass::OnceCommon => {
+                end_events(carriers, (measured, identity), part, class);
+            }
             SensorClass::Full | SensorClass::Common => {
                 end_matrices(carriers, beta, (measured, identity), part, class);
             }
@@ -54,13 +56,15 @@ fn end_events<const N: usize>(
     carriers: &SensorCarriers<N>,
     (measured, identity): (&mut Measured<N>, &IdentityColumns),
     part: &Part,
+    class: SensorClass,
 ) {
     let end = part.rows.end;
     for row in part.rows.clone().step_by(LANES) {
         let x = Vector::load(&carriers.axis, row);
         let slots = &identity.slot[row..end.min(row + LANES)];
         for n in 0..N {
-            let SensorColumn(column) = carriers.load_event(n, row, x).depolarized();
+            let event = carriers.load_event(class.channel_of(n), row, x);
+            let SensorColumn(column) = event.depolarized();
             measured.set_columns(slots, n, column);
         }
     }

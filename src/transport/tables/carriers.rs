@@ -170,11 +170,11 @@ impl<const N: usize> SensorCarriers<N> {
         SensorRow { row: elements(|i| F::load(&self.row[i][wavelength], row)), x }
     }
 
-    /// Reads the one event of a wavelength from `row` on, where the axis is `x`.
+    /// Reads the one event in a channel from `row` on, where the axis is `x`.
     #[inline(always)]
     pub fn load_event<F: FromColumn>(
         &self,
-        wavelength: usize,
+        channel: usize,
         row: usize,
         x: Vector<F>,
     ) -> SensorEvent<F> {
@@ -182,21 +182,21 @@ impl<const N: usize> SensorCarriers<N> {
         let [cos2, sin2] = &self.rotation;
         let rotation = Rotation { cos2: F::load(cos2, row), sin2: F::load(sin2, row) };
         let kernel = Block {
-            a: F::load(&a[wavelength], row),
-            c: F::load(&c[wavelength], row),
-            s: F::load(&s[wavelength], row),
+            a: F::load(&a[channel], row),
+            c: F::load(&c[channel], row),
+            s: F::load(&s[channel], row),
         };
         SensorEvent { kernel, departure: Departure::by(rotation, x) }
     }
 
-    /// Writes the one event of a wavelength of the rows from `row` to `end`, at most eight, but for
-    /// the axis and the rotation, which all wavelengths share.
+    /// Writes the one event in a channel of the rows from `row` to `end`, at most eight, but for the
+    /// axis and the rotation, which all channels share.
     #[inline(always)]
-    pub fn store_event(&mut self, wavelength: usize, row: usize, end: usize, kernel: Block<F32s>) {
+    pub fn store_event(&mut self, channel: usize, row: usize, end: usize, kernel: Block<F32s>) {
         let [a, c, s] = &mut self.block;
-        lanes::store(&mut a[wavelength], row, end, kernel.a);
-        lanes::store(&mut c[wavelength], row, end, kernel.c);
-        lanes::store(&mut s[wavelength], row, end, kernel.s);
+        lanes::store(&mut a[channel], row, end, kernel.a);
+        lanes::store(&mut c[channel], row, end, kernel.c);
+        lanes::store(&mut s[channel], row, end, kernel.s);
     }
 
     /// Writes the matrix in a channel of the rows from `row` to `end`, at most eight, without the
@@ -322,12 +322,12 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
                 gather_group(to, from, order, rows.start);
             }
         }
-        if class == SensorClass::Once {
+        if class.has_event() {
             gather_group(&mut self.rotation, &from.rotation, order, rows.start);
             // Unpolarized light takes but the first column of the kernel.
             let kept = if part.is_depolarized() { 1 } else { 3 };
             for (to, from) in self.block[..kept].iter_mut().zip(&from.block) {
-                gather_group(to, from, order, rows.start);
+                gather_group(&mut to[..class.wavelengths::<N>()], from, order, rows.start);
             }
         }
         if class.has_matrix() {
@@ -358,7 +358,9 @@ impl<const N: usize> CarrierTable for SensorCarriers<N> {
                 let channel = class.channel_of(wavelength);
                 elements(|j| F32s::load(&self.matrix[0][j][channel], row))
             }
-            SensorClass::Once => self.load_event(wavelength, row, x).first_row(),
+            SensorClass::Once | SensorClass::OnceCommon => {
+                self.load_event(class.channel_of(wavelength), row, x).first_row()
+            }
             SensorClass::Row => self.load_row(wavelength, row, x).row,
             SensorClass::Fresh | SensorClass::Plain => Stokes::unpolarized().0,
         };

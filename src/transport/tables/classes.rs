@@ -12,6 +12,8 @@
 //! | | | | analyzer from the film on |
 //! | sensor | [`SensorClass::Once`] | a, c, s, a rotation, axis | one polarizing event, of the form |
 //! | | | | of a block, no depolarizer yet |
+//! | sensor | [`SensorClass::OnceCommon`] | the same once | such an event that told no wavelengths |
+//! | | | | apart |
 //! | sensor | [`SensorClass::Full`] | T, axis | polarizing events, no depolarizer yet |
 //! | sensor | [`SensorClass::Common`] | T once, axis | the same, no event told wavelengths |
 //! | | | | apart |
@@ -65,6 +67,9 @@ pub enum SensorClass {
     Row,
     /// The product of a rotation and one block.
     Once,
+    /// The same with the first wavelength's block for all of them; [`SensorClass::Once`] with one
+    /// wavelength.
+    OnceCommon,
     /// `matrix`.
     Full,
     /// The first wavelength's `matrix`, for all of them. With one wavelength it is
@@ -74,8 +79,15 @@ pub enum SensorClass {
 
 impl SensorClass {
     /// All of them, in the order of their places.
-    pub const ALL: [Self; 6] =
-        [Self::Fresh, Self::Plain, Self::Row, Self::Once, Self::Full, Self::Common];
+    pub const ALL: [Self; 7] = [
+        Self::Fresh,
+        Self::Plain,
+        Self::Row,
+        Self::Once,
+        Self::OnceCommon,
+        Self::Full,
+        Self::Common,
+    ];
 
     /// The class of the rows of a part.
     #[inline(always)]
@@ -87,7 +99,7 @@ impl SensorClass {
     #[inline(always)]
     pub fn has_axis(self) -> bool {
         match self {
-            Self::Row | Self::Once | Self::Full | Self::Common => true,
+            Self::Row | Self::Once | Self::OnceCommon | Self::Full | Self::Common => true,
             Self::Fresh | Self::Plain => false,
         }
     }
@@ -97,7 +109,21 @@ impl SensorClass {
     pub fn has_row(self) -> bool {
         match self {
             Self::Row => true,
-            Self::Fresh | Self::Plain | Self::Once | Self::Full | Self::Common => false,
+            Self::Fresh
+            | Self::Plain
+            | Self::Once
+            | Self::OnceCommon
+            | Self::Full
+            | Self::Common => false,
+        }
+    }
+
+    /// Whether rows have one event.
+    #[inline(always)]
+    pub fn has_event(self) -> bool {
+        match self {
+            Self::Once | Self::OnceCommon => true,
+            Self::Fresh | Self::Plain | Self::Row | Self::Full | Self::Common => false,
         }
     }
 
@@ -106,20 +132,29 @@ impl SensorClass {
     pub fn has_matrix(self) -> bool {
         match self {
             Self::Full | Self::Common => true,
-            Self::Fresh | Self::Plain | Self::Row | Self::Once => false,
+            Self::Fresh | Self::Plain | Self::Row | Self::Once | Self::OnceCommon => false,
+        }
+    }
+
+    /// Whether the columns of the first wavelength are those of all.
+    #[inline(always)]
+    fn is_common(self) -> bool {
+        match self {
+            Self::OnceCommon | Self::Common => true,
+            Self::Fresh | Self::Plain | Self::Row | Self::Once | Self::Full => false,
         }
     }
 
     /// How many of `N` wavelengths have columns of their own.
     #[inline(always)]
     pub fn wavelengths<const N: usize>(self) -> usize {
-        if self == Self::Common { 1 } else { N }
+        if self.is_common() { 1 } else { N }
     }
 
     /// The channel that holds a wavelength's columns.
     #[inline(always)]
     pub fn channel_of(self, wavelength: usize) -> usize {
-        if self == Self::Common { 0 } else { wavelength }
+        if self.is_common() { 0 } else { wavelength }
     }
 
     /// What rows of `N` wavelengths become at a polarizing event whose kernel has a form, the same
@@ -128,9 +163,10 @@ impl SensorClass {
     pub fn extended<const N: usize>(self, form: Form, achromatic: bool) -> Self {
         let is_common = N > 1 && achromatic;
         match self {
-            Self::Fresh if form == Form::Block && !is_common => Self::Once,
-            Self::Fresh | Self::Common if is_common => Self::Common,
-            Self::Fresh | Self::Once | Self::Full | Self::Common => Self::Full,
+            Self::Fresh if form == Form::Block && is_common => Self::OnceCommon,
+            Self::Fresh if form == Form::Block => Self::Once,
+            Self::Fresh | Self::OnceCommon | Self::Common if is_common => Self::Common,
+            Self::Fresh | Self::Once | Self::OnceCommon | Self::Full | Self::Common => Self::Full,
             Self::Plain | Self::Row => Self::Row,
         }
     }
@@ -160,8 +196,8 @@ mod tests {
                 assert_ne!(after, SensorClass::Fresh);
                 let later = after.extended::<3>(form, achromatic);
                 assert_eq!(later.extended::<3>(form, achromatic), later);
-                assert_ne!(later, SensorClass::Once);
-                assert_ne!(class.extended::<1>(form, achromatic), SensorClass::Common);
+                assert!(!later.has_event());
+                assert_eq!(class.extended::<1>(form, achromatic).wavelengths::<3>(), 3);
             }
         }
     }

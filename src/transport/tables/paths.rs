@@ -88,7 +88,8 @@ impl IdentityColumns {
 }
 
 columns! {
-    /// Partial weights, and what the unidirectional heuristic takes in their place.
+    /// Partial weights, absent where strategies are weighed without them, and what the
+    /// unidirectional heuristic takes in their place.
     pub struct MisColumns {
         /// Density per steradian of the current direction; infinite after a specular event and
         /// from the sensor. Used by `path`.
@@ -150,6 +151,18 @@ impl NestedColumns {
 }
 
 impl MisColumns {
+    /// For `capacity` rows, with or without partial weights.
+    fn if_weighed(capacity: usize, are_weighed: bool) -> Self {
+        let all = Self::new(capacity);
+        if are_weighed { all } else { Self { pdf_w: all.pdf_w, ..Self::absent() } }
+    }
+
+    /// Whether there are partial weights.
+    #[inline(always)]
+    fn are_weighed(&self) -> bool {
+        !self.d_vcm.is_empty()
+    }
+
     /// The partial weights of eight rows.
     #[inline(always)]
     pub fn load(&self, row: usize) -> PartialWeights<F32s> {
@@ -169,16 +182,23 @@ impl MisColumns {
         PartialWeights { d_vcm: F32s::splat(d_vcm), d_vc: F32s::splat(d_vc) }
     }
 
-    /// Sets the partial weights of the rows from `row` on that lie before `end`, eight at most.
+    /// Sets the partial weights, if there are any, of the rows from `row` on that lie before `end`,
+    /// eight at most.
     #[inline(always)]
     pub fn store(&mut self, row: usize, end: usize, weights: PartialWeights<F32s>) {
+        if !self.are_weighed() {
+            return;
+        }
         lanes::store(&mut self.d_vcm, row, end, weights.d_vcm);
         lanes::store(&mut self.d_vc, row, end, weights.d_vc);
     }
 
-    /// Sets those of one row.
+    /// Sets those of one row, if there are any.
     #[inline(always)]
     pub fn set_row(&mut self, row: usize, weights: PartialWeights<f32>) {
+        if !self.are_weighed() {
+            return;
+        }
         self.d_vcm[row] = weights.d_vcm;
         self.d_vc[row] = weights.d_vc;
     }
@@ -186,21 +206,27 @@ impl MisColumns {
     /// Takes one row through a surface that it passes with the probability `chance`.
     #[inline(always)]
     pub fn pass(&mut self, row: usize, chance: f32) {
-        self.set_row(row, self.row(row).pass(chance));
+        if self.are_weighed() {
+            self.set_row(row, self.row(row).pass(chance));
+        }
         self.pdf_w[row] *= chance;
     }
 
     /// Sends eight rows on from vertices that connect.
     #[inline(always)]
     pub fn depart(&mut self, row: usize, end: usize, turn: TurnDensities<F32s>) {
-        self.store(row, end, self.load(row).depart(turn));
+        if self.are_weighed() {
+            self.store(row, end, self.load(row).depart(turn));
+        }
         lanes::store(&mut self.pdf_w, row, end, turn.pdf);
     }
 
     /// Sends eight rows on from specular events; `measure` is the cosine of the direction.
     #[inline(always)]
     pub fn depart_specular(&mut self, row: usize, end: usize, measure: F32s) {
-        self.store(row, end, self.load(row).depart_specular(measure));
+        if self.are_weighed() {
+            self.store(row, end, self.load(row).depart_specular(measure));
+        }
         lanes::store(&mut self.pdf_w, row, end, F32s::splat(f32::INFINITY));
     }
 }
@@ -217,15 +243,15 @@ impl<const N: usize, C> PathTable<N, C> {
 }
 
 impl<const N: usize, C: CarrierTable> PathTable<N, C> {
-    /// An empty table for `capacity` rows, with or without media.
-    pub fn new(capacity: usize, with_media: bool) -> Self {
+    /// An empty table for `capacity` rows, with or without media and partial weights.
+    pub fn new(capacity: usize, (with_media, are_weighed): (bool, bool)) -> Self {
         Self {
             len: 0,
             rays: RayColumns::new(capacity),
             identity: IdentityColumns::new(capacity),
             beta: Columns::with_room(capacity),
             odds: Column::with_room(capacity),
-            mis: MisColumns::new(capacity),
+            mis: MisColumns::if_weighed(capacity, are_weighed),
             last: LastColumns::absent(),
             nested: NestedColumns::absent(),
             media: MediaColumns::if_any(capacity, with_media),
