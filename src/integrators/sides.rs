@@ -47,6 +47,7 @@ impl SensorWalk {
                 w.sensor.iter_mut().for_each(|paths| paths.last.make(ROWS));
             }
             start_nesting(&mut w.sensor, scene);
+            start_media(&mut w.sensor, scene);
             if scene.lamps.is_some() {
                 w.sensor.iter_mut().for_each(|paths| paths.piece.make(ROWS));
             }
@@ -66,6 +67,7 @@ impl LightWalk {
         w.profile.time(Stage::Start, || {
             w.splats.clear();
             start_nesting(&mut w.light, scene);
+            start_media(&mut w.light, scene);
             emit_light_paths(&mut w.light[0], chunk, scene);
         });
     }
@@ -75,6 +77,14 @@ impl LightWalk {
 fn start_nesting<const N: usize, C>(tables: &mut [PathTable<N, C>], scene: &Scene<N>) {
     if scene.interfaces.is_some() {
         tables.iter_mut().for_each(|paths| paths.nested.start(ROWS));
+    }
+}
+
+/// Paths know of their wavelengths what the media that they may come to tell of these.
+fn start_media<const N: usize, C>(tables: &mut [PathTable<N, C>], scene: &Scene<N>) {
+    if scene.has_media() {
+        let are_told = scene.has_chromatic_media();
+        tables.iter_mut().for_each(|paths| paths.media.tell_wavelengths_apart(are_told));
     }
 }
 

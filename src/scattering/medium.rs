@@ -39,6 +39,8 @@ pub struct Medium<const N: usize> {
     /// Where that is extinction at all wavelengths, the largest albedo: the probability with which
     /// roulette lets paths go on from the particles that they meet.
     pub by_extinction: Option<f32>,
+    /// Whether it is the same at all wavelengths: paths in it tell none apart.
+    pub is_gray: bool,
     /// The largest reduced extinction coefficient over the wavelengths, of which scattering that
     /// leads forwards is left out by its mean cosine: one over the transport mean free path.
     pub reduced: f32,
@@ -68,6 +70,7 @@ impl<const N: usize> Medium<N> {
             sigma_s: medium.sigma_s,
             sigma_d,
             density: mean(&sigma_d),
+            is_gray: is_even(&sigma_t) && is_even(&medium.sigma_s) && phase.is_gray(),
             by_extinction: (sigma_d == sigma_t).then(|| survival(&medium.sigma_s, &sigma_t)),
             reduced,
             is_peaked,
@@ -82,7 +85,19 @@ impl<const N: usize> Medium<N> {
         let [sigma_t, sigma_s, sigma_d] = [[0.0; N]; 3];
         let (density, reduced, is_peaked, peak) = (0.0, 0.0, false, 0.0);
         let by_extinction = Some(SURVIVAL_MIN);
-        Self { sigma_t, sigma_s, sigma_d, density, by_extinction, reduced, is_peaked, peak, phase }
+        let is_gray = true;
+        Self {
+            sigma_t,
+            sigma_s,
+            sigma_d,
+            density,
+            is_gray,
+            by_extinction,
+            reduced,
+            is_peaked,
+            peak,
+            phase,
+        }
     }
 
     /// Mean extinction coefficient over the wavelengths.
@@ -97,6 +112,10 @@ fn of_flights(sigma_s: f32, sigma_t: f32) -> f32 {
         return sigma_t;
     }
     (f64::from(sigma_s) * f64::from(sigma_t)).sqrt() as f32
+}
+
+fn is_even<const N: usize>(values: &[f32; N]) -> bool {
+    values.iter().all(|value| *value == values[0])
 }
 
 /// The largest albedo, as roulette takes it.

@@ -312,6 +312,11 @@ impl<const N: usize> Scene<N> {
         Immersion::new(&self.shapes, &self.accelerator, self.has_media())
     }
 
+    /// Whether any medium is another at other wavelengths.
+    pub fn has_chromatic_media(&self) -> bool {
+        self.media.iter().any(|medium| !medium.is_gray)
+    }
+
     /// Whether paths can be in anything but clear space.
     pub fn has_media(&self) -> bool {
         self.media.len() > 1

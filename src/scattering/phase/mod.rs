@@ -84,6 +84,16 @@ macro_rules! dispatch_phase {
 
 pub(crate) use {dispatch_phase, for_phase, phase_functions};
 
+impl<const N: usize> PhaseFunction<N> {
+    /// Whether it depolarizes, and is the same at all wavelengths; of tables nobody asks.
+    pub fn is_gray(&self) -> bool {
+        match self {
+            Self::HenyeyGreenstein(HenyeyGreenstein { g }) => g.iter().all(|of| *of == g[0]),
+            Self::Table(_) => N == 1,
+        }
+    }
+}
+
 impl<const N: usize> From<&baked::Phase<N>> for PhaseFunction<N> {
     fn from(phase: &baked::Phase<N>) -> Self {
         match phase {

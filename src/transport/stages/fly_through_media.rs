@@ -130,29 +130,32 @@ fn weigh<const N: usize, C>(
     if is_deep.none() {
         return;
     }
+    let of_media = OfMedia { scene, media: *media };
+    let sigma_t = |n: usize| Real::select(*meets, of_media.at(|medium| medium.sigma_t[n]), one);
+    let sigma_s = |n: usize| Real::select(*meets, of_media.at(|medium| medium.sigma_s[n]), one);
+    if !paths.media.has_shares() {
+        // All wavelengths are one.
+        let gain = (drawn[0] - depth[0]).exp() * sigma_s(0) / sigma_t(0);
+        for beta in &mut paths.beta {
+            lanes::scale(beta, row, paths.len, gain);
+        }
+        return;
+    }
     let least = drawn[1..].iter().fold(drawn[0], |least, drawn| least.min(*drawn));
     // Only ratios matter: the least depth is taken out, so that no sum underflows.
     let of_light = depth.map(|depth| (least - depth).exp());
     let of_flights = if drawn == depth { of_light } else { drawn.map(|it| (least - it).exp()) };
-    let of_media = OfMedia { scene, media: *media };
     let mut densities = [zero; N];
     let mut sum = zero;
     for (n, density) in densities.iter_mut().enumerate() {
-        let sigma_t = Real::select(*meets, of_media.at(|medium| medium.sigma_t[n]), one);
-        *density = of_flights[n] * sigma_t;
-        if N > 1 {
-            *density *= lanes::load(&paths.media.share[n], row);
-        }
+        *density = of_flights[n] * sigma_t(n) * lanes::load(&paths.media.share[n], row);
         sum += *density;
     }
     let inverse = one / sum;
     for n in 0..N {
-        let sigma_s = Real::select(*meets, of_media.at(|medium| medium.sigma_s[n]), one);
-        let beta = lanes::load(&paths.beta[n], row) * of_light[n] * sigma_s * inverse;
+        let beta = lanes::load(&paths.beta[n], row) * of_light[n] * sigma_s(n) * inverse;
         lanes::store(&mut paths.beta[n], row, paths.len, beta);
-        if N > 1 {
-            lanes::store(&mut paths.media.share[n], row, paths.len, densities[n] * inverse);
-        }
+        lanes::store(&mut paths.media.share[n], row, paths.len, densities[n] * inverse);
     }
 }
 

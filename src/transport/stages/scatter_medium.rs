@@ -118,9 +118,12 @@ fn weigh<const N: usize, C>(
     row: usize,
     end: usize,
 ) {
-    if N == 1 {
-        let beta = lanes::load(&paths.beta[0], row) / gains[0];
-        lanes::store(&mut paths.beta[0], row, end, beta);
+    if !paths.media.has_shares() {
+        // The density is that of any wavelength.
+        for beta in &mut paths.beta {
+            let weighed = lanes::load(beta, row) / gains[0];
+            lanes::store(beta, row, end, weighed);
+        }
     } else {
         let mut densities = *values;
         let mut sum = F32s::splat(0.0);

@@ -13,7 +13,8 @@ columns! {
         /// Share of each wavelength in the density of the path. Distances and directions in media
         /// are drawn for one wavelength, chosen for the whole path; its weight counts that any of
         /// them could have been chosen (spectral multiple importance sampling: Wilkie et al. 2014,
-        /// "Hero wavelength spectral sampling"). Absent for a single wavelength.
+        /// "Hero wavelength spectral sampling"). Absent where they are one N-th for ever: for a
+        /// single wavelength, and where all media are gray.
         pub share: Channels<N>,
     }
 }
@@ -21,11 +22,22 @@ columns! {
 impl<const N: usize> MediaColumns<N> {
     /// Columns for `capacity` rows; none if nothing is `present`.
     pub fn if_any(capacity: usize, present: bool) -> Self {
-        let mut columns = if present { Self::new(capacity) } else { Self::absent() };
-        if N == 1 {
-            columns.share = Columns::absent();
+        let all = if present { Self::new(capacity) } else { Self::absent() };
+        Self { share: Columns::absent(), ..all }
+    }
+
+    /// Makes the columns of shares, unless there are, or lets them go.
+    pub fn tell_wavelengths_apart(&mut self, are_told: bool) {
+        if are_told != self.has_shares() {
+            let rows = if are_told { self.inside.len() } else { 0 };
+            self.share = std::array::from_fn(|_| vec![0.0; rows]);
         }
-        columns
+    }
+
+    /// Whether there are columns of shares.
+    #[inline(always)]
+    pub fn has_shares(&self) -> bool {
+        N > 1 && !self.share[0].is_empty()
     }
 
     /// Whether there are columns at all.
@@ -55,11 +67,11 @@ impl<const N: usize> MediaColumns<N> {
         // Only ratios matter: the least depth is taken out, so that no sum underflows.
         let least = drawn.iter().copied().fold(f32::INFINITY, f32::min);
         let transmittance = depth.map(|depth| exp(least - depth));
-        if N == 1 || !self.present() {
-            return transmittance;
+        let densities = drawn.map(|drawn| exp(least - drawn));
+        if !self.has_shares() {
+            return transmittance.map(|of| of / densities[0]);
         }
         let shares = self.share.iter().map(|share| share[row]);
-        let densities = drawn.map(|drawn| exp(least - drawn));
         let density: f32 = shares.zip(densities).map(|(share, of)| share * of).sum();
         transmittance.map(|of| of / density)
     }
