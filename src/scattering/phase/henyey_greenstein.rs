@@ -29,11 +29,15 @@ impl<const N: usize> Scatters<N> for HenyeyGreenstein<N> {
 
     #[inline(always)]
     fn values(&self, half_sine2: F32s) -> [F32s; N] {
-        let mut values = [F32s::splat(0.0); N];
-        for (value, &g) in values.iter_mut().zip(&self.g) {
+        let value = |g: f32| {
             let back = F32s::splat((1.0 - g) * (1.0 - g));
             let base = half_sine2.mul_add(F32s::splat(4.0 * g), back);
-            *value = F32s::splat((1.0 - g * g) * (0.25 / PI)) / (base * base.sqrt());
+            F32s::splat((1.0 - g * g) * (0.25 / PI)) / (base * base.sqrt())
+        };
+        let [first, rest @ ..] = &self.g[..] else { return [F32s::splat(0.0); N] };
+        let mut values = [value(*first); N];
+        if rest.iter().any(|g| g != first) {
+            values.iter_mut().zip(&self.g).for_each(|(of, g)| *of = value(*g));
         }
         values
     }
