@@ -67,6 +67,45 @@ pub enum SurfaceModel<S> {
     Null,
 }
 
+/// A parameter of some models that may differ from place to place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// `reflectance` of [`SurfaceModel::Diffuse`].
+    Reflectance,
+}
+
+impl Parameter {
+    /// What it is, if it is a spectrum; numbers are the same at all wavelengths.
+    pub(crate) fn role(self) -> Option<Role> {
+        match self {
+            Self::Reflectance => Some(Role::Reflectance),
+        }
+    }
+}
+
+impl<const N: usize> SurfaceModel<[f32; N]> {
+    /// Gives a parameter another value, or the first of it to one that is a number; false if the
+    /// model has no such parameter.
+    #[inline]
+    pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
+        match (parameter, self) {
+            (Parameter::Reflectance, Self::Diffuse { reflectance }) => *reflectance = value,
+            (
+                Parameter::Reflectance,
+                Self::Absorber
+                | Self::Conductor { .. }
+                | Self::Dielectric { .. }
+                | Self::DispersiveDielectric { .. }
+                | Self::ThinDielectric { .. }
+                | Self::Polarizer { .. }
+                | Self::Retarder { .. }
+                | Self::Null,
+            ) => return false,
+        }
+        true
+    }
+}
+
 impl Bsdf {
     /// A Lambertian reflector: a number, or red, green and blue, within [0, 1].
     pub fn diffuse(reflectance: impl Into<Spectrum>) -> Self {
