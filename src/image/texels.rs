@@ -259,7 +259,8 @@ mod tests {
             let [problem, remedy] = Texels::decode(&[start, &[0; 40]].concat()).unwrap_err();
             assert!(problem.contains(name) && remedy.contains("PNG"), "{problem}");
         }
-        let cut_off = written(&ImageBuffer::from_pixel(9, 9, Luma([1_u8])).into(), ImageFormat::Png);
+        let cut_off =
+            written(&ImageBuffer::from_pixel(9, 9, Luma([1_u8])).into(), ImageFormat::Png);
         for bytes in [&[][..], b"text", &cut_off[..cut_off.len() / 2], b"\x76\x2f\x31\x01"] {
             assert!(Texels::decode(bytes).is_err());
         }

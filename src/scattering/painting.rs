@@ -200,7 +200,8 @@ impl<const N: usize> Scene<N> {
             let at = (&on, on.weights_at(position));
             let mut tint = [1.0; N];
             if let Some(paint) = &textures.emission {
-                let (value, lamp) = (painting.radiance(paint, at), self.optics.radiance_of(emitter));
+                let (value, lamp) =
+                    (painting.radiance(paint, at), self.optics.radiance_of(emitter));
                 // Where the factor is zero, its product with a picture is.
                 tint = std::array::from_fn(|n| match lamp[n] > 0.0 {
                     true => value[n] / lamp[n],

@@ -326,9 +326,7 @@ impl<const N: usize> Scene<N> {
     /// Whether what a ray has hit is a surface that lets it straight on.
     #[inline(always)]
     pub fn is_straight_on(&self, primitive: u32) -> bool {
-        self.has_straight_on
-            && primitive != NONE
-            && self.material_at(primitive).is_straight_on()
+        self.has_straight_on && primitive != NONE && self.material_at(primitive).is_straight_on()
     }
 
     /// The medium behind the surface that a ray goes straight on through, from the medium
@@ -495,7 +493,8 @@ impl<const N: usize> Scene<N> {
 
 /// All textures of a scene's materials.
 fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
-    let of = |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
+    let of =
+        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
     optics.painting.as_deref().into_iter().flat_map(of)
 }
 

@@ -157,7 +157,10 @@ impl Shapes {
 #[inline]
 fn between<T>([a, b, c]: [T; 3], [u, v]: [f32; 2]) -> T
 where
-    T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f32, Output = T>,
+    T: Copy
+        + std::ops::Add<Output = T>
+        + std::ops::Sub<Output = T>
+        + std::ops::Mul<f32, Output = T>,
 {
     a + (b - a) * u + (c - a) * v
 }

@@ -58,12 +58,7 @@ impl<const N: usize> Painting<N> {
         self.value(paint, Some(Role::Emission), at)
     }
 
-    fn value(
-        &self,
-        paint: &Paint,
-        role: Option<Role>,
-        at: (&Painted, [f32; 2]),
-    ) -> [f32; N] {
+    fn value(&self, paint: &Paint, role: Option<Role>, at: (&Painted, [f32; 2])) -> [f32; N] {
         let columns = |rgb| columns(rgb, role, &self.carried);
         let mut value = taps(paint, at).mixed(|texel| columns(paint.color(texel)));
         if paint.by_vertices {
@@ -83,11 +78,7 @@ impl<const N: usize> Painting<N> {
 
 /// What red, green and blue stand for in the columns of a render.
 #[inline]
-fn columns<const N: usize>(
-    rgb: [f32; 3],
-    role: Option<Role>,
-    carried: &Carried<N>,
-) -> [f32; N] {
+fn columns<const N: usize>(rgb: [f32; 3], role: Option<Role>, carried: &Carried<N>) -> [f32; N] {
     match role {
         // Colors are known wherever the white is, which bake has asked for.
         Some(role) => Spectrum::Rgb(rgb).sample(carried, role).unwrap_or([0.0; N]),

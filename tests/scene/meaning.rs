@@ -320,7 +320,7 @@ fn what_is_ignored_is_said() {
     let said = warnings(&document);
     assert_eq!(said.lines().count(), 4, "{said}");
     for expected in
-        ["EXT_sparkle, KHR_materials_sheen", "vertex colors", "top to bottom", "39999 others"]
+        ["EXT_sparkle, KHR_materials_sheen", "color by textures", "top to bottom", "39999 others"]
     {
         assert!(said.contains(expected), "no `{expected}` in: {said}");
     }

@@ -5,6 +5,7 @@ pub mod dispersive;
 pub mod evidence;
 pub mod filters;
 pub mod gltf;
+pub mod painted;
 pub mod random;
 pub mod rendering;
 pub mod scenes;

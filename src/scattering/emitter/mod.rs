@@ -233,8 +233,7 @@ pub fn met_emission<const N: usize>(
         return None;
     }
     let row = row as usize;
-    let mut met =
-        met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
+    let mut met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
     if scene.has_painted_lamps {
         let tint = scene.tint(row, position);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);

@@ -19,7 +19,7 @@ use super::extension::{Body, MATERIAL};
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
-use crate::scene::error::{Findings, SceneError};
+use crate::scene::error::SceneError;
 use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -92,8 +92,14 @@ impl Import<'_> {
                 ("default material".to_owned(), material)
             }
         };
+        let of = (&material.bsdf, material.emission.as_ref());
+        let textures = self.textures(index, &label, of)?;
         let put = self.world.put_material(Name(label.clone()), material);
-        put.map_err(|fault| SceneError::at(&label, fault))
+        let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
+        if !textures.is_empty() {
+            self.world.set_textures(entity, textures)?;
+        }
+        Ok(entity)
     }
 
     /// A material with what is on the two sides; the node's word counts before the material's.
@@ -113,7 +119,6 @@ impl Import<'_> {
         let document = self.document;
         let value = &document.value["materials"][index];
         let material = &document.root.materials[index];
-        refuse_textures(value, label)?;
         if value.get("occlusionTexture").is_some() {
             self.warnings
                 .add(label, "the occlusion map is ignored: light finds the shadows itself");
@@ -165,14 +170,11 @@ impl Import<'_> {
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
         let transmission = material.extensions.as_ref().and_then(|e| e.transmission.as_ref());
         let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
-        let [red, green, blue, alpha] = pbr.base_color_factor.0;
+        let [red, green, blue, _] = pbr.base_color_factor.0;
         for factor in [red, green, blue, metallic, roughness, transmission] {
             Range::UNIT
                 .check("pbrMetallicRoughness", factor)
                 .map_err(|fault| SceneError::at(label, fault))?;
-        }
-        if alpha < 1.0 {
-            self.warnings.add(label, "alpha is ignored, surfaces are opaque");
         }
         let refuse = |problem: &str| Err(SceneError::new(label, problem, ADVICE));
         match (metallic, transmission) {
@@ -341,26 +343,4 @@ fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 fn khr_ior(material: &json::Material) -> f32 {
     let ior = material.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref());
     ior.map_or(DEFAULT_IOR, |ior| ior.ior.0)
-}
-
-/// Refuses a material that has a texture anywhere, and names all of them. An occlusion map is
-/// none of these: it darkens what a path tracer finds dark by itself.
-fn refuse_textures(material: &Value, label: &str) -> Result<(), SceneError> {
-    let mut findings = Findings::default();
-    let mut open = vec![material];
-    while let Some(next) = open.pop() {
-        for (key, inner) in next.as_object().into_iter().flatten() {
-            match key.as_str() {
-                "extras" | "occlusionTexture" => {}
-                texture if texture.ends_with("Texture") => {
-                    let problem = "textures are not supported yet";
-                    let remedy = "replace it by a factor, for instance its mean color";
-                    let place = format!("{label}, {texture}");
-                    findings.note::<()>(Err(SceneError::new(place, problem, remedy)));
-                }
-                _ => open.push(inner),
-            }
-        }
-    }
-    findings.result()
 }

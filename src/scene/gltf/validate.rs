@@ -15,8 +15,9 @@ use crate::scene::error::{Findings, SceneError};
 const VALUE: usize = 60;
 
 /// Extensions that are read.
-const EXTENSIONS: [&str; 8] = [
+const EXTENSIONS: [&str; 10] = [
     EXTENSION,
+    "EXT_texture_webp",
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_dispersion",
@@ -24,6 +25,7 @@ const EXTENSIONS: [&str; 8] = [
     "KHR_materials_ior",
     "KHR_materials_transmission",
     "KHR_materials_volume",
+    "KHR_texture_transform",
 ];
 
 /// Checks version, required extensions, indices and the node hierarchy.

@@ -9,8 +9,7 @@ use hecs::{Entity, EntityRef};
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MEDIA_MAX,
-    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform,
-    World,
+    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;

@@ -9,8 +9,8 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec2;
 
 use super::material::{Bsdf, Parameter};
-use crate::math::{Fault, Range};
 use crate::image::texels::{Coding, Texels};
+use crate::math::{Fault, Range};
 
 /// What a picture shows beyond its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,6 +67,7 @@ pub struct Picture {
     pub checksum: u128,
     /// The mean of all texels, by coding.
     means: [OnceLock<[f32; 4]>; 2],
+    least_alpha: OnceLock<f32>,
 }
 
 impl fmt::Debug for Picture {
@@ -78,12 +79,25 @@ impl fmt::Debug for Picture {
 impl Picture {
     /// The picture of some texels, whose file had a checksum.
     pub fn new(texels: Texels, checksum: u128) -> Self {
-        Self { texels, checksum, means: Default::default() }
+        Self { texels, checksum, means: Default::default(), least_alpha: OnceLock::new() }
     }
 
     /// The texels.
     pub fn texels(&self) -> &Texels {
         &self.texels
+    }
+
+    /// The least alpha of all texels.
+    pub fn least_alpha(&self) -> f32 {
+        *self.least_alpha.get_or_init(|| {
+            let [width, height] = self.texels.size();
+            if !self.texels.has_alpha() {
+                return 1.0;
+            }
+            let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+            let alphas = places.map(|(column, row)| self.texels.at(column, row, Coding::Linear)[3]);
+            alphas.fold(f32::INFINITY, f32::min)
+        })
     }
 
     /// The mean of all texels.
@@ -381,9 +395,8 @@ mod tests {
                     let expected = pair.map(|at| texel_at(at, i64::from(count), wrap));
                     let right = (place - 0.5 - first) as f32;
                     // A mirrored picture may be read from the other side.
-                    let value = |[a, b]: [u32; 2], share: f32| {
-                        (1.0 - share) * a as f32 + share * b as f32
-                    };
+                    let value =
+                        |[a, b]: [u32; 2], share: f32| (1.0 - share) * a as f32 + share * b as f32;
                     let error = value(found, share) - value(expected, right);
                     assert!(error.abs() < 1e-4, "{wrap:?} {count} {step}: {found:?} {share}");
                 }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::geometry::{HitColumns, resolve_surfaces};
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
-use crate::scattering::surface::model::{Incidence, Passage};
 use crate::scattering::painting::paint_normals;
+use crate::scattering::surface::model::{Incidence, Passage};
 use crate::scattering::surface::{Crossed, StraightOn, for_straight_on};
 use crate::transport::tables::crossings::CrossingTable;
 
