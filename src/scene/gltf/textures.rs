@@ -142,6 +142,10 @@ impl Import<'_> {
             return None;
         }
         if bsdf.transmits() {
+            // What is even is for viewers that know no better.
+            if is_even {
+                return None;
+            }
             let text = "alpha is ignored: light goes through the surface anyway";
             self.warnings.add_like("alpha", label, text);
             return None;
