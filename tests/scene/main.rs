@@ -12,3 +12,4 @@ mod reference;
 mod refused;
 mod room;
 mod spectra;
+mod textures;
