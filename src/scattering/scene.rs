@@ -135,10 +135,9 @@ impl<const N: usize> Scene<N> {
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
         let has_straight_on = !straight_on_kinds.is_empty();
-        let has_emitting_straight_on = has_straight_on
-            && material_of_primitive.iter().zip(&*optics.emitter_of_primitive).any(
-                |(&row, &emitter)| emitter != NONE && materials[row as usize].is_straight_on(),
-            );
+        let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
+        let has_emitting_straight_on =
+            emitters.any(|(&row, &it)| it != NONE && materials[row as usize].is_straight_on());
         let mut scene = Self {
             sensor_medium,
             emitter_media,

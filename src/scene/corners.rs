@@ -1,6 +1,6 @@
 //! What triangles have at their corners for textures: coordinates, colors and tangents.
 
-use glam::{DVec3, Mat3A, Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
+use glam::{Mat3A, Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
 
 use super::baked::Shapes;
 use super::instanced::Instance;
@@ -187,7 +187,7 @@ impl Painted<'_> {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let (b, c) = (b - a, c - a);
         let normal = b.cross(c);
-        let to = DVec3::from(position.as_dvec3()) - a;
+        let to = position.as_dvec3() - a;
         let scale = normal.length_squared().recip();
         let (u, v) = (to.cross(c).dot(normal) * scale, b.cross(to).dot(normal) * scale);
         // Rounding takes points out of slivers.

@@ -167,7 +167,7 @@ fn surface(
     let has_holes = has_holes(world, material);
     let passage = match bsdf.passage() {
         Passage::Closed if has_holes => Passage::Sheet,
-        passage => passage,
+        passage @ (Passage::Closed | Passage::Sheet | Passage::Body | Passage::Boundary) => passage,
     };
     let sides = rows.sides(passage, boundary);
     let [interior, exterior] = sides.map(|(row, _)| row);

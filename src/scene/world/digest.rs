@@ -30,8 +30,8 @@ macro_rules! columns {
 }
 
 columns! {
-    Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary, Punctual,
-    Lens, Resolution, Analyzer, Environment,
+    Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
+    Punctual, Lens, Resolution, Analyzer, Environment,
 }
 
 impl World {

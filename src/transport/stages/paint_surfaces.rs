@@ -8,9 +8,8 @@ use crate::scattering::{Scene, Side};
 /// normal. Vertices of light paths may be kept, and with them their rows; those of sensor paths are
 /// forgotten when the next have been met.
 ///
-/// From: resolve_surfaces. To: weigh_arrival, connect_to_emitters, connect_to_vertices,
-/// store_light_vertices, merge_photons, scatter_surfaces.
-/// Writes: surfaces (model, shading_normal), models. Reads: hits, scene.
+/// From: resolve_surfaces. To: weigh_arrival.
+/// Writes: surfaces, models. Reads: hits, scene.
 pub fn paint_surfaces<const N: usize>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,
