@@ -187,3 +187,49 @@ fn integrate(distribution: Distribution, ior: Option<f32>, alpha: f32, cos: f64)
     }
     sum / (HEIGHTS * TURNS) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(albedo: &Albedo, cos: f32) -> f32 {
+        Albedo::at(&albedo.terms.map(F32s::splat), F32s::splat(cos)).to_array()[0]
+    }
+
+    #[test]
+    fn albedos_between_those_of_the_grid_are_as_integrated() {
+        for alpha in [0.213, 0.47, 0.83] {
+            for cos in [0.1, 0.35, 0.7, 1.0] {
+                let pairs = [
+                    (Albedo::of_facets(Distribution::Ggx, alpha), Distribution::Ggx, None),
+                    (Albedo::of_facets(Distribution::Beckmann, alpha), Distribution::Beckmann, None),
+                    (Albedo::of_coat(1.5, alpha), Distribution::Ggx, Some(1.5)),
+                ];
+                for (albedo, distribution, ior) in pairs {
+                    let expected = integrate(distribution, ior, alpha, f64::from(cos));
+                    let found = f64::from(at(&albedo, cos));
+                    assert!((found - expected).abs() < 4e-3, "{alpha} {cos}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_coats_reflect_as_fresnel_says() {
+        let albedo = Albedo::of_coat(1.5, 0.0);
+        for cos in [0.1, 0.3, 0.6, 1.0] {
+            let (expected, _) = fresnel::dielectric_reflectance(f64::from(cos), 1.5);
+            assert!((f64::from(at(&albedo, cos)) - expected).abs() < 6e-3, "{cos}");
+        }
+        // Of all directions: Walsh 1926, as given by Duntley 1942.
+        assert!((albedo.mean - 0.0918).abs() < 1e-3, "{}", albedo.mean);
+        assert_eq!(Albedo::of_coat(1.0, 0.5).mean, 0.0);
+    }
+
+    #[test]
+    fn means_are_those_over_the_hemisphere() {
+        let albedo = Albedo::of_facets(Distribution::Ggx, 0.7);
+        let mean = mean_over_cosines(|cos| Albedo::at(&albedo.terms.map(F32s::splat), cos));
+        assert!((mean - albedo.mean).abs() < 1e-3, "{mean}, {}", albedo.mean);
+    }
+}
