@@ -1,9 +1,9 @@
 //! Materials of keyword arguments, which are those of the scene files.
 
 use pyo3::prelude::*;
-use sunstone::Spectrum;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Bsdf, Distribution, Material, Sides};
+use sunstone::world::{Bsdf, Material, Sides};
+use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
 use crate::keys::Keys;

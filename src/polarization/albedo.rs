@@ -202,7 +202,11 @@ mod tests {
             for cos in [0.1, 0.35, 0.7, 1.0] {
                 let pairs = [
                     (Albedo::of_facets(Distribution::Ggx, alpha), Distribution::Ggx, None),
-                    (Albedo::of_facets(Distribution::Beckmann, alpha), Distribution::Beckmann, None),
+                    (
+                        Albedo::of_facets(Distribution::Beckmann, alpha),
+                        Distribution::Beckmann,
+                        None,
+                    ),
                     (Albedo::of_coat(1.5, alpha), Distribution::Ggx, Some(1.5)),
                 ];
                 for (albedo, distribution, ior) in pairs {

@@ -11,4 +11,5 @@ mod mended;
 mod reference;
 mod refused;
 mod room;
+mod rough;
 mod spectra;

@@ -8,7 +8,6 @@ use std::path::Path;
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
 use glam::Vec3;
 use serde_json::{Value, json};
-use sunstone::internals::polarization::Distribution;
 use sunstone::internals::scene::baked::BakedScene;
 use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::world::SurfaceModel;
@@ -215,70 +214,11 @@ fn metallic_roughness() {
     for (found, color) in absorbed.into_iter().zip([1.0_f32, 0.5, 0.25]) {
         assert!((found - color).abs() < 1e-6, "{absorbed:?}");
     }
-    // All that is rough is one model, with the coat.
-    let rough = |pbr: Value, extensions: Value| {
-        let material = json!({"doubleSided": true, "pbrMetallicRoughness": pbr,
-            "extensions": extensions});
-        let document = with(material);
-        assert_eq!(warnings(&document), "");
-        let row = baked(&document).optics.materials[0];
-        assert!(row.two_sided);
-        row.model
-    };
-    let mixed = |base_color, metallic, alpha, ior, specular| SurfaceModel::MetallicRoughness {
-        base_color,
-        metallic,
-        alpha,
-        ior,
-        specular,
-    };
-    let matte = json!({"metallicFactor": 0.0, "baseColorFactor": [0.1, 0.2, 0.3, 1.0]});
-    assert_eq!(rough(matte, json!({})), mixed([0.1, 0.2, 0.3], 0.0, 1.0, 1.5, 1.0));
-    let none_stated = rough(json!({}), json!({}));
-    assert_eq!(none_stated, mixed([1.0; 3], 1.0, 1.0, 1.5, 1.0), "glTF's own default");
-    let polished = json!({"metallicFactor": 0.25, "roughnessFactor": 0.5});
-    let coat = json!({"KHR_materials_ior": {"ior": 1.75},
-        "KHR_materials_specular": {"specularFactor": 0.5}});
-    assert_eq!(rough(polished, coat), mixed([1.0; 3], 0.25, 0.25, 1.75, 0.5));
-    // Metal lets nothing through.
-    let opaque = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
-    assert_eq!(rough(json!({}), opaque), none_stated);
-    let hardly = with(json!({"pbrMetallicRoughness": {"roughnessFactor": 0.03}}));
-    let model = baked(&hardly).optics.materials[0].model;
-    assert!(matches!(model, SurfaceModel::Conductor { .. }), "{model:?}");
-    let colored = with(json!({"extensions":
-        {"KHR_materials_specular": {"specularColorFactor": [1.0, 0.5, 1.0]}}}));
-    assert!(warnings(&colored).contains("the color of the coat is ignored"));
     let diffuse = |reflectance| SurfaceModel::Diffuse { reflectance };
     let mut none = good();
     none["meshes"][0]["primitives"][0]["material"] = Value::Null;
     assert_eq!(baked(&none).optics.materials[0].model, diffuse([0.8; 3]));
     assert!(warnings(&none).contains("has no material"));
-}
-
-#[test]
-fn rough_metal() {
-    let with = |body: Value| {
-        let mut document = good();
-        document["materials"][0] = json!({"extensions": {"SUNSTONE_polarization": body}});
-        baked(&document).optics.materials[0].model
-    };
-    let gold = with(json!({"bsdf": "conductor", "metal": "Au"}));
-    let SurfaceModel::Conductor { eta, k } = gold else { panic!("{gold:?}") };
-    let rough = |alpha, distribution, multiple_scattering| SurfaceModel::RoughConductor {
-        eta,
-        k,
-        alpha,
-        distribution,
-        multiple_scattering,
-    };
-    let plain = json!({"bsdf": "rough_conductor", "metal": "Au", "alpha": 0.25});
-    assert_eq!(with(plain), rough(0.25, Distribution::Ggx, true));
-    let other = json!({"bsdf": "rough_conductor", "metal": "Au", "roughness": 0.5,
-        "distribution": "beckmann", "multiple_scattering": false});
-    assert_eq!(with(other), rough(0.25, Distribution::Beckmann, false));
-    let smooth = json!({"bsdf": "rough_conductor", "metal": "Au", "alpha": 0.0009});
-    assert_eq!(with(smooth), gold);
 }
 
 #[test]

@@ -7,5 +7,6 @@ pub mod filters;
 pub mod gltf;
 pub mod random;
 pub mod rendering;
+pub mod rough;
 pub mod scenes;
 pub mod statistics;

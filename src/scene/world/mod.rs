@@ -40,8 +40,6 @@ use hecs::Entity;
 
 pub use self::camera::{Lens, Resolution};
 pub use self::light::{Environment, Punctual, PunctualKind};
-pub use crate::polarization::Distribution;
-
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
