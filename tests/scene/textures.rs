@@ -10,7 +10,8 @@ use sunstone::internals::image::texels::Coding;
 use sunstone::internals::scene::{World, bake, load};
 use sunstone::internals::spectrum::Carried;
 use sunstone::world::{
-    Bsdf, Filter, Geometry, Lens, Picture, Reads, Relief, Texture, Textures, Transform, Wrap,
+    Bsdf, Filter, Geometry, Lens, Parameter, Picture, Reads, Relief, Texture, Textures, Transform,
+    Wrap,
 };
 
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
@@ -207,12 +208,27 @@ fn what_is_wrong_with_pictures_is_said_with_a_remedy() {
 }
 
 #[test]
-fn textures_that_are_not_read_are_named_once() {
+fn metal_and_roughness_are_blue_and_green() {
     let mut document = painted();
     let pbr = &mut document["materials"][0]["pbrMetallicRoughness"];
-    pbr["metallicRoughnessTexture"] = json!({"index": 0});
-    let said = load_json(&document).unwrap().warnings().join("\n");
-    assert_eq!(said.matches("metallicRoughnessTexture").count(), 1, "{said}");
+    (pbr["metallicFactor"], pbr["roughnessFactor"]) = (json!(0.5), json!(0.25));
+    pbr["metallicRoughnessTexture"] = json!({"index": 0, "texCoord": 1});
+    document["materials"][0]["extensions"] =
+        json!({"KHR_materials_specular": {"specularTexture": {"index": 0}}});
+    let world = load_json(&document).unwrap();
+    let said = world.warnings().join("\n");
+    assert_eq!(said.matches("specularTexture").count(), 1, "{said}");
+    let parameters = textures(&world).unwrap().parameters;
+    let of = |parameter| {
+        let (_, paint) = parameters.iter().find(|(it, _)| *it == parameter).expect("it is painted");
+        let texture = paint.texture.as_ref().expect("by a picture");
+        assert_eq!(texture.coding == Coding::Linear, parameter != Parameter::BaseColor);
+        paint.color(texture.at(Vec2::new(0.25, 0.75)))
+    };
+    // The third texel is blue.
+    assert_eq!(of(Parameter::Metallic), [0.5; 3]);
+    assert_eq!(of(Parameter::Roughness), [0.0; 3]);
+    assert_eq!(of(Parameter::BaseColor), [0.0, 0.0, 1.0]);
 }
 
 /// Tangents that a mesh states, and those that follow from its coordinates, wherever it stands:

@@ -8,5 +8,6 @@ pub mod gltf;
 pub mod painted;
 pub mod random;
 pub mod rendering;
+pub mod rough;
 pub mod scenes;
 pub mod statistics;

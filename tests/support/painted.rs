@@ -16,7 +16,8 @@ use super::random::Random;
 use super::scenes::{Named, v};
 
 /// All of them.
-pub const PAINTED: [Named; 6] = [
+pub const PAINTED: [Named; 7] = [
+    ("painted metal", painted_metal),
     ("painted room", painted_room),
     ("painted lamp", painted_lamp),
     ("relief", relief),
@@ -123,6 +124,40 @@ fn painted_room() -> World {
     let wall = quad(v(-1.0, 0.0, 0.0), v(0.0, 0.0, -1.0), v(0.0, 1.0, 0.0));
     add(&mut world, "side", (Bsdf::diffuse(0.5).into(), colored(side)), wall);
     add(&mut world, "lamp", (Material::emitter(8.0), Textures::default()), panel(0.3));
+    world
+}
+
+/// From polished to rough, from metal to enamel.
+fn painted_metal() -> World {
+    let mut world = stage(Textures::default());
+    let mut random = Random(21);
+    let texels: Vec<[u8; 4]> = (0..16)
+        .map(|_| {
+            [0.0, 0.4, 0.0, 0.0].map(|low| ((low + (1.0 - low) * random.next()) * 255.0) as u8)
+        })
+        .collect();
+    let picture = picture(4, |x, y| texels[(4 * y + x) as usize]);
+    let number = |reads| {
+        let texture = Some(texture(picture.clone(), Filter::Linear));
+        Paint { factor: [1.0; 3], texture, reads, by_vertices: false }
+    };
+    let color = paint([1.0, 0.9, 0.8], texture(noise(22, 4), Filter::Linear));
+    let parameters = vec![
+        (Parameter::BaseColor, color),
+        (Parameter::Metallic, number(Reads::Blue)),
+        (Parameter::Roughness, number(Reads::Green)),
+    ];
+    let bsdf = Bsdf::MetallicRoughness {
+        base_color: [1.0, 0.9, 0.8].into(),
+        metallic: 1.0,
+        alpha: 1.0,
+        ior: 1.5,
+        specular: 1.0,
+    };
+    let textures = Textures { parameters, ..Textures::default() };
+    let plate = quad(v(0.0, -0.5, 0.2), v(0.9, 0.0, 0.0), v(0.0, 0.4, -0.6));
+    add(&mut world, "plate", (Material::from(bsdf).two_sided(), textures), plate);
+    add(&mut world, "lamp", (Material::emitter(8.0), Textures::default()), panel(0.5));
     world
 }
 

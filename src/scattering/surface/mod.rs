@@ -13,10 +13,13 @@ mod diffuse;
 mod dispersive_dielectric;
 mod element;
 mod facing;
+mod metallic_roughness;
 pub mod model;
 mod null;
 mod polarizer;
 mod retarder;
+mod rough;
+mod rough_conductor;
 mod thin_dielectric;
 
 pub use facing::Facing;
@@ -27,9 +30,11 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use metallic_roughness::MetallicRoughness;
 use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
+use rough_conductor::RoughConductor;
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
@@ -57,6 +62,10 @@ macro_rules! surface_models {
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
+                RoughConductor { eta, k, alpha, distribution, multiple_scattering } =>
+                    rough_conductor: RoughConductor<N>,
+                MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
+                    metallic_roughness: MetallicRoughness<N>,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -540,11 +549,20 @@ mod tests {
     #[test]
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         use SurfaceKind::{
-            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, ThinDielectric,
+            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
+            RoughConductor, ThinDielectric,
         };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
-        let expected =
-            [Absorber, Conductor, Dielectric, DispersiveDielectric, ThinDielectric, Diffuse];
+        let expected = [
+            Absorber,
+            Conductor,
+            Dielectric,
+            DispersiveDielectric,
+            ThinDielectric,
+            Diffuse,
+            RoughConductor,
+            MetallicRoughness,
+        ];
         assert_eq!(met, expected.map(Met::Surface));
         let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
         assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));

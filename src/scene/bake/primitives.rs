@@ -198,6 +198,8 @@ fn surface(
             Bsdf::Absorber
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
+            | Bsdf::MetallicRoughness { .. }
+            | Bsdf::RoughConductor { .. }
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }
             | Bsdf::Retarder { .. }

@@ -88,11 +88,11 @@ impl Import<'_> {
         let base = findings.note(base).flatten();
         let by_vertices = self.colors_of(index);
         if base.is_some() || by_vertices.is_some() {
-            match reflectance(bsdf) {
-                Some(factor) => {
+            match color_of(bsdf) {
+                Some((parameter, factor)) => {
                     let (texture, by_vertices) = (base.clone(), by_vertices.is_some());
                     let paint = Paint { factor, texture, reads: Reads::Color, by_vertices };
-                    textures.parameters.push((Parameter::Reflectance, paint));
+                    textures.parameters.push((parameter, paint));
                 }
                 None => {
                     let text = "color by textures and vertices is ignored: the model has none";
@@ -101,6 +101,17 @@ impl Import<'_> {
             }
         }
         textures.coverage = self.coverage(material, (label, bsdf), base, by_vertices);
+        let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
+        let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
+        if let Some(texture) = findings.note(metal).flatten() {
+            match metal_and_roughness(bsdf, texture) {
+                Some(paints) => textures.parameters.extend(paints),
+                None => {
+                    let text = "metallicRoughnessTexture is ignored: the model has no roughness";
+                    self.warnings.add(label, text);
+                }
+            }
+        }
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
         let glow = findings.note(glow).flatten();
@@ -215,8 +226,9 @@ impl Import<'_> {
         let document = self.document;
         let mut wanted = Vec::new();
         for material in document.value["materials"].as_array().into_iter().flatten() {
-            let base = &material["pbrMetallicRoughness"]["baseColorTexture"];
-            for info in [base, &material["emissiveTexture"], &material["normalTexture"]] {
+            let pbr = &material["pbrMetallicRoughness"];
+            let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
+            for info in [base, metal, &material["emissiveTexture"], &material["normalTexture"]] {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
                 wanted.extend(texture.and_then(image_of));
@@ -243,8 +255,13 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 4] =
-            ["baseColorTexture", "emissiveTexture", "normalTexture", "occlusionTexture"];
+        const READ: [&str; 5] = [
+            "baseColorTexture",
+            "emissiveTexture",
+            "metallicRoughnessTexture",
+            "normalTexture",
+            "occlusionTexture",
+        ];
         let mut open = vec![material];
         let mut unread = BTreeSet::new();
         while let Some(next) = open.pop() {
@@ -285,18 +302,44 @@ fn image_of(texture: &Value) -> Option<usize> {
 }
 
 /// The color of a model that has one as red, green and blue.
-fn reflectance(bsdf: &Bsdf) -> Option<[f32; 3]> {
-    match bsdf {
-        Bsdf::Diffuse { reflectance } => rgb(reflectance),
+fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
+    let (parameter, spectrum) = match bsdf {
+        Bsdf::Diffuse { reflectance } => (Parameter::Reflectance, reflectance),
+        Bsdf::MetallicRoughness { base_color, .. } => (Parameter::BaseColor, base_color),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
+        | Bsdf::RoughConductor { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
-        | Bsdf::Null => None,
-    }
+        | Bsdf::Null => return None,
+    };
+    Some((parameter, rgb(spectrum)?))
+}
+
+/// Shares of metal in the blue of a picture, and roughness in its green, for glTF's own model.
+fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Paint); 2]> {
+    let (metallic, roughness) = match bsdf {
+        Bsdf::MetallicRoughness { metallic, alpha, .. } => (*metallic, alpha.sqrt()),
+        Bsdf::Absorber
+        | Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::RoughConductor { .. }
+        | Bsdf::Dielectric { .. }
+        | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::ThinDielectric { .. }
+        | Bsdf::Polarizer { .. }
+        | Bsdf::Retarder { .. }
+        | Bsdf::Null => return None,
+    };
+    let paint = |factor: f32, reads| {
+        let texture = Some(texture.clone());
+        Paint { factor: [factor; 3], texture, reads, by_vertices: false }
+    };
+    let roughness = (Parameter::Roughness, paint(roughness, Reads::Green));
+    Some([(Parameter::Metallic, paint(metallic, Reads::Blue)), roughness])
 }
 
 /// A spectrum as red, green and blue, if it is that.

@@ -42,6 +42,7 @@ use hecs::Entity;
 
 pub use self::camera::{Lens, Resolution};
 pub use self::light::{Environment, Punctual, PunctualKind};
+pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
