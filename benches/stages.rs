@@ -57,11 +57,12 @@ fn scatter<M: LightModel<N>>(
     scene: &Scene<N>,
     partition: &Partition,
 ) {
+    let at = scene.into();
     let bounce = Bounce { path_length: 1, side: Side::Sensor, sampling: Sampling::Stokes };
     if M::POLARIZED {
-        scatter_surfaces::<N, true, _>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, true, _>(departures, paths, surfaces, at, partition, bounce);
     } else {
-        scatter_surfaces::<N, false, _>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, false, _>(departures, paths, surfaces, at, partition, bounce);
     }
 }
 
@@ -105,7 +106,8 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         bench.iter(|| {
             let (paths, surfaces, rows) = (&sorted, &surfaces, diffuse.clone());
             let arrived = Arrived { paths, surfaces, event, rows, path_length: 1 };
-            connect_to_emitters(&mut connections, &arrived, &scene, Strategy::Unidirectional);
+            let at = (&scene).into();
+            connect_to_emitters(&mut connections, &arrived, at, Strategy::Unidirectional);
         });
     });
     group.bench_function("trace_connections", |bench| {

@@ -93,7 +93,7 @@ mod transport;
 
 pub use crate::image::{OutputError as ImageError, StokesImage};
 pub use crate::integrators::Integrator;
-pub use crate::polarization::Analyzer;
+pub use crate::polarization::{Analyzer, Distribution};
 pub use crate::render::memory::MemoryError;
 pub use crate::render::threads::{Threads, ThreadsError};
 pub use crate::render::{

@@ -34,8 +34,8 @@ impl Geometry {
                 Some(normals) => vectors("normals", normals)?,
                 None => Vec::new(),
             },
-            texture_coordinates: Vec::new(),
             triangles: corners(triangles)?,
+            ..sunstone::world::Geometry::default()
         };
         Ok(Self(Arc::new(geometry)))
     }

@@ -40,10 +40,15 @@ impl<'py> Keys<'py> {
 
     /// Takes what is true or false.
     pub fn flag(&self, key: &str) -> PyResult<bool> {
-        let Some(value) = self.left.get_item(key)? else { return Ok(false) };
+        self.flag_or(key, false)
+    }
+
+    /// Takes what is true or false, or else is what it is `by_default`.
+    pub fn flag_or(&self, key: &str, by_default: bool) -> PyResult<bool> {
+        let Some(value) = self.left.get_item(key)? else { return Ok(by_default) };
         self.left.del_item(key)?;
         if value.is_none() {
-            return Ok(false);
+            return Ok(by_default);
         }
         flag(&self.place_of(key), &value)
     }

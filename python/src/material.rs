@@ -1,9 +1,9 @@
 //! Materials of keyword arguments, which are those of the scene files.
 
 use pyo3::prelude::*;
-use sunstone::Spectrum;
 use sunstone::spectra::metal_names;
 use sunstone::world::{Bsdf, Material, Sides};
+use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
 use crate::keys::Keys;
@@ -16,7 +16,7 @@ const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
 const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, polarizer, \
-                      retarder, thin_dielectric";
+                      retarder, rough_conductor, thin_dielectric";
 
 /// A material.
 pub fn material(keys: Keys) -> PyResult<Material> {
@@ -52,6 +52,7 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
             retardance_deg: keys
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
+        "rough_conductor" => rough_conductor(keys)?,
         "thin_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
             Bsdf::ThinDielectric { ior, exterior_ior }
@@ -66,15 +67,53 @@ fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
 }
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {
+    let (eta, k) = metal_index(keys, "conductor")?;
+    Ok(Bsdf::Conductor { eta, k })
+}
+
+fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
+    let (eta, k) = metal_index(keys, "rough_conductor")?;
+    let distribution = match keys.take::<String>("distribution")? {
+        None => Distribution::default(),
+        Some(name) => Distribution::named(&name).ok_or_else(|| {
+            let problem = format!("`{name}` is not a distribution of facets");
+            keys.refuse("distribution", &problem, "use ggx or beckmann")
+        })?,
+    };
+    let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha: alpha(keys)?, distribution, multiple_scattering })
+}
+
+/// The roughness of facets: itself, or its root.
+fn alpha(keys: &Keys) -> PyResult<f32> {
+    match (keys.take::<f32>("alpha")?, keys.take::<f32>("roughness")?) {
+        (Some(alpha), None) => Ok(alpha),
+        (None, Some(roughness)) if (0.0..=1.0).contains(&roughness) => Ok(roughness * roughness),
+        (None, Some(roughness)) => {
+            let problem = format!("{roughness} must be within [0, 1]");
+            Err(keys.refuse("roughness", &problem, "it is the root of `alpha`"))
+        }
+        _ => {
+            let problem = "rough metal takes either `alpha` or `roughness`, its root";
+            Err(keys.refuse("", problem, "both are within [0, 1]"))
+        }
+    }
+}
+
+/// The index of refraction of a metal of the model `name`.
+fn metal_index(keys: &Keys, name: &str) -> PyResult<(Spectrum, Spectrum)> {
     let metal: Option<String> = keys.take("metal")?;
     let [eta, k] = [keys.refraction("eta", Part::Real)?, keys.refraction("k", Part::Extinction)?];
     match (metal, eta, k) {
-        (Some(symbol), None, None) => Bsdf::metal(&symbol).map_err(of_any),
-        (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
+        (Some(symbol), None, None) => match Bsdf::metal(&symbol).map_err(of_any)? {
+            Bsdf::Conductor { eta, k } => Ok((eta, k)),
+            other => unreachable!("a metal is a conductor, not {other:?}"),
+        },
+        (None, Some(eta), Some(k)) => Ok((eta, k)),
         _ => {
-            let problem = "a conductor takes either `metal` or both `eta` and `k`";
+            let problem = format!("a {name} takes either `metal` or both `eta` and `k`");
             let remedy = format!("with `metal` one of {}", metal_names().join(", "));
-            Err(keys.refuse("", problem, &remedy))
+            Err(keys.refuse("", &problem, &remedy))
         }
     }
 }

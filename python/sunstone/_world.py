@@ -105,6 +105,7 @@ class World(Editable):
             "null",
             "polarizer",
             "retarder",
+            "rough_conductor",
             "thin_dielectric",
         ],
         *,
@@ -112,6 +113,10 @@ class World(Editable):
         metal: str | None = None,
         eta: Index | None = None,
         k: Index | None = None,
+        alpha: float | None = None,
+        roughness: float | None = None,
+        distribution: Literal["beckmann", "ggx"] | None = None,
+        multiple_scattering: bool | None = None,
         ior: Index | None = None,
         exterior_ior: Index | None = None,
         axis_deg: float | None = None,
@@ -126,9 +131,15 @@ class World(Editable):
             name: what shapes call it.
             bsdf: how it scatters.
             reflectance: of "diffuse", from 0 to 1; 0.8 by default.
-            metal: of "conductor", by its chemical symbol, or else `eta` and `k`.
-            eta: of "conductor": real part of the index of refraction n - i k.
-            k: of "conductor": its extinction coefficient.
+            metal: of "conductor" and "rough_conductor", by its chemical symbol, or else `eta` and
+                `k`.
+            eta: of the same: real part of the index of refraction n - i k.
+            k: of the same: its extinction coefficient.
+            alpha: of "rough_conductor": roughness of its facets, from 0 to 1; smooth below 0.001.
+            roughness: of the same, instead of `alpha`: its root.
+            distribution: of the same: how the normals of facets are distributed; "ggx" by default.
+            multiple_scattering: of the same: whether light that several facets have reflected is
+                there; true by default.
             ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default. One that
                 depends on the wavelength disperses light by "dielectric"; in RGB that at 587.56 nm
                 holds for all.
@@ -150,6 +161,10 @@ class World(Editable):
                 metal=metal,
                 eta=eta,
                 k=k,
+                alpha=alpha,
+                roughness=roughness,
+                distribution=distribution,
+                multiple_scattering=multiple_scattering,
                 ior=ior,
                 exterior_ior=exterior_ior,
                 axis_deg=axis_deg,

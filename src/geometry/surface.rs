@@ -29,6 +29,9 @@ columns! {
         pub surface: Vec<u32> = NONE,
         /// The primitive, [`NONE`], or a medium ([`super::IN_MEDIUM`]).
         pub primitive: Vec<u32> = NONE,
+        /// The row in the table of its model where textures give it one of its own, or [`NONE`].
+        /// Nothing writes it in scenes without textures.
+        pub model: Vec<u32> = NONE,
     }
 }
 

@@ -9,6 +9,7 @@
 //! | [`hdr`] | the paper's storage: a set of Radiance pictures |
 //! | [`npy`] | NumPy arrays in |
 //! | [`png`], [`picture`] | previews and pictures |
+//! | [`texels`] | pictures that surfaces are painted with, in |
 //! | [`visualize`], [`palette`] | maps of polarization with their legends |
 //! | [`analyzed`] | what analyzers let pass |
 //! | [`live`] | what is shown of a render on its way |
@@ -39,6 +40,7 @@ mod rgbe;
 pub mod rows;
 mod source;
 mod stokes_image;
+pub mod texels;
 pub mod view;
 pub mod visualize;
 

@@ -37,8 +37,9 @@ fn connect_vertices<const N: usize, M: LightModel<N>>(
             length_max: path_length_max - path_length - 1,
         };
         let (connections, measured) = (&mut w.connections, &w.measured);
+        let at = w.walk.models.of(scene);
         w.profile.time(Stage::Connect, || {
-            connect_to_vertices::<N, M>(connections, &arrived, &light, (scene, measured));
+            connect_to_vertices::<N, M>(connections, &arrived, &light, (at, measured));
         });
         measure_connections(w, scene, (event.met, STRATEGY));
     });

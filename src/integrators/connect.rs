@@ -52,9 +52,9 @@ pub fn connect_emitters<const N: usize, M: LightModel<N>>(
     for_each_connectable(w, |w, (event, rows)| {
         let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
         let arrived = Arrived { paths, surfaces, event, rows, path_length };
-        let connections = &mut w.connections;
+        let (connections, at) = (&mut w.connections, w.walk.models.of(scene));
         w.profile.time(Stage::Connect, || {
-            connect_to_emitters(connections, &arrived, scene, strategy);
+            connect_to_emitters(connections, &arrived, at, strategy);
         });
         measure_connections(w, scene, (event.met, strategy));
     });
@@ -95,7 +95,7 @@ pub fn connect_lamps<const N: usize, M: LightModel<N>>(
                 &mut w.measured,
                 connections,
                 at,
-                scene,
+                scene.into(),
                 Met::Medium(medium),
             );
         });
@@ -118,6 +118,7 @@ pub fn measure_connections<const N: usize, M: LightModel<N>>(
     cross(w, scene, strategy);
     w.profile.time(Stage::Gather, || {
         let at = (&w.sensor[1], &w.walk.surfaces);
+        let scene = w.walk.models.of(scene);
         gather_connections::<N, M>(&mut w.measured, &w.connections, at, scene, met);
     });
 }
@@ -131,15 +132,17 @@ pub fn store_vertices<const N: usize, M: LightModel<N>>(
 ) {
     w.vertices[0].clear();
     walk::<LightWalk, N, M>(w, scene, chunk, Strategy::Bidirectional, |w, path_length| {
-        let WalkTables { surfaces, partition, .. } = &w.walk;
+        let WalkTables { surfaces, models, partition, .. } = &w.walk;
+        let at = models.of(scene);
         let (vertices, paths) = (&mut w.vertices[0], &w.light[1]);
         w.profile.time(Stage::Connect, || {
             for (event, rows) in partition.connectable() {
                 let arrived = Arrived { paths, surfaces, event, rows, path_length };
-                store_light_vertices(vertices, &arrived, scene);
+                store_light_vertices(vertices, &arrived, at);
             }
         });
     });
+    w.walk.models.keep();
     w.profile.time(Stage::Sort, || {
         let [stored, by_slot] = &mut w.vertices;
         by_slot.take_by_slot(stored, &mut w.slot_order, chunk.slots());
@@ -171,6 +174,7 @@ pub fn splat_vertices<const N: usize, M: LightModel<N>>(
     let (connections, vertices) = (&mut w.connections, &w.vertices[1]);
     w.profile.time(Stage::Connect, || {
         let light_paths = light_paths(scene);
+        let scene = w.walk.models.of(scene);
         connect_to_sensor::<N, M>(connections, vertices, chunk, scene, light_paths, strategy);
     });
     splat(w, scene, strategy);

@@ -70,8 +70,9 @@ fn merge<const N: usize, M: LightModel<N>>(
         let (paths, surfaces) = (&w.sensor[1], &w.walk.surfaces);
         let arrived = Arrived { paths, surfaces, event, rows, path_length };
         let (measured, queries) = (&mut w.measured, &mut w.queries);
+        let at = w.walk.models.of(scene);
         w.profile.time(Stage::Merge, || {
-            merge_photons::<N, M>(measured, queries, &arrived, map, scene);
+            merge_photons::<N, M>(measured, queries, &arrived, map, at);
         });
     });
 }

@@ -46,6 +46,10 @@ impl SensorWalk {
             if scene.choice.depends_on_vantage() {
                 w.sensor.iter_mut().for_each(|paths| paths.last.make(ROWS));
             }
+            if light_paths == 0.0 {
+                // Else vertices of light paths need theirs.
+                w.walk.models.start(scene);
+            }
             start_nesting(&mut w.sensor, scene);
             start_media(&mut w.sensor, scene);
             if scene.lamps.is_some() {
@@ -66,6 +70,7 @@ impl LightWalk {
     ) {
         w.profile.time(Stage::Start, || {
             w.splats.clear();
+            w.walk.models.start(scene);
             start_nesting(&mut w.light, scene);
             start_media(&mut w.light, scene);
             emit_light_paths(&mut w.light[0], chunk, scene);

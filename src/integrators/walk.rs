@@ -15,6 +15,7 @@ use crate::transport::stages::fly_through_media::fly_through_media;
 use crate::transport::stages::fly_to_crossings::fly_to_crossings;
 use crate::transport::stages::follow_paths::follow_paths;
 use crate::transport::stages::keep_pieces::keep_pieces;
+use crate::transport::stages::paint_surfaces::paint_surfaces;
 use crate::transport::stages::partition_paths::partition_paths;
 use crate::transport::stages::pass_surfaces::pass_surfaces;
 use crate::transport::stages::play_roulette::{pay_out, play_roulette};
@@ -242,7 +243,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     strategy: Strategy,
 ) {
     let ([paths, sorted], tables, profile) = S::tables(w);
-    let WalkTables { hits: [hits, sorted_hits], flights, surfaces, partition, .. } = tables;
+    let WalkTables { hits: [hits, sorted_hits], flights, surfaces, models, partition, .. } = tables;
     profile.time(Stage::Sort, || {
         if chunk.plays_roulette(S::SIDE, path_length) {
             let kept = S::vertices_kept(strategy, path_length);
@@ -252,6 +253,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         }
         partition_paths(sorted, sorted_hits, partition, paths, hits, scene);
         resolve_surfaces(surfaces, sorted_hits, &sorted.rays, 0..sorted.len, &scene.shapes);
+        paint_surfaces(surfaces, models, sorted_hits, scene, (S::SIDE, sorted.len));
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
             weigh_arrival(sorted, sorted_hits, surfaces, (scene, partition), from_infinity);
@@ -298,12 +300,13 @@ fn scatter<const N: usize, M: LightModel<N>, C: CarrierTable>(
     scene: &Scene<N>,
     bounce: Bounce,
 ) {
-    let WalkTables { surfaces, partition, departures, .. } = walk;
+    let WalkTables { surfaces, models, partition, departures, .. } = walk;
+    let at = models.of(scene);
     if M::POLARIZED {
-        scatter_surfaces::<N, true, C>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, true, C>(departures, paths, surfaces, at, partition, bounce);
         scatter_medium::<N, true, C>(departures, paths, scene, partition, bounce);
     } else {
-        scatter_surfaces::<N, false, C>(departures, paths, surfaces, scene, partition, bounce);
+        scatter_surfaces::<N, false, C>(departures, paths, surfaces, at, partition, bounce);
         scatter_medium::<N, false, C>(departures, paths, scene, partition, bounce);
     }
 }

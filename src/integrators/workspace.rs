@@ -2,6 +2,7 @@
 
 use crate::geometry::{HitColumns, SurfaceColumns, TraceScratch};
 use crate::math::LANES;
+use crate::scattering::painting::PaintedModels;
 use crate::transport::LightModel;
 use crate::transport::chunk::ROWS;
 use crate::transport::tables::connections::ConnectionTable;
@@ -52,6 +53,8 @@ pub struct WalkTables<const N: usize> {
     pub hits: [HitColumns; 2],
     /// The surfaces there.
     pub surfaces: SurfaceColumns,
+    /// Their models where they are painted.
+    pub models: PaintedModels<N>,
     /// Which rows do what next.
     pub partition: Partition,
     /// Where they go from there.
@@ -91,6 +94,7 @@ impl<const N: usize> WalkTables<N> {
         Self {
             hits: std::array::from_fn(|_| HitColumns::new(ROWS)),
             surfaces: SurfaceColumns::new(ROWS),
+            models: PaintedModels::default(),
             partition: Partition::default(),
             departures: DepartureColumns::new(ROWS),
             flights: FlightTable::new(ROWS),

@@ -177,6 +177,16 @@ pub fn conductor<F: Real>(cos_i: F, eta: F, k: F) -> (F, Block<F>) {
     (reflectance, reflection_block(sin2_i, cos_i * real, cos_i * decay))
 }
 
+/// Greatest reflectance for which there is an extinction coefficient: it would be infinite at 1.
+const REFLECTANCE_MAX: f32 = 0.999;
+
+/// The extinction coefficient k with which a conductor of eta = 1 has this reflectance at normal
+/// incidence: `F = k^2 / (4 + k^2)`. More than 0.999 is taken as that.
+pub fn k_of_reflectance(reflectance: f32) -> f32 {
+    let reflectance = reflectance.min(REFLECTANCE_MAX);
+    2.0 * (reflectance / (1.0 - reflectance)).sqrt()
+}
+
 /// What a plane pane does to light, all reflections between its faces summed, without interference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pane<F> {

@@ -21,6 +21,7 @@
 //! Light carriers `scatter` (`S <- M S`), sensor carriers `collect` (`T <- T M`), and the two
 //! `measure` where they meet (`T S`). They are different types and there is no `*`.
 
+pub mod albedo;
 pub mod analyzer;
 pub mod carrier;
 pub mod elements;
@@ -28,12 +29,14 @@ pub mod frame;
 pub mod fresnel;
 pub mod kept;
 pub mod kernel;
+pub mod microfacet;
 pub mod mie;
 pub mod milk;
 pub mod particles;
 pub mod rayleigh;
 pub mod stokes;
 
+pub use albedo::Albedo;
 pub use analyzer::Analyzer;
 pub use carrier::{
     Arrival, Departure, LightCarrier, SensorColumn, SensorEvent, SensorMatrix, SensorRow,
@@ -43,4 +46,5 @@ pub use fresnel::{
     Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,
 };
 pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
+pub use microfacet::{ALPHA_MIN, Distribution, FacetReflection, Facets};
 pub use stokes::Stokes;

@@ -359,7 +359,7 @@ impl Aim {
         (point, normal, step): (Vec3, Vec3, f32),
     ) -> Option<u32> {
         let side = if self.direction.dot(normal) < 0.0 { -step } else { step };
-        let passes = |primitive: u32| scene.material_at(primitive).kind.is_straight_on();
+        let passes = |primitive: u32| scene.material_at(primitive).is_straight_on();
         let met = first_met(scene, point + side * normal, self.direction, passes);
         (met.t < self.reach).then_some(met.primitive)
     }

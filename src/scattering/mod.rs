@@ -16,6 +16,7 @@ pub mod immersion;
 pub mod look;
 pub mod medium;
 pub mod nesting;
+pub mod painting;
 pub mod patches;
 pub mod phase;
 pub mod scene;

@@ -315,6 +315,8 @@ impl Interfaces {
                 SurfaceModel::DispersiveDielectric { ior, .. } => ior,
                 SurfaceModel::Absorber
                 | SurfaceModel::Conductor { .. }
+                | SurfaceModel::MetallicRoughness { .. }
+                | SurfaceModel::RoughConductor { .. }
                 | SurfaceModel::Diffuse { .. }
                 | SurfaceModel::Null
                 | SurfaceModel::Polarizer { .. }

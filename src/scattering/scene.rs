@@ -12,6 +12,8 @@ use crate::geometry::{
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::Emitter;
+use crate::scene::painting::Painting;
+use crate::scene::world::Textures;
 
 use super::boundaries::settle;
 use super::emitter::aim::Aim;
@@ -25,7 +27,7 @@ use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
 use super::surface::model::LaneRows;
-use super::surface::{Material, SurfaceKind, Surfaces};
+use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
 use super::{Look, Looks, Sensor};
 
@@ -57,11 +59,13 @@ pub struct Scene<const N: usize> {
     /// Whether there are surfaces that let light straight on.
     pub has_straight_on: bool,
     /// Their kinds.
-    pub straight_on_kinds: Vec<SurfaceKind>,
+    pub straight_on_kinds: Vec<Crossed>,
     /// Whether any of those emits.
     pub has_emitting_straight_on: bool,
     /// Whether light can leave vertices that connect polarized.
     pub has_polarizing_vertices: bool,
+    /// Whether lamps emit what textures say.
+    pub has_painted_lamps: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// How far off every emitter rays start and end.
@@ -108,7 +112,7 @@ impl<const N: usize> Scene<N> {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
         let material_of_primitive: Arc<[u32]> =
             shapes.surface_of_primitive.iter().map(material_of).collect();
-        let mut surfaces = Surfaces::new(&optics.materials);
+        let mut surfaces = Surfaces::new(&optics.materials, optics.painting.as_deref());
         let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
         let materials = surfaces.materials();
         let event_of = |&row: &u32| materials[row as usize].kind.event();
@@ -131,10 +135,9 @@ impl<const N: usize> Scene<N> {
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
         let has_straight_on = !straight_on_kinds.is_empty();
-        let has_emitting_straight_on = has_straight_on
-            && material_of_primitive.iter().zip(&*optics.emitter_of_primitive).any(
-                |(&row, &emitter)| emitter != NONE && materials[row as usize].kind.is_straight_on(),
-            );
+        let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
+        let has_emitting_straight_on =
+            emitters.any(|(&row, &it)| it != NONE && materials[row as usize].is_straight_on());
         let mut scene = Self {
             sensor_medium,
             emitter_media,
@@ -151,7 +154,8 @@ impl<const N: usize> Scene<N> {
             has_straight_on,
             straight_on_kinds,
             has_emitting_straight_on,
-            has_shading_normals: shapes.has_shading_normals(),
+            has_painted_lamps: has_painted_lamps(&shapes, &optics),
+            has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             looks: Arc::default(),
             look: OnceLock::new(),
             rims: Arc::default(),
@@ -174,7 +178,7 @@ impl<const N: usize> Scene<N> {
     /// shared. The optics have the emitters of this one, and materials and media of its kinds.
     #[must_use]
     pub fn with_optics(&self, optics: Optics<N>) -> Self {
-        let mut surfaces = Surfaces::new(&optics.materials);
+        let mut surfaces = Surfaces::new(&optics.materials, optics.painting.as_deref());
         let interfaces = Interfaces::new(&self.shapes, &optics, &mut surfaces);
         let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
         media.push(Medium::clear());
@@ -193,6 +197,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds: self.straight_on_kinds.clone(),
             has_emitting_straight_on: self.has_emitting_straight_on,
             has_polarizing_vertices: self.has_polarizing_vertices,
+            has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
             emitter_offsets: Arc::clone(&self.emitter_offsets),
             direct: Arc::clone(&self.direct),
@@ -325,9 +330,7 @@ impl<const N: usize> Scene<N> {
     /// Whether what a ray has hit is a surface that lets it straight on.
     #[inline(always)]
     pub fn is_straight_on(&self, primitive: u32) -> bool {
-        self.has_straight_on
-            && primitive != NONE
-            && self.material_at(primitive).kind.is_straight_on()
+        self.has_straight_on && primitive != NONE && self.material_at(primitive).is_straight_on()
     }
 
     /// The medium behind the surface that a ray goes straight on through, from the medium
@@ -492,6 +495,29 @@ impl<const N: usize> Scene<N> {
     }
 }
 
+/// All textures of a scene's materials.
+fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
+    let of =
+        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
+    optics.painting.as_deref().into_iter().flat_map(of)
+}
+
+/// Whether some have shading normals by a picture.
+fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
+    textures(optics).any(|textures| textures.relief.is_some())
+}
+
+/// Whether some say what emitters emit.
+fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
+    let Some(painting) = optics.painting.as_deref() else { return false };
+    optics.emitters.iter().any(|emitter| {
+        let surface = shapes.surface_of(emitter::primitive(&emitter.model));
+        let material = shapes.surfaces.get(surface as usize).map(|it| it.material as usize);
+        let textures = material.and_then(|material| painting.of(material));
+        textures.is_some_and(|it| it.emission.is_some() || it.coverage.is_some())
+    })
+}
+
 /// Those of the events that media and these materials are met by.
 fn present(events: &[Event], materials: &[Material]) -> impl Iterator<Item = Event> {
     let is_present = |met: Met| match met {
@@ -510,8 +536,9 @@ fn media_about(immersion: &Immersion, Emitter { model, .. }: &Emitter) -> Around
     )
 }
 
-/// The kinds of the materials that let light straight on.
-fn straight_on_kinds(materials: &[Material]) -> Vec<SurfaceKind> {
-    let is_used = |kind: &SurfaceKind| materials.iter().any(|it| it.kind == *kind);
-    SurfaceKind::STRAIGHT_ON.iter().copied().filter(is_used).collect()
+/// What light goes straight on through.
+fn straight_on_kinds(materials: &[Material]) -> Vec<Crossed> {
+    let models = SurfaceKind::STRAIGHT_ON.iter().map(|kind| Crossed::Model(*kind));
+    let is_used = |kind: &Crossed| materials.iter().any(|it| it.crossed() == Some(*kind));
+    models.chain([Crossed::Holes]).filter(is_used).collect()
 }

@@ -21,7 +21,8 @@ pub struct Looks(Mutex<Vec<(Subject, Look)>>);
 #[derive(PartialEq)]
 struct Subject {
     camera: Camera,
-    kinds: Vec<SurfaceKind>,
+    /// Of the materials, and whether they have holes.
+    kinds: Vec<(SurfaceKind, bool)>,
     emitters: Vec<EmitterModel>,
     /// Of all of these in turn.
     radiance: Vec<f32>,
@@ -59,7 +60,7 @@ impl Subject {
         let emitters = &optics.emitters;
         Some(Self {
             camera: scene.camera,
-            kinds: materials.iter().map(|material| material.kind).collect(),
+            kinds: materials.iter().map(|material| (material.kind, material.has_holes)).collect(),
             emitters: emitters.iter().map(|emitter| emitter.model).collect(),
             radiance: (0..emitters.len()).flat_map(|row| optics.radiance_of(row)).collect(),
             environment: optics.environment,

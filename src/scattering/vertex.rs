@@ -202,7 +202,11 @@ impl<'a, M, const N: usize> OnSurfaces<'a, M, N> {
             shading: rows.vectors(&surfaces.shading_normal),
             two_sided: two_sided(materials, &material),
         };
-        (ModelLanes::new(self.models, material.map(|row| materials[row].row as usize)), facing)
+        let models = match self.scene.is_painted() {
+            true => rows.rows().map(|row| self.scene.model_row(surfaces, row)),
+            false => material.map(|row| materials[row].row as usize),
+        };
+        (ModelLanes::new(self.models, models), facing)
     }
 }
 
@@ -406,7 +410,7 @@ macro_rules! for_scatterer {
                     },
                     connecting: {
                         let $scatterer =
-                            $crate::scattering::vertex::OnSurfaces::new($scene, models);
+                            $crate::scattering::vertex::OnSurfaces::new(&*$scene, models);
                         Some($body)
                     },
                     else: None,

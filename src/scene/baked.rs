@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::corners::Corners;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
+use super::painting::Painting;
 use super::world::SurfaceModel;
 use crate::polarization::Analyzer;
 
@@ -53,6 +55,8 @@ pub struct Shapes {
     /// geometric normal; empty when no mesh has normals that differ from the geometric ones,
     /// else one row per triangle.
     pub shading_normals: Vec<[Vec3; 3]>,
+    /// What textures go by, as many rows; empty where no material has any.
+    pub corners: Corners,
     /// Analytic spheres.
     pub spheres: Vec<Sphere>,
     /// Meshes that stand in several places, kept once. None emits.
@@ -104,6 +108,8 @@ pub struct Optics<const N: usize> {
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The row of the constant environment in `emitters`, or [`NONE`].
     pub environment: u32,
+    /// What of materials differs from place to place, if anything does.
+    pub painting: Option<Arc<Painting<N>>>,
     /// Spectra that are held beyond their ends: whose, and over which wavelengths of the render,
     /// one sentence each.
     pub held: Vec<String>,

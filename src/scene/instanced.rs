@@ -3,6 +3,7 @@
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 use super::baked::Triangle;
+use super::corners::Corners;
 
 /// Primitives of instances are numbered from multiples of this.
 const BLOCK: usize = 1 << BLOCK_SHIFT;
@@ -33,6 +34,8 @@ pub struct Object {
     pub triangles: Vec<Triangle>,
     /// As [`super::baked::Shapes::shading_normals`], in this space.
     pub shading_normals: Vec<[Vec3; 3]>,
+    /// As [`super::baked::Shapes::corners`], in this space.
+    pub corners: Corners,
 }
 
 /// An object in its place.

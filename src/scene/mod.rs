@@ -7,10 +7,12 @@
 
 mod bake;
 pub mod baked;
+pub mod corners;
 pub mod emitter;
 mod error;
 mod gltf;
 pub mod instanced;
+pub mod painting;
 pub mod warnings;
 pub mod world;
 

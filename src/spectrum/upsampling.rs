@@ -19,7 +19,7 @@
 //! grey `g` is `g` at every wavelength, to the last bit of an `f32`.
 
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex};
+use std::sync::{LazyLock, RwLock};
 
 use glam::{DMat3, DVec3};
 
@@ -80,23 +80,31 @@ fn sigmoid(x: f64) -> [f64; 2] {
     [if x < 0.0 { tail } else { 1.0 - tail }, 0.5 / (square * root)]
 }
 
-/// Most colors whose fits are remembered.
-const KNOWN_MAX: usize = 1 << 16;
+/// Most colors whose fits are remembered, of which a picture may have many.
+const KNOWN_MAX: usize = 1 << 20;
+/// Among so many maps, a power of two, that threads seldom wait for each other.
+const MAPS: usize = 64;
 
 /// Fits by the bits of colors and the white.
 type Fits = HashMap<([u64; 3], White), Sigmoid>;
 
-/// The fit of a color, which is remembered: spectral renders ask for all in every iteration.
+/// The fit of a color, which is remembered: spectral renders ask for all in every iteration, and
+/// for those of pictures at every point.
 fn known(rgb: DVec3, white: White) -> Sigmoid {
-    static KNOWN: LazyLock<Mutex<Fits>> = LazyLock::new(Mutex::default);
-    let lock = || KNOWN.lock().expect("no thread panics while it holds the lock");
+    static KNOWN: LazyLock<[RwLock<Fits>; MAPS]> =
+        LazyLock::new(|| std::array::from_fn(|_| RwLock::default()));
+    const SOUND: &str = "no thread panics while it holds the lock";
     let key = (rgb.to_array().map(f64::to_bits), white);
-    if let Some(fit) = lock().get(&key) {
+    let mixed = key.0.iter().fold(0, |mixed: u64, bits| {
+        (mixed.rotate_left(21) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    });
+    let map = &KNOWN[(mixed >> 32) as usize % MAPS];
+    if let Some(fit) = map.read().expect(SOUND).get(&key) {
         return *fit;
     }
     let fit = fitted(rgb, white);
-    let mut known = lock();
-    if known.len() < KNOWN_MAX {
+    let mut known = map.write().expect(SOUND);
+    if known.len() < KNOWN_MAX / MAPS {
         known.insert(key, fit);
     }
     fit

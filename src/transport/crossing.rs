@@ -56,7 +56,7 @@ fn push_wave<const N: usize>(
         let first = crossings.len;
         for index in 0..flights.len {
             let hit = flights.hits.get(index);
-            if scene.material_at(hit.primitive).kind == kind {
+            if scene.material_at(hit.primitive).crossed() == Some(kind) {
                 crossings.push(flights.row[index], flights.rays.get(index), hit);
             }
         }

@@ -2,7 +2,7 @@
 //! may have met different things.
 
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
-use crate::scattering::Scene;
+use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::Facing;
 use crate::scattering::vertex::{KeptLanes, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scene::baked::NONE;
@@ -16,7 +16,7 @@ use super::tables::vertices::VertexTable;
 #[inline(always)]
 pub fn turn_of_light<const N: usize>(
     vertices: &VertexTable<N>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     direction: Vector<F32s>,
     (row, live): (usize, usize),
 ) -> Turn<N> {
@@ -33,7 +33,7 @@ pub fn turn_of_light<const N: usize>(
 fn turn_of_others<const N: usize>(
     mut turn: Turn<N>,
     vertices: &VertexTable<N>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     (direction, row): (Vector<F32s>, usize),
     others: F32s,
 ) -> Turn<N> {
@@ -48,7 +48,7 @@ fn turn_of_others<const N: usize>(
 #[inline(always)]
 fn turn_of_event<const N: usize>(
     vertices: &VertexTable<N>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     direction: Vector<F32s>,
     row: usize,
     (event, mask): (u32, F32s),
@@ -65,7 +65,7 @@ fn turn_of_event<const N: usize>(
 #[inline(always)]
 pub fn departing_states<const N: usize, M: LightModel<N>>(
     vertices: &VertexTable<N>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     direction: Vector<F32s>,
     (row, live): (usize, usize),
 ) -> [Option<LightState<N>>; LANES] {
@@ -83,7 +83,7 @@ pub fn departing_states<const N: usize, M: LightModel<N>>(
 fn scatter_all<const N: usize>(
     states: &mut [Option<LightState<N>>; LANES],
     vertices: &VertexTable<N>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     direction: Vector<F32s>,
     (row, live): (usize, usize),
 ) {

@@ -7,6 +7,7 @@ use sunstone::internals::geometry::{
 };
 use sunstone::internals::math::{LANES, Vector};
 use sunstone::internals::scene::baked::{NONE, Shapes, Sphere, Triangle};
+use sunstone::internals::scene::corners::Corners;
 use sunstone::internals::scene::instanced::{Instance, Instanced, Object};
 
 use super::fixtures::{Random, closed_box, columns, icosphere, limits, no_hits, soup};
@@ -42,7 +43,7 @@ fn object(triangles: Vec<Triangle>, is_smooth: bool) -> Object {
     // Those of a sphere: the corners themselves.
     let normals = |t: &Triangle| t.corners.map(Vec3::normalize);
     let shading_normals = if is_smooth { triangles.iter().map(normals).collect() } else { vec![] };
-    Object { triangles, shading_normals }
+    Object { triangles, shading_normals, corners: Corners::default() }
 }
 
 /// Two kinds of objects in forty places, among triangles and spheres, and the same scene with

@@ -5,6 +5,7 @@ use sunstone::internals::geometry::{
     Accelerator, SurfaceColumns, TraceScratch, resolve_surfaces, trace_closest,
 };
 use sunstone::internals::scene::baked::{Bounds, KEEP, NONE, Shapes, Sphere, Surface, Triangle};
+use sunstone::internals::scene::corners::Corners;
 use sunstone::internals::scene::instanced::Instanced;
 
 use super::fixtures::{Random, columns, no_hits, soup};
@@ -36,6 +37,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
     Shapes {
         triangles: triangles.to_vec(),
         shading_normals: Vec::new(),
+        corners: Corners::default(),
         spheres: spheres.to_vec(),
         instanced: Instanced::default(),
         surface_of_primitive: (0..count).rev().collect(),

@@ -11,4 +11,6 @@ mod mended;
 mod reference;
 mod refused;
 mod room;
+mod rough;
 mod spectra;
+mod textures;

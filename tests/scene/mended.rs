@@ -192,7 +192,7 @@ fn all_that_is_wrong_is_told() {
     for part in ["0 \"glow\", normalTexture", "emissiveTexture", "sphere_radius", "yfov"] {
         assert_eq!(error.matches(part).count(), 1, "{part}: {error}");
     }
-    assert_eq!(error.matches("help: replace it by a factor").count(), 1, "{error}");
+    assert_eq!(error.matches("help: export it again").count(), 1, "{error}");
 
     let mut document = good();
     document["nodes"][1]["mesh"] = json!(7);

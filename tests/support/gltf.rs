@@ -56,6 +56,15 @@ impl Document {
         self.materials.len() - 1
     }
 
+    /// A material as glTF has it: color, share of metal, roughness.
+    pub fn metallic_roughness(&mut self, color: [f32; 3], metallic: f32, roughness: f32) -> usize {
+        let [red, green, blue] = color;
+        self.materials.push(json!({"pbrMetallicRoughness": {
+            "baseColorFactor": [red, green, blue, 1.0],
+            "metallicFactor": metallic, "roughnessFactor": roughness}}));
+        self.materials.len() - 1
+    }
+
     /// A gray diffuse material.
     pub fn diffuse(&mut self, reflectance: f32) -> usize {
         self.material(json!({"bsdf": "diffuse", "reflectance": reflectance}))

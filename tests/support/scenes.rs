@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 37] = [
+pub const SCENES: [Named; 39] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -49,6 +49,8 @@ pub const SCENES: [Named; 37] = [
     ("lamps in fog", lamps_in_fog),
     ("large sphere light on the floor", sphere_on_the_floor),
     ("glass and water that touch", glass_and_water),
+    ("rough metals", super::rough::metals),
+    ("rough coats, orthographic", super::rough::coats),
 ];
 
 /// In which boundaries contradict each other.
@@ -59,7 +61,7 @@ pub const CONTRADICTORY: [Named; 2] = [
 
 const WALLS: [f32; 6] = [0.7, 0.6, 0.5, 0.4, 0.3, 0.65];
 const FRONT: usize = 5;
-const CEILING: usize = 1;
+pub(super) const CEILING: usize = 1;
 
 pub(super) fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)

@@ -30,6 +30,7 @@ use sunstone::internals::spectrum::Color;
 use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
 use crate::support::filters::FILTERS;
+use crate::support::painted::PAINTED;
 use crate::support::rendering::{
     MONO, in_bands, in_package, light_mask, path_finds_everything, replicates, scene, settings,
     spectral_replicates, world,
@@ -243,7 +244,7 @@ fn integrators_agree_per_band_where_glass_disperses() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn integrators_agree_per_band_in_some_scenes() {
-    let some = built(&SCENES).chain(built(&FILTERS)).step_by(7);
+    let some = built(&SCENES).chain(built(&FILTERS)).step_by(7).chain(built(&PAINTED[..2]));
     check_bands(some, [16, ITERATIONS / 8], 1);
 }
 
@@ -261,7 +262,7 @@ fn integrators_agree_per_band_in_all_scenes() {
         (name, Box::new(move || world(&path)) as Build)
     };
     let shipped = ["scenes", "scenes/reference"].into_iter().flat_map(paths).map(load);
-    let small = built(&SCENES).chain(built(&FILTERS));
+    let small = built(&SCENES).chain(built(&FILTERS)).chain(built(&PAINTED));
     check_bands(shipped.chain(small), [REPLICATES, ITERATIONS / 4], 2);
 }
 
@@ -318,6 +319,22 @@ fn integrators_agree_where_boundaries_contradict() {
     // Media that are sought where boundaries are crossed take their time.
     let scenes = CONTRADICTORY.into_iter().map(|(name, build)| (name.to_owned(), build()));
     check(scenes, [REPLICATES, ITERATIONS / 16]);
+}
+
+fn painted() -> impl Iterator<Item = (String, World)> {
+    PAINTED.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_painted_surfaces() {
+    check(painted(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_painted_surfaces_closely() {
+    check(painted(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 fn filters() -> impl Iterator<Item = (String, World)> {

@@ -25,6 +25,7 @@ mod lamps_in_media;
 mod merging;
 mod modes;
 mod nesting;
+mod painted;
 mod parts;
 mod plates;
 mod reference_images;

@@ -71,7 +71,7 @@ pub fn pixels_seen<const N: usize>(scene: &Scene<N>, row: usize) -> f32 {
         return 0.0;
     };
     let own = primitive(&emitter.model);
-    let passes = |it: u32| it != own && scene.material_at(it).kind.is_straight_on();
+    let passes = |it: u32| it != own && scene.material_at(it).is_straight_on();
     let met = first_met(scene, lens, middle - lens, passes);
     if met.primitive == own { pixels } else { 0.0 }
 }

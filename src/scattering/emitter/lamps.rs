@@ -48,7 +48,7 @@ impl Lamps {
             }
         }
         for surface in &shapes.surfaces {
-            if materials[surface.material as usize].kind.is_straight_on() {
+            if materials[surface.material as usize].is_straight_on() {
                 [surface.interior, surface.exterior].into_iter().for_each(&mut light);
             }
         }

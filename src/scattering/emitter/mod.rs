@@ -197,11 +197,26 @@ pub fn sample_emission<const N: usize>(
     let row = scene.choice.by_power(choice);
     let model = &scene.optics.emitters[row].model;
     let source = source(scene, row);
-    let Some(aim) = &scene.aim else { return emit(model, &source, u_position, u_direction) };
+    let Some(aim) = &scene.aim else {
+        return tinted(scene, emit(model, &source, u_position, u_direction));
+    };
     let drawn = aim.draw(row, u_aim);
     let source = Source { aimed_at: drawn.map(|ball| aim.ball(ball)), ..source };
     let mut sample = emit(model, &source, u_position, u_direction);
     aim.weigh(&mut sample, drawn);
+    tinted(scene, sample)
+}
+
+/// The same light as textures paint it.
+#[inline]
+fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> EmissionSample<N> {
+    if scene.has_painted_lamps {
+        let tint = scene.tint(sample.emitter, sample.position);
+        for (n, tint) in tint.into_iter().enumerate() {
+            sample.beta[n] *= tint;
+            sample.radiance[n] *= tint;
+        }
+    }
     sample
 }
 
@@ -218,7 +233,11 @@ pub fn met_emission<const N: usize>(
         return None;
     }
     let row = row as usize;
-    let met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
+    let mut met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
+    if scene.has_painted_lamps {
+        let tint = scene.tint(row, position);
+        met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
+    }
     let Some(aim) = &scene.aim else { return Some(met) };
     let (point, normal) = (position, met.normal);
     let line = Line { emitter: row, point, normal, direction: -direction };

@@ -13,10 +13,13 @@ mod diffuse;
 mod dispersive_dielectric;
 mod element;
 mod facing;
+mod metallic_roughness;
 pub mod model;
 mod null;
 mod polarizer;
 mod retarder;
+mod rough;
+mod rough_conductor;
 mod thin_dielectric;
 
 pub use facing::Facing;
@@ -27,13 +30,16 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use metallic_roughness::MetallicRoughness;
 use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
+use rough_conductor::RoughConductor;
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
 use crate::scene::baked;
+use crate::scene::painting::Painting;
 use crate::scene::world::SurfaceModel;
 
 /// The list: for every model, the variant of [`SurfaceModel`] with the parameters that its `of`
@@ -56,6 +62,10 @@ macro_rules! surface_models {
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
+                RoughConductor { eta, k, alpha, distribution, multiple_scattering } =>
+                    rough_conductor: RoughConductor<N>,
+                MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
+                    metallic_roughness: MetallicRoughness<N>,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -194,7 +204,7 @@ macro_rules! declare {
         }
 
         /// The materials of a scene, and for every model the table of its parameters.
-        #[derive(Debug, Default)]
+        #[derive(Clone, Debug, Default)]
         pub struct Surfaces<const N: usize> {
             materials: Vec<Material>,
             $($end_table: Vec<$end_model>,)*
@@ -205,6 +215,37 @@ macro_rules! declare {
         }
 
         impl<const N: usize> Surfaces<N> {
+            /// Takes the rows of other tables, and no others.
+            pub fn restart(&mut self, from: &Self) {
+                $(self.$end_table.clone_from(&from.$end_table);)*
+                $(self.$one_table.clone_from(&from.$one_table);)*
+                $(self.$any_table.clone_from(&from.$any_table);)*
+                $(self.$both_table.clone_from(&from.$both_table);)*
+                $(self.$pass_table.clone_from(&from.$pass_table);)*
+            }
+
+            /// How many rows each table has, in the order of the list.
+            pub fn lengths(&self) -> Vec<usize> {
+                vec![
+                    $(self.$end_table.len(),)*
+                    $(self.$one_table.len(),)*
+                    $(self.$any_table.len(),)*
+                    $(self.$both_table.len(),)*
+                    $(self.$pass_table.len(),)*
+                ]
+            }
+
+            /// Leaves so many rows of each table, in this order.
+            pub fn truncate(&mut self, lengths: &[usize]) {
+                let mut lengths = lengths.iter().copied();
+                let mut next = || lengths.next().unwrap_or(0);
+                $(self.$end_table.truncate(next());)*
+                $(self.$one_table.truncate(next());)*
+                $(self.$any_table.truncate(next());)*
+                $(self.$both_table.truncate(next());)*
+                $(self.$pass_table.truncate(next());)*
+            }
+
             /// Appends the material's parameters to the table of its model.
             fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> (u32, f32) {
                 match *model {
@@ -395,13 +436,63 @@ pub struct Material {
     pub two_sided: bool,
     /// The probability with which roulette lets a path go on.
     pub survival: f32,
+    /// Whether there are holes in it, or places that let some light straight on.
+    pub has_holes: bool,
+}
+
+/// What light goes straight on through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Crossed {
+    /// A model that lets it.
+    Model(SurfaceKind),
+    /// Holes in what is of any model.
+    Holes,
+}
+
+impl Crossed {
+    /// Whether it changes light at all.
+    #[inline(always)]
+    pub const fn acts(self) -> bool {
+        match self {
+            Self::Model(kind) => kind.acts(),
+            Self::Holes => true,
+        }
+    }
+
+    /// Whether paths may be scattered there instead.
+    #[inline(always)]
+    pub const fn scatters(self) -> bool {
+        match self {
+            Self::Model(kind) => kind.scatters(),
+            Self::Holes => true,
+        }
+    }
+}
+
+impl Material {
+    /// What light goes straight on through, if it does.
+    #[inline(always)]
+    pub const fn crossed(&self) -> Option<Crossed> {
+        match (self.has_holes, self.kind.is_straight_on()) {
+            (true, _) => Some(Crossed::Holes),
+            (false, true) => Some(Crossed::Model(self.kind)),
+            (false, false) => None,
+        }
+    }
+
+    /// Whether paths and connections go straight on through it, if only by chance.
+    #[inline(always)]
+    pub const fn is_straight_on(&self) -> bool {
+        self.has_holes || self.kind.is_straight_on()
+    }
 }
 
 impl<const N: usize> Surfaces<N> {
-    /// The tables of baked materials.
-    pub fn new(baked: &[baked::Material<N>]) -> Self {
+    /// The tables of baked materials, as `painting` has them.
+    pub fn new(baked: &[baked::Material<N>], painting: Option<&Painting<N>>) -> Self {
         let mut surfaces = Self::default();
-        for &baked::Material { model, two_sided } in baked {
+        for (index, &baked::Material { model, two_sided }) in baked.iter().enumerate() {
+            let textures = painting.and_then(|painting| painting.of(index));
             let (row, scattered) = surfaces.add(&model);
             let survival = scattered.clamp(SURVIVAL_MIN, 1.0);
             surfaces.materials.push(Material {
@@ -409,6 +500,7 @@ impl<const N: usize> Surfaces<N> {
                 row,
                 two_sided,
                 survival,
+                has_holes: textures.is_some_and(|textures| textures.coverage.is_some()),
             });
         }
         surfaces
@@ -427,6 +519,11 @@ impl<const N: usize> Surfaces<N> {
     /// Whether light may go on at one wavelength alone.
     pub fn disperses(&self) -> bool {
         !self.dispersive_dielectric.is_empty()
+    }
+
+    /// The row that a model becomes in its table.
+    pub fn append(&mut self, model: &SurfaceModel<[f32; N]>) -> u32 {
+        self.add(model).0
     }
 
     /// The materials, in the order of the baked ones.
@@ -452,11 +549,20 @@ mod tests {
     #[test]
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         use SurfaceKind::{
-            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, ThinDielectric,
+            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
+            RoughConductor, ThinDielectric,
         };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
-        let expected =
-            [Absorber, Conductor, Dielectric, DispersiveDielectric, ThinDielectric, Diffuse];
+        let expected = [
+            Absorber,
+            Conductor,
+            Dielectric,
+            DispersiveDielectric,
+            ThinDielectric,
+            Diffuse,
+            RoughConductor,
+            MetallicRoughness,
+        ];
         assert_eq!(met, expected.map(Met::Surface));
         let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
         assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));
@@ -483,7 +589,7 @@ mod tests {
         let gray = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
         let models = [gray(0.5), glass, gray(0.0), SurfaceModel::Absorber, glass];
         let baked = models.map(|model| baked::Material { model, two_sided: false });
-        let surfaces = Surfaces::new(&baked);
+        let surfaces = Surfaces::new(&baked, None);
         let rows: Vec<u32> = surfaces.materials().iter().map(|material| material.row).collect();
         assert_eq!(rows, [0, 0, 1, 0, 1]);
         assert_eq!((surfaces.diffuse().len(), surfaces.dielectric().len()), (2, 2));

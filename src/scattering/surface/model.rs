@@ -275,7 +275,10 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
         let material = LaneRows::Each(lanes::each(material));
         let materials = scene.surfaces.materials();
-        let rows = material.map(|row| materials[row].row as usize);
+        let rows = match scene.is_painted() {
+            true => LaneRows::Each(lanes::each(|lane| scene.model_row(surfaces, used(lane)))),
+            false => material.map(|row| materials[row].row as usize),
+        };
         Self {
             direction,
             geometric,

@@ -16,6 +16,7 @@ use glam::Vec3;
 use super::bodies::place;
 use super::primitives::{Triangles, geometric_normal};
 use crate::scene::baked::Triangle;
+use crate::scene::corners::{Corner, Corners};
 
 /// The largest coordinate of a triangle, relative to its distance from the origin, above which it
 /// is divided.
@@ -34,6 +35,7 @@ struct Piece {
     row: u32,
     corners: [Vec3; 3],
     normals: [Vec3; 3],
+    paint: [Corner; 3],
 }
 
 /// Divides triangles that reach far beyond `near`, the distance from the origin of what the camera
@@ -44,6 +46,7 @@ pub fn divide(triangles: &mut Triangles, surfaces: &mut Vec<u32>, near: f32) {
         row: row as u32,
         corners: triangles.rows[row].corners,
         normals: triangles.shading_normals[row],
+        paint: triangles.paint.row(row),
     };
     let all = 0..triangles.rows.len();
     if !all.clone().any(|row| piece(row).is_large(near)) {
@@ -75,17 +78,20 @@ fn replace(triangles: &mut Triangles, surfaces: &mut Vec<u32>, of: &[u32], mut p
     pieces.retain(|piece| geometric_normal(piece.corners).is_some());
     let mut pieces = pieces.into_iter().peekable();
     let (rows, normals) = (&triangles.rows, &triangles.shading_normals);
-    let mut result = Triangles::default();
+    let paint = Corners::new(triangles.paint.needs());
+    let mut result = Triangles { paint, ..Triangles::default() };
     let mut result_surfaces = Vec::with_capacity(surfaces.len());
     let mut of = of.iter().peekable();
     for row in 0..rows.len() {
         if of.next_if(|it| **it as usize == row).is_none() {
             result.rows.push(rows[row]);
             result.shading_normals.push(normals[row]);
+            result.paint.push(triangles.paint.row(row));
         }
         while let Some(piece) = pieces.next_if(|piece| piece.row as usize == row) {
             result.rows.push(Triangle { corners: piece.corners });
             result.shading_normals.push(piece.normals);
+            result.paint.push(piece.paint);
         }
         result_surfaces.resize(result.rows.len(), surfaces[row]);
     }
@@ -117,9 +123,10 @@ impl Piece {
         (longest, lengths[longest], self.edge(longest))
     }
 
-    /// The corners and their normals, from one on.
-    fn from(&self, corner: usize) -> [(Vec3, Vec3); 3] {
-        [0, 1, 2].map(|next| (corner + next) % 3).map(|it| (self.corners[it], self.normals[it]))
+    /// The corners and what they have, from one on.
+    fn from(&self, corner: usize) -> [(Vec3, Vec3, Corner); 3] {
+        let rows = [0, 1, 2].map(|next| (corner + next) % 3);
+        rows.map(|it| (self.corners[it], self.normals[it], self.paint[it]))
     }
 
     /// The edge that starts at a corner, the same from either side.
@@ -138,10 +145,11 @@ impl Piece {
         };
         let Some(corner) = (0..3).find(is_divided) else { return divided.push(self) };
         let [from, to, opposite] = self.from(corner);
-        let middle = (middle(from.0, to.0), (from.1 + to.1).normalize_or_zero());
+        let normal = (from.1 + to.1).normalize_or_zero();
+        let middle = (middle(from.0, to.0), normal, from.2.middle(to.2));
         for [a, b, c] in [[from, middle, opposite], [middle, to, opposite]] {
             let (corners, normals) = ([a.0, b.0, c.0], [a.1, b.1, c.1]);
-            Self { corners, normals, ..self }.divide(edges, least, divided);
+            Self { corners, normals, paint: [a.2, b.2, c.2], ..self }.divide(edges, least, divided);
         }
     }
 }

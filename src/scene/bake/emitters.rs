@@ -10,8 +10,10 @@ use crate::math::elementary::cos;
 use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
+use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Transform, World,
+    Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Textures, Transform,
+    World,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -203,22 +205,35 @@ impl Table {
         model: impl Into<EmitterModel>,
         (lamp, brightness): (u32, &[Brightness]),
     ) -> u32 {
+        self.add_share(shapes, model, (lamp, brightness), 1.0)
+    }
+
+    /// [`Self::add`] of what emits a share of what its lamp does.
+    fn add_share(
+        &mut self,
+        shapes: &Shapes,
+        model: impl Into<EmitterModel>,
+        (lamp, brightness): (u32, &[Brightness]),
+        share: f64,
+    ) -> u32 {
         let model = model.into();
         let Brightness { mean, rounded } = brightness[lamp as usize];
-        let power = mean * model.size(shapes);
-        if power <= 0.0 {
+        let power = mean * model.size(shapes) * share;
+        let brightness = rounded * share as f32;
+        if power <= 0.0 || brightness <= 0.0 {
             return NONE;
         }
         self.powers.push(power);
-        self.rows.push(Emitter { model, lamp, brightness: rounded, probability: 0.0 });
+        self.rows.push(Emitter { model, lamp, brightness, probability: 0.0 });
         (self.rows.len() - 1) as u32
     }
 
     /// Of all primitives; returns the first lamp that is none of a material.
     fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
-        let materials = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(_, bsdf, sides)| {
+        type Parts<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Textures>);
+        let materials = world.in_order::<Parts, _>(|(_, bsdf, sides, textures)| {
             let refracts = bsdf.clone().simplified().passage() == Passage::Body;
-            (refracts, sides.two_sided)
+            (refracts, sides.two_sided, textures.cloned())
         });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
             let surface = &shapes.surfaces[surface as usize];
@@ -226,10 +241,13 @@ impl Table {
             let emitter = match materials.get(surface.material as usize) {
                 Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
                 None => NONE,
-                Some(&(_, two_sided)) if (primitive as usize) < shapes.triangles.len() => {
-                    self.add(shapes, emitter::Triangle::new(shapes, primitive, two_sided), lamp)
+                Some((_, two_sided, textures)) if (primitive as usize) < shapes.triangles.len() => {
+                    let model = emitter::Triangle::new(shapes, primitive, *two_sided);
+                    let painted = textures.as_ref().zip(shapes.painted(primitive));
+                    let share = painted.map_or(1.0, |(textures, on)| mean_share(textures, &on));
+                    self.add_share(shapes, model, lamp, share)
                 }
-                Some(&(refracts, two_sided)) => {
+                Some(&(refracts, two_sided, _)) => {
                     let sides = [two_sided, !surface.is_opaque && !refracts];
                     self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), lamp)
                 }

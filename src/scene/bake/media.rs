@@ -7,7 +7,7 @@ use super::grid::Suspensions;
 use super::{Rows, optics};
 use crate::scene::baked::{KEEP, Medium, NONE};
 use crate::scene::error::SceneError;
-use crate::scene::world::{self, Boundary, Bsdf, Filling, Name, Passage, World};
+use crate::scene::world::{self, Boundary, Filling, Name, Passage, World};
 use crate::spectrum::Carried;
 
 /// All media, in the file's order. What their particles do may be known already.
@@ -25,7 +25,7 @@ pub fn media<const N: usize>(
 
 impl Rows {
     /// What lies behind and before a surface, and whether that is not stated.
-    pub fn sides(&self, bsdf: &Bsdf, boundary: &Boundary) -> [(u32, bool); 2] {
+    pub fn sides(&self, passage: Passage, boundary: &Boundary) -> [(u32, bool); 2] {
         let row = |filling: Filling| match filling {
             Filling::Clear => NONE,
             Filling::Medium(entity) => self.media.get(&entity).copied().unwrap_or(NONE),
@@ -33,7 +33,7 @@ impl Rows {
         let (interior, exterior) = (boundary.interior.map(row), boundary.exterior.map(row));
         let or_around = |side: Option<u32>| (side.unwrap_or(self.scene_medium), side.is_none());
         let bounds_nothing = interior.is_none() && exterior.is_none();
-        match bsdf.passage() {
+        match passage {
             Passage::Closed => [(KEEP, false); 2],
             Passage::Sheet if bounds_nothing => [(KEEP, false); 2],
             Passage::Body => [(interior.unwrap_or(NONE), false), or_around(exterior)],

@@ -21,6 +21,7 @@ mod sharing;
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use hecs::Entity;
@@ -29,9 +30,11 @@ use super::baked::{
     self, BakedScene, Bounds, Camera, KEEP, Material, NONE, Optics, Projection, Shapes,
 };
 use super::error::SceneError;
+use super::painting::Painting;
 use super::warnings::Warnings;
 use super::world::{
-    Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Transform, World,
+    Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Textures, Transform,
+    World,
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
@@ -133,6 +136,7 @@ fn shapes(plan: &Plan) -> Result<Shapes, SceneError> {
     Ok(Shapes {
         triangles: primitives.triangles,
         shading_normals: primitives.shading_normals,
+        corners: primitives.corners,
         spheres: primitives.spheres,
         instanced: primitives.instanced,
         surface_of_primitive: primitives.surface_of_primitive,
@@ -162,7 +166,8 @@ fn optics_of<const N: usize>(
     let brightness: Vec<Brightness> = lamps.iter().map(Brightness::of_columns).collect();
     let emitters = emitters::emitters(world, shapes, &brightness)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
-    Ok(Optics { held, ..with_emitters(materials, media, lamps, emitters) })
+    let painting = painting(world, carried).map(Arc::new);
+    Ok(Optics { held, painting, ..with_emitters(materials, media, lamps, emitters) })
 }
 
 /// Refuses spectra that do not cover the wavelengths of a render, or says which are held beyond
@@ -232,7 +237,8 @@ pub fn bake_optics_at<const N: usize>(
         let media = media::media(world, carried, Some(&common.suspensions))?;
         let lamps = emitters::radiance(&common.lamps, carried)?;
         media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
-        Ok(with_emitters(materials, media, lamps, emitters.clone()))
+        let painting = painting(world, carried).map(Arc::new);
+        Ok(Optics { painting, ..with_emitters(materials, media, lamps, emitters.clone()) })
     };
     bake().map_err(|error: SceneError| error.in_file(&world.file))
 }
@@ -244,8 +250,24 @@ fn with_emitters<const N: usize>(
     emitters: Emitters,
 ) -> Optics<N> {
     let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
-    let held = Vec::new();
-    Optics { materials, media, emitters, lamps, emitter_of_primitive, environment, held }
+    Optics {
+        materials,
+        media,
+        emitters,
+        lamps,
+        emitter_of_primitive,
+        environment,
+        painting: None,
+        held: Vec::new(),
+    }
+}
+
+/// The textures of the materials, in the order of these.
+fn painting<const N: usize>(world: &World, carried: &Carried<N>) -> Option<Painting<N>> {
+    let of_material = world.in_order::<(&Bsdf, Option<&Textures>), _>(|(_, textures)| {
+        textures.filter(|textures| !textures.is_empty()).cloned()
+    });
+    Painting::new(of_material, carried)
 }
 
 /// All materials, with air where bodies overlap; at least one.
@@ -305,7 +327,8 @@ fn materials<const N: usize>(
     world: &World,
     carried: &Carried<N>,
 ) -> Result<Vec<Material<N>>, SceneError> {
-    let rows = world.in_order::<(&Name, &Bsdf, &Sides), _>(|(name, bsdf, sides)| {
+    type Parts<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Textures>);
+    let rows = world.in_order::<Parts, _>(|(name, bsdf, sides, textures)| {
         let at_d = |spectrum: &Spectrum, _, nm| {
             let [index] =
                 spectrum.sample(&Carried::at([nm]).beyond(carried.held_beyond()), Role::Index)?;
@@ -319,6 +342,11 @@ fn materials<const N: usize>(
         let model = model.map(SurfaceModel::simplified);
         let sample = |spectrum: &Spectrum, _, role| spectrum.sample(carried, role);
         let model = model.and_then(|model| model.sampled(sample));
+        let paint = |model| match textures {
+            Some(textures) => Painting::mean_model(model, textures, carried),
+            None => model,
+        };
+        let model = model.map(paint);
         let row = |model: SurfaceModel<[f32; N]>| Material {
             model: if carried.is_one_of_many() { model } else { model.simplified() },
             two_sided: sides.two_sided,

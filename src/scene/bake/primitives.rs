@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4, Vec4Swizzles};
 use hecs::Entity;
 
 use super::apart::{Yields, set_apart};
@@ -11,11 +11,13 @@ use super::sharing::{instanced, shared};
 use super::{Rows, check_range};
 use crate::math::elementary::cbrt;
 use crate::scene::baked::{KEEP, LEAST_COSINE, NONE, Sphere, Surface, Triangle};
+use crate::scene::corners::{Corner, Corners, Needs};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::Instanced;
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Sides, Transform, World,
+    Ball, Boundary, Bsdf, Emission, Geometry, MadeOf, Mesh, Name, Passage, Sides, Textures,
+    Transform, World,
 };
 use crate::spectrum::Spectrum;
 
@@ -31,6 +33,7 @@ const TRIANGLES_MAX: usize = 1 << 26;
 pub struct Primitives {
     pub triangles: Vec<Triangle>,
     pub shading_normals: Vec<[Vec3; 3]>,
+    pub corners: Corners,
     pub spheres: Vec<Sphere>,
     pub instanced: Instanced,
     pub surface_of_primitive: Vec<u32>,
@@ -63,15 +66,17 @@ pub struct Part {
     pub to_world: DAffine3,
     pub surface: (Surface, Yields),
     pub emits: bool,
+    /// What its textures go by.
+    pub needs: Needs,
 }
 
 impl PartialEq for Part {
     /// Geometries are the same if they are one: which of them are decides what is instanced.
     fn eq(&self, other: &Self) -> bool {
-        let Self { name, geometry, to_world, surface, emits } = self;
+        let Self { name, geometry, to_world, surface, emits, needs } = self;
         Arc::ptr_eq(geometry, &other.geometry)
-            && (name, to_world, surface, emits)
-                == (&other.name, &other.to_world, &other.surface, &other.emits)
+            && (name, to_world, surface, emits, needs)
+                == (&other.name, &other.to_world, &other.surface, &other.emits, &other.needs)
     }
 }
 
@@ -81,6 +86,8 @@ pub struct Triangles {
     pub rows: Vec<Triangle>,
     /// Those of flat triangles are zero until [`Triangles::finish_normals`].
     pub shading_normals: Vec<[Vec3; 3]>,
+    /// What textures go by.
+    pub paint: Corners,
 }
 
 impl Placed {
@@ -91,7 +98,8 @@ impl Placed {
             let surface = surface(world, rows, of.0, &at.0, boundary);
             let emits = world.entities().satisfies::<&Emission>(of.0);
             let (name, geometry) = (name.0.clone(), Arc::clone(&mesh.0));
-            Part { name, geometry, to_world: at.about(origin), surface, emits }
+            let needs = needs(world, of.0);
+            Part { name, geometry, to_world: at.about(origin), surface, emits, needs }
         });
         let balls = world.in_order::<Shown<&Ball>, _>(|(name, at, ball, (of, boundary))| {
             let surface = surface(world, rows, of.0, &at.0, boundary);
@@ -127,6 +135,25 @@ pub fn primitives(
     Ok(tables)
 }
 
+/// What the textures of a material go by.
+fn needs(world: &World, material: Entity) -> Needs {
+    let textures = world.entities().get::<&Textures>(material);
+    textures.map_or(Needs::default(), |textures| Needs::of(&textures))
+}
+
+/// How a tangent stands where the triangles of a mesh do.
+fn along(tangent: Vec4, transform: impl Fn(DVec3) -> DVec3, mirrored: bool) -> Vec4 {
+    let [tip, tail] = [tangent.xyz().as_dvec3(), DVec3::ZERO].map(transform);
+    let side = if mirrored { -tangent.w } else { tangent.w };
+    (tip - tail).normalize_or_zero().as_vec3().extend(side)
+}
+
+/// Whether light gets through a material by holes.
+fn has_holes(world: &World, material: Entity) -> bool {
+    let textures = world.entities().get::<&Textures>(material);
+    textures.is_ok_and(|textures| textures.coverage.is_some())
+}
+
 /// The row of a surface, with its material and what lies on its sides, and how it gives way.
 fn surface(
     world: &World,
@@ -137,10 +164,15 @@ fn surface(
 ) -> (Surface, Yields) {
     let bsdf = world.entities().get::<&Bsdf>(material);
     let bsdf = bsdf.as_deref().unwrap_or(&Bsdf::Absorber);
-    let sides = rows.sides(bsdf, boundary);
+    let has_holes = has_holes(world, material);
+    let passage = match bsdf.passage() {
+        Passage::Closed if has_holes => Passage::Sheet,
+        passage @ (Passage::Closed | Passage::Sheet | Passage::Body | Passage::Boundary) => passage,
+    };
+    let sides = rows.sides(passage, boundary);
     let [interior, exterior] = sides.map(|(row, _)| row);
     let is_two_sided = world.entities().get::<&Sides>(material).is_ok_and(|sides| sides.two_sided);
-    let yields = match bsdf.passage() {
+    let yields = match passage {
         Passage::Closed => Yields::Never { two_sided: is_two_sided },
         Passage::Body => Yields::AsBody,
         Passage::Sheet if [interior, exterior] == [KEEP; 2] => Yields::AsSheet,
@@ -157,7 +189,7 @@ fn surface(
         interior,
         exterior,
         unstated: sides.map(|(_, is_unstated)| is_unstated),
-        is_opaque: !bsdf.transmits(),
+        is_opaque: passage == Passage::Closed,
         is_body: match bsdf {
             Bsdf::Dielectric { exterior_ior, .. } => *exterior_ior == 1.0,
             Bsdf::DispersiveDielectric { exterior_ior, .. } => {
@@ -166,6 +198,8 @@ fn surface(
             Bsdf::Absorber
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
+            | Bsdf::MetallicRoughness { .. }
+            | Bsdf::RoughConductor { .. }
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }
             | Bsdf::Retarder { .. }
@@ -199,9 +233,11 @@ impl Primitives {
         near: f32,
         warnings: &mut Warnings,
     ) -> Result<Vec<(Part, u32)>, SceneError> {
-        let mut triangles = Triangles::default();
         let mut instances = Vec::new();
         let is_shared = shared(&parts);
+        let own = parts.iter().zip(&is_shared).filter(|(_, is_shared)| !**is_shared);
+        let needs = own.fold(Needs::default(), |needs, (part, _)| needs.and(part.needs));
+        let mut triangles = Triangles { paint: Corners::new(needs), ..Triangles::default() };
         check_count(parts.iter().zip(&is_shared).filter(|(_, is_shared)| !**is_shared))?;
         for (part, is_shared) in parts.into_iter().zip(is_shared) {
             let surface = self.add_surface(part.surface);
@@ -217,7 +253,8 @@ impl Primitives {
         }
         divide(&mut triangles, &mut self.surface_of_primitive, near);
         triangles.finish_normals();
-        (self.triangles, self.shading_normals) = (triangles.rows, triangles.shading_normals);
+        let Triangles { rows, shading_normals, paint } = triangles;
+        (self.triangles, self.shading_normals, self.corners) = (rows, shading_normals, paint);
         Ok(instances)
     }
 }
@@ -260,6 +297,10 @@ impl Triangles {
             let corners = triangle.map(|vertex| positions[vertex as usize]);
             let Some(normal) = geometric_normal(corners) else { continue };
             self.rows.push(Triangle { corners });
+            self.paint.push(triangle.map(|vertex| {
+                let corner = Corner::of(geometry, vertex as usize);
+                Corner { tangent: along(corner.tangent, &transform, mirrored), ..corner }
+            }));
             let own = triangle.map(|vertex| {
                 let own = geometry.normals.get(vertex as usize).copied().unwrap_or_default();
                 shading_normal((normals * own.as_dvec3()).as_vec3(), normal)

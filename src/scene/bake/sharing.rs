@@ -8,6 +8,7 @@ use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec3};
 
 use super::check_range;
 use super::primitives::{Part, Triangles, warn_of_dropped};
+use crate::scene::corners::{Corners, Needs};
 use crate::scene::error::SceneError;
 use crate::scene::instanced::{Instance, Instanced, Object, PRIMITIVES_MAX};
 use crate::scene::warnings::Warnings;
@@ -53,12 +54,13 @@ pub fn instanced(
 ) -> Result<Instanced, SceneError> {
     let mut tables = Instanced::behind(primitives);
     let mut known: HashMap<*const Geometry, (u32, Mold)> = HashMap::new();
+    let needs = parts.iter().fold(Needs::default(), |needs, (part, _)| needs.and(part.needs));
     for (part, surface) in parts {
         let (object, mold) = match known.entry(Arc::as_ptr(&part.geometry)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => {
                 let mold = Mold::new(part)?;
-                place.insert((tables.add_object(mold.object(part, warnings)?), mold))
+                place.insert((tables.add_object(mold.object((part, needs), warnings)?), mold))
             }
         };
         let to_world = part.to_world * DAffine3::from_translation(mold.middle);
@@ -105,13 +107,18 @@ impl Mold {
     }
 
     /// The mesh about its middle.
-    fn object(&self, part: &Part, warnings: &mut Warnings) -> Result<Object, SceneError> {
+    fn object(
+        &self,
+        (part, needs): (&Part, Needs),
+        warnings: &mut Warnings,
+    ) -> Result<Object, SceneError> {
         let about_middle = |position: DVec3| position - self.middle;
-        let mut triangles = Triangles::default();
+        let mut triangles = Triangles { paint: Corners::new(needs), ..Triangles::default() };
         let dropped = triangles.add(part, about_middle, DMat3::IDENTITY)?;
         warn_of_dropped(part, dropped, warnings);
         triangles.finish_normals();
-        Ok(Object { triangles: triangles.rows, shading_normals: triangles.shading_normals })
+        let Triangles { rows: triangles, shading_normals, paint: corners } = triangles;
+        Ok(Object { triangles, shading_normals, corners })
     }
 
     /// The box of an instance in the world.

@@ -1,5 +1,6 @@
 //! Reading vertex attributes and indices out of buffers, with every bound checked.
 
+use glam::{Vec2, Vec3, Vec4};
 use gltf::json::Index;
 use gltf::json::accessor::sparse::Sparse;
 use gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type};
@@ -29,6 +30,29 @@ const INDICES: Wanted = Wanted {
     components: &[ComponentType::U8, ComponentType::U16, ComponentType::U32],
     shape: Type::Scalar,
     text: "SCALAR of an unsigned type (componentType 5121, 5123 or 5125)",
+};
+
+/// Floats, or integers that stand for numbers from 0 to 1.
+const SHARES: &[ComponentType] = &[ComponentType::F32, ComponentType::U8, ComponentType::U16];
+
+const COORDINATES: Wanted = Wanted {
+    components: SHARES,
+    shape: Type::Vec2,
+    text: "VEC2 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+};
+
+const OPAQUE_COLORS: Wanted = Wanted {
+    components: SHARES,
+    shape: Type::Vec3,
+    text: "VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+};
+
+const COLORS: Wanted = Wanted { shape: Type::Vec4, ..OPAQUE_COLORS };
+
+const TANGENTS: Wanted = Wanted {
+    components: &[ComponentType::F32],
+    shape: Type::Vec4,
+    text: "VEC4 of FLOAT (componentType 5126)",
 };
 
 /// Rows of equal size in a buffer.
@@ -66,6 +90,48 @@ pub fn vectors(
 /// Vertex indices; `place` is what errors say uses them.
 pub fn indices(document: &Document, accessor: usize, place: &str) -> Result<Vec<u32>, SceneError> {
     elements(document, accessor, place, (&INDICES, index_of))
+}
+
+/// Texture coordinates; `place` is what errors say uses them. They may be infinite or NaN.
+pub fn coordinates(
+    document: &Document,
+    accessor: usize,
+    place: &str,
+) -> Result<Vec<Vec2>, SceneError> {
+    let pair = |bytes: &[u8], of| Vec2::from_array([0, 1].map(|at| share(bytes, of, at)));
+    elements(document, accessor, place, (&COORDINATES, pair))
+}
+
+/// Colors of vertices with alpha, which is 1 where they have none; `place` is what errors say uses
+/// them. They may be infinite or NaN.
+pub fn colors(document: &Document, accessor: usize, place: &str) -> Result<Vec<Vec4>, SceneError> {
+    let of = |bytes: &[u8], of, at| share(bytes, of, at);
+    if document.root.accessors[accessor].type_ == Checked::Valid(Type::Vec4) {
+        let color = |b: &[u8], c| Vec4::from_array([0, 1, 2, 3].map(|at| of(b, c, at)));
+        return elements(document, accessor, place, (&COLORS, color));
+    }
+    let color = |b: &[u8], c| Vec3::from_array([0, 1, 2].map(|at| of(b, c, at))).extend(1.0);
+    elements(document, accessor, place, (&OPAQUE_COLORS, color))
+}
+
+/// Tangents; `place` is what errors say uses them. They may be infinite or NaN.
+pub fn tangents(
+    document: &Document,
+    accessor: usize,
+    place: &str,
+) -> Result<Vec<Vec4>, SceneError> {
+    let tangent = |b: &[u8], of| Vec4::from_array([0, 1, 2, 3].map(|at| share(b, of, at)));
+    elements(document, accessor, place, (&TANGENTS, tangent))
+}
+
+/// One of the components of an element: a float, or an integer over the greatest of its type.
+fn share(bytes: &[u8], of: ComponentType, at: usize) -> f32 {
+    let bytes = &bytes[at * of.size()..];
+    match of {
+        ComponentType::U8 => f32::from(bytes[0]) / 255.0,
+        ComponentType::U16 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])) / 65535.0,
+        _ => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+    }
 }
 
 fn index_of(bytes: &[u8], component: ComponentType) -> u32 {

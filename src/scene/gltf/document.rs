@@ -14,6 +14,7 @@ use serde_json::{Map, Value};
 
 use super::edit::{self, Edit};
 use super::files::Files;
+use super::textures::Pictures;
 use super::validate;
 use crate::image::read_bytes;
 use crate::scene::error::{Findings, SceneError};
@@ -28,6 +29,8 @@ pub struct Document {
     pub buffers: Arc<Vec<Vec<u8>>>,
     /// What else it may read, and has.
     pub files: Files,
+    /// The pictures that have been decoded.
+    pub pictures: Arc<Pictures>,
 }
 
 impl Document {
@@ -48,7 +51,8 @@ impl Document {
             buffers.push(read_buffer(buffer, index, &label, &files, binary)?);
         }
         forget_data(&mut value);
-        Ok(Self { value, root, buffers: Arc::new(buffers), files })
+        let (buffers, pictures) = (Arc::new(buffers), Arc::default());
+        Ok(Self { value, root, buffers, files, pictures })
     }
 
     /// The same document after edits, with the same buffers.
@@ -56,7 +60,8 @@ impl Document {
         let value = edit::applied(&self.value, edits)?;
         validate::check(&value)?;
         let root = typed(&value).map_err(|error| self.told_of_edits(edits, error))?;
-        Ok(Self { value, root, buffers: Arc::clone(&self.buffers), files: self.files.again() })
+        let (buffers, pictures) = (Arc::clone(&self.buffers), Arc::clone(&self.pictures));
+        Ok(Self { value, root, buffers, files: self.files.again(), pictures })
     }
 
     /// The same error, which names the edit if one alone makes it.
@@ -83,6 +88,29 @@ impl Document {
         }
         String::from_utf8(without_mark(&bytes).to_vec())
             .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
+    }
+
+    /// The bytes of a picture, of a file beside the scene, a data URI or a buffer view.
+    pub fn image_bytes(&self, image: &Value, label: &str) -> Result<Vec<u8>, SceneError> {
+        const AGAIN: &str = "export the scene again";
+        if let Some(uri) = image["uri"].as_str() {
+            let field = format!("{label}, uri");
+            return match uri.strip_prefix("data:") {
+                Some(data) => decode_data_uri(data, field),
+                None => self.files.bytes(uri, &field, u64::MAX),
+            };
+        }
+        let view = image["bufferView"].as_u64().map(|view| view as usize);
+        let Some(view) = view.and_then(|view| self.root.buffer_views.get(view)) else {
+            let problem = "has neither `uri` nor `bufferView`";
+            return Err(SceneError::new(label, problem, AGAIN));
+        };
+        let start = view.byte_offset.unwrap_or_default().0 as usize;
+        let end = start.checked_add(view.byte_length.0 as usize);
+        let bytes = end.and_then(|end| self.buffers[view.buffer.value()].get(start..end));
+        bytes.map(<[u8]>::to_vec).ok_or_else(|| {
+            SceneError::new(format!("{label}, bufferView"), "is outside of its buffer", AGAIN)
+        })
     }
 
     /// How errors call an element of one of the file's arrays: kind, index and name.

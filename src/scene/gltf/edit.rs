@@ -250,8 +250,12 @@ fn refuse_meaningless(value: &Value, place: &[Step]) -> Result<(), Wrong> {
             ["dielectric", "thin_dielectric"].contains(&model) && stated("ior").is_none()
         }
         name => {
-            let overruled =
-                ["pbrMetallicRoughness", "KHR_materials_transmission", "KHR_materials_volume"];
+            let overruled = [
+                "pbrMetallicRoughness",
+                "KHR_materials_specular",
+                "KHR_materials_transmission",
+                "KHR_materials_volume",
+            ];
             !overruled.iter().any(|part| name.contains(part))
         }
     };

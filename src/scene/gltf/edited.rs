@@ -19,7 +19,7 @@ const NAME: usize = 60;
 const SCHEMA: &str = include_str!("../../../scenes/sunstone.schema.json");
 
 /// What glTF says of its own keys that are not there. What is not here has no default.
-const DEFAULTS: [(&str, &str, &str); 22] = [
+const DEFAULTS: [(&str, &str, &str); 23] = [
     ("cameras", "perspective.aspectRatio", "that of the film"),
     ("lights", "color", "[1, 1, 1]"),
     ("lights", "intensity", "1"),
@@ -29,6 +29,7 @@ const DEFAULTS: [(&str, &str, &str); 22] = [
     ("materials", "emissiveFactor", "[0, 0, 0]"),
     ("materials", "extensions.KHR_materials_emissive_strength.emissiveStrength", "1"),
     ("materials", "extensions.KHR_materials_ior.ior", "1.5"),
+    ("materials", "extensions.KHR_materials_specular.specularFactor", "1"),
     ("materials", "extensions.KHR_materials_transmission.transmissionFactor", "0"),
     ("materials", "extensions.KHR_materials_volume.attenuationColor", "[1, 1, 1]"),
     ("materials", "extensions.KHR_materials_volume.attenuationDistance", "infinite"),

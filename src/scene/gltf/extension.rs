@@ -29,8 +29,10 @@ pub struct Keys {
 pub const MATERIAL: Keys = Keys {
     definition: "material",
     known: &[
+        "alpha",
         "axis_deg",
         "bsdf",
+        "distribution",
         "emission",
         "eta",
         "exterior_ior",
@@ -38,10 +40,12 @@ pub const MATERIAL: Keys = Keys {
         "ior",
         "k",
         "metal",
+        "multiple_scattering",
         "reflectance",
         "retardance_deg",
+        "roughness",
     ],
-    planned: &["alpha"],
+    planned: &[],
 };
 /// Keys of a node.
 pub const NODE: Keys = Keys {
@@ -367,6 +371,15 @@ impl<'a> Body<'a> {
     /// The error of a key that has to be there.
     pub fn missing(&self, key: &str, remedy: &str) -> SceneError {
         SceneError::new(self.field(key), "is missing", remedy)
+    }
+
+    /// True or false.
+    pub fn flag(&self, key: &str) -> Result<Option<bool>, SceneError> {
+        let Some((value, field)) = self.values.get(key) else { return Ok(None) };
+        match value.as_bool() {
+            Some(flag) => Ok(Some(flag)),
+            None => Err(SceneError::new(field, format!("{value} is neither true nor false"), "")),
+        }
     }
 
     /// A word.

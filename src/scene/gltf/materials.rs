@@ -1,13 +1,16 @@
 //! Materials: the extension's models, and what glTF's own parameters mean here.
 //!
 //! Without the extension, a metallic-roughness material becomes the model of ours that it names
-//! exactly, or the nearest with a warning, or is refused:
-//! - metallic 1, roughness 0: a conductor with eta = 1 and k = 2 sqrt(F0 / (1 - F0)), which has
+//! exactly, or the nearest with a warning, or is refused. Facets have alpha = roughness^2, and are
+//! smooth below 0.001:
+//! - metallic 1, smooth: a conductor with eta = 1 and k = 2 sqrt(F0 / (1 - F0)), which has
 //!   the reflectance F0 = baseColor at normal incidence (F0 is capped at 0.999);
-//! - metallic 0, transmission 1, roughness 0: a dielectric of KHR_materials_ior, 1.5 if not given;
+//! - no transmission, or metallic 1: rough metal of that index, and a Lambertian base of baseColor
+//!   under a rough coat of KHR_materials_ior (1.5 if not given), of which KHR_materials_specular
+//!   may leave a share; mixed by the metallic factor;
+//! - metallic 0, transmission 1, smooth: a dielectric of KHR_materials_ior, 1.5 if not given;
 //!   thin-walled, unless KHR_materials_volume gives it a thickness: then a solid, whose attenuation
 //!   is absorption;
-//! - metallic 0, no transmission: Lambertian of baseColor, without glTF's dielectric coat;
 //! - no material: Lambertian of reflectance 0.8.
 
 use gltf::json;
@@ -19,8 +22,10 @@ use super::extension::{Body, MATERIAL};
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
-use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin};
+use crate::polarization::fresnel::k_of_reflectance;
+use crate::polarization::{ALPHA_MIN, Distribution};
+use crate::scene::error::SceneError;
+use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin, tabulated};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
@@ -31,10 +36,10 @@ const DEFAULT_REFLECTANCE: f32 = 0.8;
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
 const KHR_DISPERSION: &str = "KHR_materials_dispersion";
+/// How glTF states what a coat reflects.
+const KHR_SPECULAR: &str = "KHR_materials_specular";
 /// What a material emits.
 const EMISSION: &str = "emission";
-/// Greatest F0 of a metal that has no eta and k: they would be infinite at 1.
-const F0_MAX: f32 = 0.999;
 
 /// A value of `bsdf`.
 struct Model {
@@ -46,7 +51,7 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 8] = [
+const MODELS: [Model; 9] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
@@ -54,12 +59,16 @@ const MODELS: [Model; 8] = [
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
+    Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
+/// Keys of rough metal.
+const ROUGH_CONDUCTOR: [&str; 7] =
+    ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
 /// Keys that go with any model.
 const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
 /// Values of `bsdf` that later versions will know.
-const PLANNED_MODELS: [&str; 3] = ["plastic", "rough_conductor", "rough_dielectric"];
+const PLANNED_MODELS: [&str; 2] = ["plastic", "rough_dielectric"];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -92,8 +101,14 @@ impl Import<'_> {
                 ("default material".to_owned(), material)
             }
         };
+        let of = (&material.bsdf, material.emission.as_ref());
+        let textures = self.textures(index, &label, of)?;
         let put = self.world.put_material(Name(label.clone()), material);
-        put.map_err(|fault| SceneError::at(&label, fault))
+        let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
+        if !textures.is_empty() {
+            self.world.set_textures(entity, textures)?;
+        }
+        Ok(entity)
     }
 
     /// A material with what is on the two sides; the node's word counts before the material's.
@@ -113,7 +128,6 @@ impl Import<'_> {
         let document = self.document;
         let value = &document.value["materials"][index];
         let material = &document.root.materials[index];
-        refuse_textures(value, label)?;
         if value.get("occlusionTexture").is_some() {
             self.warnings
                 .add(label, "the occlusion map is ignored: light finds the shadows itself");
@@ -128,7 +142,7 @@ impl Import<'_> {
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));
         }
         let volume = Volume::of(value, label)?;
-        let bsdf = self.metallic_roughness(material, volume.is_solid, label)?;
+        let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
@@ -157,7 +171,7 @@ impl Import<'_> {
     fn metallic_roughness(
         &mut self,
         material: &json::Material,
-        is_solid: bool,
+        (value, is_solid): (&Value, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
         const ADVICE: &str = "use factors of 0 or 1, or SUNSTONE_polarization with a `bsdf`";
@@ -165,46 +179,64 @@ impl Import<'_> {
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
         let transmission = material.extensions.as_ref().and_then(|e| e.transmission.as_ref());
         let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
-        let [red, green, blue, alpha] = pbr.base_color_factor.0;
+        let [red, green, blue, _] = pbr.base_color_factor.0;
+        let color = [red, green, blue];
         for factor in [red, green, blue, metallic, roughness, transmission] {
             Range::UNIT
                 .check("pbrMetallicRoughness", factor)
                 .map_err(|fault| SceneError::at(label, fault))?;
         }
-        if alpha < 1.0 {
-            self.warnings.add(label, "alpha is ignored, surfaces are opaque");
-        }
         let refuse = |problem: &str| Err(SceneError::new(label, problem, ADVICE));
-        match (metallic, transmission) {
-            (1.0, _) if roughness == 0.0 => {
-                let k = |f0: f32| {
-                    let f0 = f0.min(F0_MAX);
-                    2.0 * (f0 / (1.0 - f0)).sqrt()
-                };
-                let eta = Spectrum::Constant(1.0);
-                Ok(Bsdf::Conductor { eta, k: Spectrum::Rgb([red, green, blue].map(k)) })
+        let is_smooth = roughness * roughness < ALPHA_MIN;
+        let of = |key: &str| !value["pbrMetallicRoughness"][key].is_null();
+        let is_painted = of("baseColorTexture") || of("metallicRoughnessTexture");
+        let bsdf = if metallic == 1.0 && is_smooth && !is_painted {
+            let k = Spectrum::Rgb(color.map(k_of_reflectance));
+            Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
+        } else if transmission == 0.0 || metallic == 1.0 {
+            Bsdf::MetallicRoughness {
+                base_color: Spectrum::Rgb(color),
+                metallic,
+                alpha: roughness * roughness,
+                ior: khr_ior(material),
+                specular: self.specular(value, label)?,
             }
-            (1.0, _) => refuse("is a rough metal, which is not supported yet"),
-            (0.0, 1.0) if roughness == 0.0 => {
-                if [red, green, blue] != [1.0; 3] {
-                    self.warnings.add(label, "the color of the glass is ignored");
-                }
-                let ior = khr_ior(material);
-                let bsdf =
-                    if is_solid { Bsdf::dielectric(ior) } else { Bsdf::thin_dielectric(ior) };
-                bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_IOR)))?;
-                Ok(bsdf)
+        } else if transmission < 1.0 {
+            return refuse("mixes transmission and reflection by a partial factor");
+        } else if metallic > 0.0 {
+            return refuse("mixes metal and glass by a partial metallicFactor");
+        } else if !is_smooth {
+            return refuse("is rough glass, which is not supported yet");
+        } else {
+            if color != [1.0; 3] {
+                self.warnings.add(label, "the color of the glass is ignored");
             }
-            (0.0, 1.0) => refuse("is rough glass, which is not supported yet"),
-            (0.0, 0.0) => {
-                if roughness < 1.0 {
-                    let text = "rendered as Lambertian of its base color, without glTF's coat";
-                    self.warnings.add(label, text);
-                }
-                Ok(Bsdf::diffuse([red, green, blue]))
+            match khr_ior(material) {
+                ior if is_solid => Bsdf::dielectric(ior),
+                ior => Bsdf::thin_dielectric(ior),
             }
-            (0.0, _) => refuse("mixes transmission and reflection by a partial factor"),
-            _ => refuse("mixes metal and dielectric by a partial metallicFactor"),
+        };
+        bsdf.check().map_err(|fault| match fault.field.as_str() {
+            "ior" => SceneError::at(label, fault.of(KHR_IOR)),
+            "specular" => SceneError::at(label, fault.of(format!("{KHR_SPECULAR}.specularFactor"))),
+            _ => SceneError::at(label, fault),
+        })?;
+        Ok(bsdf)
+    }
+
+    /// The share of what a coat reflects that KHR_materials_specular leaves.
+    fn specular(&mut self, value: &Value, label: &str) -> Result<f32, SceneError> {
+        let specular = &value["extensions"][KHR_SPECULAR];
+        let color = specular["specularColorFactor"].as_array();
+        if color.is_some_and(|color| color.iter().any(|channel| channel.as_f64() != Some(1.0))) {
+            self.warnings.add(label, "the color of the coat is ignored");
+        }
+        match &specular["specularFactor"] {
+            Value::Null => Ok(1.0),
+            factor => factor.as_f64().map(|factor| factor as f32).ok_or_else(|| {
+                let field = format!("{label}, {KHR_SPECULAR}.specularFactor");
+                SceneError::new(field, "must be a number", "within [0, 1]")
+            }),
         }
     }
 }
@@ -241,6 +273,8 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
+        | Bsdf::MetallicRoughness { .. }
+        | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
@@ -326,13 +360,51 @@ fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 }
 
 fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+    let (eta, k) = metal_index(body, "conductor")?;
+    Ok(Bsdf::Conductor { eta, k })
+}
+
+fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+    let (eta, k) = metal_index(body, "rough_conductor")?;
+    let distribution = match body.word("distribution")? {
+        None => Distribution::default(),
+        Some(name) => Distribution::named(name).ok_or_else(|| {
+            let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
+            let problem = format!("`{name}` is not a distribution of facets");
+            SceneError::new(body.field("distribution"), problem, remedy)
+        })?,
+    };
+    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
+    let alpha = alpha(body)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+}
+
+/// The roughness of facets: itself, or its root.
+fn alpha(body: &Body) -> Result<f32, SceneError> {
+    match (body.number("alpha")?, body.number("roughness")?) {
+        (Some(alpha), None) => Ok(alpha as f32),
+        (None, Some(roughness)) => {
+            let fault = Range::UNIT.check("roughness", roughness).err();
+            fault.map_or(Ok(()), |fault| Err(body.place(fault)))?;
+            Ok((roughness * roughness) as f32)
+        }
+        (None, None) => Err(body.missing("alpha", "within [0, 1]; or `roughness`, its root")),
+        (Some(_), Some(_)) => {
+            let problem = "takes either `alpha` or `roughness`, its root";
+            Err(SceneError::new(body.label(), problem, "remove one of them"))
+        }
+    }
+}
+
+/// The index of refraction of a metal of the model `name`.
+fn metal_index(body: &Body, name: &str) -> Result<(Spectrum, Spectrum), SceneError> {
     let index = |key, part| body.refraction(key, part);
     match (body.word("metal")?, index("eta", Part::Real)?, index("k", Part::Extinction)?) {
-        (Some(name), None, None) => Bsdf::tabulated(name).map_err(|fault| body.place(fault)),
-        (None, Some(eta), Some(k)) => Ok(Bsdf::Conductor { eta, k }),
+        (Some(symbol), None, None) => tabulated(symbol).map_err(|fault| body.place(fault)),
+        (None, Some(eta), Some(k)) => Ok((eta, k)),
         _ => {
             let remedy = format!("with `metal` one of {}", metal_names().join(", "));
-            let problem = "a conductor takes either `metal` or both `eta` and `k`";
+            let problem = format!("a {name} takes either `metal` or both `eta` and `k`");
             Err(SceneError::new(body.label(), problem, remedy))
         }
     }
@@ -341,26 +413,4 @@ fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 fn khr_ior(material: &json::Material) -> f32 {
     let ior = material.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref());
     ior.map_or(DEFAULT_IOR, |ior| ior.ior.0)
-}
-
-/// Refuses a material that has a texture anywhere, and names all of them. An occlusion map is
-/// none of these: it darkens what a path tracer finds dark by itself.
-fn refuse_textures(material: &Value, label: &str) -> Result<(), SceneError> {
-    let mut findings = Findings::default();
-    let mut open = vec![material];
-    while let Some(next) = open.pop() {
-        for (key, inner) in next.as_object().into_iter().flatten() {
-            match key.as_str() {
-                "extras" | "occlusionTexture" => {}
-                texture if texture.ends_with("Texture") => {
-                    let problem = "textures are not supported yet";
-                    let remedy = "replace it by a factor, for instance its mean color";
-                    let place = format!("{label}, {texture}");
-                    findings.note::<()>(Err(SceneError::new(place, problem, remedy)));
-                }
-                _ => open.push(inner),
-            }
-        }
-    }
-    findings.result()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
@@ -167,15 +167,53 @@ impl Import<'_> {
             let normals = self.vectors(accessor.value(), &at)?;
             geometry.normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
         }
+        self.read_paint(&mut geometry, primitive, place)?;
         let (geometry, dropped) =
             self.world.cleaned(geometry).map_err(|fault| match fault.field.as_str() {
                 "positions" => SceneError::at(place, fault.of("POSITION")),
                 "triangles" => SceneError::at(place, fault.of("indices")),
                 "normals" => SceneError::at(place, fault.of("NORMAL")),
+                "texture_coordinates" => SceneError::at(place, fault.of("TEXCOORD_0")),
+                "texture_coordinates_1" => SceneError::at(place, fault.of("TEXCOORD_1")),
+                "colors" => SceneError::at(place, fault.of("COLOR_0")),
+                "tangents" => SceneError::at(place, fault.of("TANGENT")),
                 _ => SceneError::at(place, fault),
             })?;
         let behind = geometry.corners_behind();
         Ok(ReadGeometry { geometry, dropped, behind })
+    }
+
+    /// What textures go by, if the file has any, and the colors of vertices.
+    fn read_paint(
+        &self,
+        geometry: &mut Geometry,
+        primitive: &Primitive,
+        place: &str,
+    ) -> Result<(), SceneError> {
+        let document = self.document;
+        let of = |semantic: Semantic, name: &str| {
+            let accessor = primitive.attributes.get(&Checked::Valid(semantic))?;
+            Some((accessor.value(), format!("{place}, {name}")))
+        };
+        if let Some((accessor, at)) = of(Semantic::Colors(0), "COLOR_0") {
+            let colors = accessors::colors(document, accessor, &at)?.into_iter();
+            let not_negative =
+                |color: Vec4| if color.is_finite() { color.max(Vec4::ZERO) } else { color };
+            geometry.colors = colors.map(not_negative).collect();
+        }
+        if document.value["textures"].as_array().is_none_or(Vec::is_empty) {
+            return Ok(());
+        }
+        if let Some((accessor, at)) = of(Semantic::TexCoords(0), "TEXCOORD_0") {
+            geometry.texture_coordinates = accessors::coordinates(document, accessor, &at)?;
+        }
+        if let Some((accessor, at)) = of(Semantic::TexCoords(1), "TEXCOORD_1") {
+            geometry.texture_coordinates_1 = accessors::coordinates(document, accessor, &at)?;
+        }
+        if let Some((accessor, at)) = of(Semantic::Tangents, "TANGENT") {
+            geometry.tangents = accessors::tangents(document, accessor, &at)?;
+        }
+        Ok(())
     }
 
     fn vectors(&self, accessor: usize, place: &str) -> Result<Vec<Vec3>, SceneError> {
@@ -195,10 +233,6 @@ impl Import<'_> {
         }
         let text = "with a normal on the back of the triangle (or none): mirrored to the front";
         self.warnings.add_counted(at, behind, CORNERS, text);
-        let mut semantics = primitive.attributes.keys();
-        if semantics.any(|semantic| matches!(semantic, Checked::Valid(Semantic::Colors(_)))) {
-            self.warnings.add(at, "vertex colors are ignored");
-        }
     }
 }
 

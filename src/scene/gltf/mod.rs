@@ -21,6 +21,7 @@ mod particles;
 mod phase_matrix;
 mod places;
 mod spectra;
+mod textures;
 mod unused;
 mod validate;
 mod volume;
@@ -178,6 +179,8 @@ struct Import<'a> {
     geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
+    /// Whether pictures have been decoded.
+    has_pictures: bool,
 }
 
 impl<'a> Import<'a> {
@@ -201,6 +204,7 @@ impl<'a> Import<'a> {
             shared,
             geometries: BTreeMap::new(),
             elements: 0,
+            has_pictures: false,
         }
     }
 

@@ -53,6 +53,7 @@ pub const KINDS: [Kind; 5] = [
             "pbrMetallicRoughness.roughnessFactor",
             "extensions.KHR_materials_emissive_strength.emissiveStrength",
             "extensions.KHR_materials_ior.ior",
+            "extensions.KHR_materials_specular.specularFactor",
             "extensions.KHR_materials_transmission.transmissionFactor",
             "extensions.KHR_materials_volume.attenuationColor",
             "extensions.KHR_materials_volume.attenuationDistance",

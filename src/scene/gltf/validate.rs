@@ -15,15 +15,18 @@ use crate::scene::error::{Findings, SceneError};
 const VALUE: usize = 60;
 
 /// Extensions that are read.
-const EXTENSIONS: [&str; 8] = [
+const EXTENSIONS: [&str; 11] = [
     EXTENSION,
+    "EXT_texture_webp",
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_volume",
+    "KHR_texture_transform",
 ];
 
 /// Checks version, required extensions, indices and the node hierarchy.

@@ -8,8 +8,8 @@ use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Ball, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order,
-    Punctual, Resolution, Skin, Transform, World,
+    Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name,
+    Order, Punctual, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -68,6 +68,24 @@ impl World {
         material: impl Into<Material>,
     ) -> Result<Entity, SceneError> {
         self.called("material", name, |world, name| world.put_material(name, material.into()))
+    }
+
+    /// Paints a material of this world with textures, before it is given to any mesh.
+    ///
+    /// # Errors
+    /// When it is none, or the textures do not go with its model.
+    pub fn set_textures(&mut self, material: Entity, textures: Textures) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(material).map_or(String::new(), |it| it.0.clone());
+        let checked = match self.entities.get::<&Bsdf>(material) {
+            Ok(bsdf) => textures.check(&bsdf),
+            Err(_) => {
+                let remedy = "use one that `add_material` returned";
+                Err(Fault::new("material", "is not a material of this world", remedy))
+            }
+        };
+        checked.map_err(|fault| SceneError::at(&name, fault))?;
+        self.insert(material, textures);
+        Ok(())
     }
 
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
@@ -274,6 +292,7 @@ impl World {
         place.check()?;
         self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
         self.check_once(&name, &mesh.0)?;
+        self.check_painted(skin.material, Some(&mesh.0))?;
         Ok(self.spawn(name, (place, mesh, MadeOf(skin.material), skin.boundary)))
     }
 
@@ -287,6 +306,7 @@ impl World {
         ball.check()?;
         Ball::check_place(&place)?;
         self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
+        self.check_painted(skin.material, None)?;
         Ok(self.spawn(name, (place, ball, MadeOf(skin.material), skin.boundary)))
     }
 

@@ -9,7 +9,7 @@ use hecs::{Entity, EntityRef};
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MEDIA_MAX,
-    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Transform, World,
+    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -41,9 +41,10 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 8] = [
+const PARTS: [(&str, Has, &[Kind], bool); 9] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
+    ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
     ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
     ("Resolution", has::<Resolution>, &[Kind::Camera], false),
@@ -128,7 +129,9 @@ impl World {
         match kind {
             Kind::Material => {
                 let emission = entity.get::<&Emission>();
-                check_material(&*part::<&Bsdf>(entity)?, emission.as_deref())
+                let bsdf = part::<&Bsdf>(entity)?;
+                check_material(&bsdf, emission.as_deref())?;
+                entity.get::<&Textures>().map_or(Ok(()), |textures| textures.check(&bsdf))
             }
             Kind::Medium => part::<&Medium>(entity)?.check(),
             Kind::Mesh => {
@@ -137,12 +140,16 @@ impl World {
                 if !self.is_checked(&mesh.0) && seen.insert(Arc::as_ptr(&mesh.0).addr()) {
                     mesh.0.check()?;
                 }
-                self.check_skin(&*part::<&MadeOf>(entity)?, &*part::<&Boundary>(entity)?)
+                let of = part::<&MadeOf>(entity)?;
+                self.check_skin(&of, &*part::<&Boundary>(entity)?)?;
+                self.check_painted(of.0, Some(&mesh.0))
             }
             Kind::Sphere => {
                 part::<&Ball>(entity)?.check()?;
                 Ball::check_place(&*part::<&Transform>(entity)?)?;
-                self.check_skin(&*part::<&MadeOf>(entity)?, &*part::<&Boundary>(entity)?)
+                let of = part::<&MadeOf>(entity)?;
+                self.check_skin(&of, &*part::<&Boundary>(entity)?)?;
+                self.check_painted(of.0, None)
             }
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
@@ -177,6 +184,27 @@ impl World {
                 Filling::Clear => {}
                 Filling::Medium(medium) => self.check_medium(field, medium)?,
             }
+        }
+        Ok(())
+    }
+
+    /// Refuses textures on what has no coordinates for them: spheres, and meshes without.
+    pub(super) fn check_painted(
+        &self,
+        material: Entity,
+        geometry: Option<&Geometry>,
+    ) -> Result<(), Fault> {
+        let Ok(textures) = self.entities.get::<&Textures>(material) else { return Ok(()) };
+        let Some(geometry) = geometry else {
+            let problem = "has textures, and spheres have no coordinates for them";
+            return Err(Fault::new("material", problem, "use a mesh"));
+        };
+        let sets = [&geometry.texture_coordinates, &geometry.texture_coordinates_1];
+        let missing = textures.textures().find(|texture| sets[texture.set].is_empty());
+        if let Some(texture) = missing {
+            let problem = format!("its material has a texture by TEXCOORD_{}", texture.set);
+            let remedy = "unwrap the mesh, or give the texture a set that it has";
+            return Err(Fault::new(format!("TEXCOORD_{}", texture.set), problem, remedy));
         }
         Ok(())
     }

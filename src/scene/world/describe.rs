@@ -91,6 +91,16 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Conductor { eta, k } => {
             format!("smooth conductor, eta {}, k {}", spectrum(eta), spectrum(k))
         }
+        Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering } => {
+            let (eta, k, facets) = (spectrum(eta), spectrum(k), distribution.name());
+            let once = if *multiple_scattering { "" } else { ", single reflections alone" };
+            format!("rough conductor, eta {eta}, k {k}, {facets} facets of alpha {alpha}{once}")
+        }
+        Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
+            let color = spectrum(base_color);
+            let coat = format!("coat of ior {ior} and share {specular}");
+            format!("metallic-roughness, color {color}, metallic {metallic}, alpha {alpha}, {coat}")
+        }
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }

@@ -11,7 +11,7 @@ use crate::polarization::Analyzer;
 
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Sides, Transform, World,
+    Name, Order, Punctual, Resolution, Sides, Textures, Transform, World,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -30,8 +30,8 @@ macro_rules! columns {
 }
 
 columns! {
-    Name, Bsdf, Sides, Emission, Medium, FillsScene, Ball, Transform, MadeOf, Boundary, Punctual,
-    Lens, Resolution, Analyzer, Environment,
+    Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
+    Punctual, Lens, Resolution, Analyzer, Environment,
 }
 
 impl World {
@@ -84,12 +84,17 @@ impl Digest {
 
     /// Adds a geometry, which has too many numbers to be said.
     fn geometry(&mut self, geometry: &Geometry) {
-        let Geometry { positions, normals, texture_coordinates, triangles } = geometry;
+        let Geometry { positions, normals, texture_coordinates, triangles, .. } = geometry;
+        let Geometry { texture_coordinates_1, colors, tangents, .. } = geometry;
         let lengths = [positions.len(), normals.len(), texture_coordinates.len(), triangles.len()];
-        self.say(format_args!("{lengths:?}"));
+        let more = [texture_coordinates_1.len(), colors.len(), tangents.len()];
+        self.say(format_args!("{lengths:?}{more:?}"));
         self.0.update(bytemuck::cast_slice(positions));
         self.0.update(bytemuck::cast_slice(normals));
         self.0.update(bytemuck::cast_slice(texture_coordinates));
+        self.0.update(bytemuck::cast_slice(texture_coordinates_1));
+        self.0.update(bytemuck::cast_slice(colors));
+        self.0.update(bytemuck::cast_slice(tangents));
         self.0.update(bytemuck::cast_slice(triangles));
     }
 }

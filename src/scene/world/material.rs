@@ -1,6 +1,7 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
 use crate::math::{Fault, Range};
+use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
 
@@ -24,6 +25,36 @@ pub enum SurfaceModel<S> {
         eta: S,
         /// Extinction coefficient k >= 0.
         k: S,
+    },
+    /// Rough metal of index n - i k: facets that are mirrors.
+    RoughConductor {
+        /// Real part n > 0 of the index of refraction.
+        eta: S,
+        /// Extinction coefficient k >= 0.
+        k: S,
+        /// Roughness of the facets, within [0, 1]: the root mean square of Beckmann's slopes, and
+        /// the median of GGX's. What is below 0.001 is smooth.
+        alpha: f32,
+        /// How the normals of facets are distributed.
+        distribution: Distribution,
+        /// Whether light that several facets have reflected is there; it is depolarized. Without
+        /// it rough metal is darker than smooth one.
+        multiple_scattering: bool,
+    },
+    /// glTF's metallic-roughness: a mixture of a rough metal of that color, and a Lambertian base
+    /// of the color under a rough dielectric coat.
+    MetallicRoughness {
+        /// Reflectance of the base, and of the metal at normal incidence, within [0, 1].
+        base_color: S,
+        /// Share of metal, within [0, 1].
+        metallic: f32,
+        /// Roughness of the facets (GGX), within [0, 1]: the square of glTF's. At least 0.001 is
+        /// computed with.
+        alpha: f32,
+        /// Index of refraction of the coat, from 1 to 10.
+        ior: f32,
+        /// Share of what the coat would reflect that is there, within [0, 1].
+        specular: f32,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -67,6 +98,60 @@ pub enum SurfaceModel<S> {
     Null,
 }
 
+/// A parameter of some models that may differ from place to place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// `reflectance` of [`SurfaceModel::Diffuse`].
+    Reflectance,
+    /// `base_color` of [`SurfaceModel::MetallicRoughness`].
+    BaseColor,
+    /// `metallic` of [`SurfaceModel::MetallicRoughness`].
+    Metallic,
+    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`]: what glTF calls roughness.
+    Roughness,
+}
+
+impl Parameter {
+    /// What it is, if it is a spectrum; numbers are the same at all wavelengths.
+    pub(crate) fn role(self) -> Option<Role> {
+        match self {
+            Self::Reflectance | Self::BaseColor => Some(Role::Reflectance),
+            Self::Metallic | Self::Roughness => None,
+        }
+    }
+}
+
+impl<const N: usize> SurfaceModel<[f32; N]> {
+    /// Gives a parameter another value, or the first of it to one that is a number; false if the
+    /// model has no such parameter.
+    #[inline]
+    pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
+        let number = value[0].clamp(0.0, 1.0);
+        match self {
+            Self::Diffuse { reflectance } => match parameter {
+                Parameter::Reflectance => *reflectance = value,
+                Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
+            },
+            Self::MetallicRoughness { base_color, metallic, alpha, .. } => match parameter {
+                Parameter::BaseColor => *base_color = value,
+                Parameter::Metallic => *metallic = number,
+                Parameter::Roughness => *alpha = number * number,
+                Parameter::Reflectance => return false,
+            },
+            Self::Absorber
+            | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Null => return false,
+        }
+        true
+    }
+}
+
 impl Bsdf {
     /// A Lambertian reflector: a number, or red, green and blue, within [0, 1].
     pub fn diffuse(reflectance: impl Into<Spectrum>) -> Self {
@@ -78,7 +163,24 @@ impl Bsdf {
     /// # Errors
     /// When it is not tabulated; the error lists those that are.
     pub fn metal(symbol: &str) -> Result<Self, SceneError> {
-        Self::tabulated(symbol).map_err(|fault| SceneError::at("material", fault))
+        let (eta, k) = tabulated(symbol).map_err(|fault| SceneError::at("material", fault))?;
+        Ok(Self::Conductor { eta, k })
+    }
+
+    /// A rough metal (GGX, with multiple scattering), by its chemical symbol; see
+    /// [`Bsdf::RoughConductor`].
+    ///
+    /// # Errors
+    /// When it is not tabulated; the error lists those that are.
+    pub fn rough_metal(symbol: &str, alpha: f32) -> Result<Self, SceneError> {
+        let (eta, k) = tabulated(symbol).map_err(|fault| SceneError::at("material", fault))?;
+        Ok(Self::RoughConductor {
+            eta,
+            k,
+            alpha,
+            distribution: Distribution::default(),
+            multiple_scattering: true,
+        })
     }
 
     /// A smooth boundary between dielectrics of some indices of refraction, behind the front and
@@ -112,19 +214,6 @@ impl Bsdf {
         Self::Retarder { axis_deg, retardance_deg }
     }
 
-    /// The metal of a name; the field of the fault is `metal`.
-    pub(crate) fn tabulated(symbol: &str) -> Result<Self, Fault> {
-        match metal(symbol) {
-            Some((eta, k)) => Ok(Self::Conductor { eta, k }),
-            None => {
-                let problem = format!("`{symbol}` is not tabulated");
-                let names = metal_names().join(", ");
-                let remedy = format!("use one of {names}, or give `eta` and `k`");
-                Err(Fault::new("metal", problem, remedy))
-            }
-        }
-    }
-
     /// The same without dispersion: light is refracted, and reflected by panes, as that of the line
     /// d. `sample` gives an index of refraction there, by the name of its key.
     ///
@@ -149,6 +238,8 @@ impl Bsdf {
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::MetallicRoughness { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -165,6 +256,8 @@ impl Bsdf {
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::MetallicRoughness { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
@@ -181,6 +274,18 @@ impl Bsdf {
             Self::Conductor { eta, k } => {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)
+            }
+            Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
+                eta.check("eta", Range::POSITIVE)?;
+                k.check("k", Range::NOT_NEGATIVE)?;
+                Range::UNIT.check("alpha", *alpha)
+            }
+            Self::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
+                base_color.check("base_color", Range::UNIT)?;
+                Range::UNIT.check("metallic", *metallic)?;
+                Range::UNIT.check("alpha", *alpha)?;
+                COAT_IOR.check("ior", *ior)?;
+                Range::UNIT.check("specular", *specular)
             }
             Self::Dielectric { ior, exterior_ior } => {
                 let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
@@ -202,6 +307,20 @@ impl Bsdf {
         }
     }
 }
+
+/// The index of refraction n - i k of a metal, by its chemical symbol; the field of the fault is
+/// `metal`.
+pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
+    metal(symbol).ok_or_else(|| {
+        let problem = format!("`{symbol}` is not tabulated");
+        let names = metal_names().join(", ");
+        let remedy = format!("use one of {names}, or give `eta` and `k`");
+        Fault::new("metal", problem, remedy)
+    })
+}
+
+/// Indices of refraction of coats.
+const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
 /// Refuses indices of refraction on two sides that are none, or whose ratio is no number.
 fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {
@@ -250,6 +369,14 @@ impl<S> SurfaceModel<S> {
             Self::Conductor { eta, k } => {
                 SurfaceModel::Conductor { eta: index(eta, "eta")?, k: index(k, "k")? }
             }
+            &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
+                let (eta, k) = (index(eta, "eta")?, index(k, "k")?);
+                SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
+            }
+            &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
+                let base_color = sample(base_color, "base_color", Role::Reflectance)?;
+                SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -273,7 +400,8 @@ impl<S> SurfaceModel<S> {
         })
     }
 
-    /// What paths make of it: a boundary between equal indices of refraction is none to them.
+    /// What paths make of it: a boundary between equal indices of refraction is none to them, and
+    /// metal that is hardly rough is smooth.
     pub fn simplified(self) -> Self
     where
         S: PartialEq,
@@ -281,9 +409,14 @@ impl<S> SurfaceModel<S> {
         match self {
             Self::Dielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
             Self::ThinDielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
+            Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
+                Self::Conductor { eta, k }
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::MetallicRoughness { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -296,7 +429,11 @@ impl<S> SurfaceModel<S> {
     /// Where light that goes through gets to.
     pub fn passage(&self) -> Passage {
         match self {
-            Self::Absorber | Self::Diffuse { .. } | Self::Conductor { .. } => Passage::Closed,
+            Self::Absorber
+            | Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::MetallicRoughness { .. } => Passage::Closed,
             Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::math::Fault;
 
@@ -18,8 +18,16 @@ pub struct Geometry {
     /// Vertex normals of any length, as many as positions, or none: then the triangles are flat.
     /// Finite; zero where a vertex has none of its own.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates, as many as positions, or none; finite. Nothing reads them yet.
+    /// Texture coordinates, as many as positions, or none; finite. (0, 0) is the upper left corner
+    /// of a picture.
     pub texture_coordinates: Vec<Vec2>,
+    /// A second set of these.
+    pub texture_coordinates_1: Vec<Vec2>,
+    /// Linear red, green, blue and alpha, as many as positions, or none; finite, not negative.
+    pub colors: Vec<Vec4>,
+    /// Where texture coordinates grow to the right, and in the fourth place 1 or -1 for the side
+    /// that up is on: as many as positions, or none; finite.
+    pub tangents: Vec<Vec4>,
     /// Corners: rows of `positions`. Not empty; every triangle has an area.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -122,15 +130,39 @@ impl Geometry {
             let problem = format!("the normal of vertex {vertex} is not finite");
             return Err(Fault::new("normals", problem, "clean the mesh up"));
         }
-        let texture = &self.texture_coordinates;
-        if !fits(texture.len()) {
-            let problem = format!("{} for {count} vertices", texture.len());
-            let remedy = "give one pair to each vertex, or none";
-            return Err(Fault::new("texture_coordinates", problem, remedy));
+        self.check_paint()
+    }
+
+    /// Refuses what textures go by if it is not finite, or not of the vertices.
+    fn check_paint(&self) -> Result<(), Fault> {
+        let count = self.positions.len();
+        let sets = [
+            ("texture_coordinates", &self.texture_coordinates),
+            ("texture_coordinates_1", &self.texture_coordinates_1),
+        ];
+        for (field, texture) in sets {
+            if !(texture.is_empty() || texture.len() == count) {
+                let problem = format!("{} for {count} vertices", texture.len());
+                return Err(Fault::new(field, problem, "give one pair to each vertex, or none"));
+            }
+            if let Some(vertex) = texture.iter().position(|pair| !pair.is_finite()) {
+                let problem = format!("those of vertex {vertex} are not finite");
+                return Err(Fault::new(field, problem, "clean the mesh up"));
+            }
         }
-        if let Some(vertex) = texture.iter().position(|pair| !pair.is_finite()) {
-            let problem = format!("those of vertex {vertex} are not finite");
-            return Err(Fault::new("texture_coordinates", problem, "clean the mesh up"));
+        for (field, values) in [("colors", &self.colors), ("tangents", &self.tangents)] {
+            if !(values.is_empty() || values.len() == count) {
+                let problem = format!("{} for {count} vertices", values.len());
+                return Err(Fault::new(field, problem, "give one to each vertex, or none"));
+            }
+            if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
+                let problem = format!("that of vertex {vertex} is not finite");
+                return Err(Fault::new(field, problem, "clean the mesh up"));
+            }
+        }
+        if let Some(vertex) = self.colors.iter().position(|color| color.min_element() < 0.0) {
+            let problem = format!("that of vertex {vertex} is below zero");
+            return Err(Fault::new("colors", problem, "clean the mesh up"));
         }
         Ok(())
     }

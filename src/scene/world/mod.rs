@@ -2,7 +2,8 @@
 //!
 //! | entity | components |
 //! |---|---|
-//! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits |
+//! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
+//! | | [`Textures`] if any of it differs from place to place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
@@ -29,6 +30,7 @@ mod mesh;
 mod particles;
 mod phase_matrix;
 mod shape;
+mod texture;
 mod transform;
 
 use std::collections::HashMap;
@@ -40,7 +42,8 @@ use hecs::Entity;
 
 pub use self::camera::{Lens, Resolution};
 pub use self::light::{Environment, Punctual, PunctualKind};
-pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};
+pub(crate) use self::material::tabulated;
+pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};
@@ -48,6 +51,9 @@ pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub use self::texture::{
+    Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
+};
 pub use self::transform::Transform;
 
 /// A scene: made in code, or read from a file, and edited.

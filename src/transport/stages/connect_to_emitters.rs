@@ -3,6 +3,7 @@
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
 use crate::scattering::emitter::direct::{DirectLanes, either};
+use crate::scattering::painting::SceneAt;
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
@@ -20,7 +21,7 @@ use crate::transport::{Arrived, Strategy};
 pub fn connect_to_emitters<const N: usize, C>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, C>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     strategy: Strategy,
 ) {
     connections.clear();
@@ -28,7 +29,7 @@ pub fn connect_to_emitters<const N: usize, C>(
         let turn = |rows: Consecutive, given, drawn| {
             all.at(arrived.surfaces, rows).turn(given, drawn)
         };
-        connect(connections, arrived, (scene, &turn), strategy);
+        connect(connections, arrived, (&scene, &turn), strategy);
     });
 }
 
@@ -48,6 +49,9 @@ fn connect<const N: usize, C>(
         let live = LANES.min(rows.end - row);
         let Chosen { lanes: mut chosen, offset, emitters, chance: of_choice } =
             choose(paths, surfaces, scene, (row, live), path_length);
+        if scene.has_painted_lamps {
+            scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
+        }
         let given = -Vector::load(&paths.rays.direction, row);
         let turn = turn_of(Consecutive(row, live), given, chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);

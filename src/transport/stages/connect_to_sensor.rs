@@ -2,6 +2,7 @@
 
 use crate::geometry::offset_origin;
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
+use crate::scattering::painting::SceneAt;
 use crate::scattering::sensor::SensorConnection;
 use crate::scattering::vertex::Turn;
 use crate::scattering::{Scene, Side};
@@ -21,7 +22,7 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
     vertices: &VertexTable<N>,
     chunk: &Chunk,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     light_paths: f32,
     strategy: Strategy,
 ) {
@@ -30,7 +31,7 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
         let live = LANES.min(vertices.len - row);
         let mut found: [Option<SensorConnection>; LANES] = [None; LANES];
         for (row, found) in (row..row + live).zip(&mut found) {
-            let lens = lens_of(vertices, chunk, scene, row);
+            let lens = lens_of(vertices, chunk, &scene, row);
             *found = scene.sensor.connect(lanes::row_of(&vertices.position, row).into(), lens);
         }
         if found.iter().all(Option::is_none) {

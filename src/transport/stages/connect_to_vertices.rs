@@ -4,6 +4,7 @@
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
 use crate::scattering::event::Form;
+use crate::scattering::painting::SceneAt;
 use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
 use crate::transport::collapse::{has_collapsed, met_by_collapsed};
@@ -46,7 +47,7 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, M::Sensor>,
     light: &LightPaths<N>,
-    (scene, measured): (&Scene<N>, &Measured<N>),
+    (scene, measured): (SceneAt<N>, &Measured<N>),
 ) {
     connections.clear();
     let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
@@ -176,7 +177,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         &mut self,
         connections: &mut ConnectionTable<N>,
         &LightPaths { vertices, length_max, .. }: &LightPaths<N>,
-        scene: &Scene<N>,
+        scene: SceneAt<N>,
         (first, live): (usize, usize),
     ) {
         let position = Vector::load(&vertices.position, first);
@@ -222,7 +223,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         if states.iter().all(Option::is_none) {
             connections.push_lanes(&lanes, carrying);
         } else {
-            self.push_polarized(connections, scene, (&lanes, carrying), &states);
+            self.push_polarized(connections, &scene, (&lanes, carrying), &states);
         }
     }
 

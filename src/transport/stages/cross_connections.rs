@@ -4,6 +4,7 @@ use crate::geometry::CROSSES;
 use crate::math::elementary::exp;
 use crate::math::{Vector, lanes};
 use crate::scattering::Scene;
+use crate::scattering::surface::{Crossed, SurfaceKind};
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
 use crate::transport::mis;
@@ -106,7 +107,8 @@ fn reweigh<const N: usize>(
             Strategy::Unidirectional | Strategy::Merging => progress.chance * progress.chance,
             Strategy::Bidirectional => progress.chance,
         };
-        if chance < 1.0 {
+        // What is closed has taken all.
+        if chance > 0.0 && chance < 1.0 {
             let gain = mis::gain_of_crossing(connections.weight[row], chance);
             connections.value[row].iter_mut().for_each(|value| *value *= gain);
         }
@@ -131,8 +133,8 @@ fn pass<const N: usize, const POLARIZED: bool>(
         for (value, transmittance) in value.iter_mut().zip(crossings.transmittance[index]) {
             *value *= transmittance;
         }
-        if POLARIZED {
-            polarize(connections, row, (crossings, part, index));
+        if let (true, Crossed::Model(kind)) = (POLARIZED, part.kind) {
+            polarize(connections, row, (crossings, kind, index));
         }
     }
 }
@@ -141,9 +143,9 @@ fn pass<const N: usize, const POLARIZED: bool>(
 fn polarize<const N: usize>(
     connections: &mut ConnectionTable<N>,
     row: usize,
-    (crossings, part, index): (&CrossingTable<N>, &CrossingPart, usize),
+    (crossings, kind, index): (&CrossingTable<N>, SurfaceKind, usize),
 ) {
-    let kernels = crossings.kernels(index, part.kind);
+    let kernels = crossings.kernels(index, kind);
     let axis: Vector<f32> = lanes::row_of(&crossings.axis, index).into();
     let k = connections.along_light(row);
     if connections.state[row] == NONE {

@@ -2,6 +2,7 @@
 
 use crate::math::{Vector, lanes};
 use crate::scattering::event::{Event, Form};
+use crate::scattering::surface::{Crossed, SurfaceKind};
 use crate::scattering::{Met, Scene};
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::crossings::Crossing;
@@ -25,8 +26,11 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
 ) {
     let &Crossing { crossings, part } = crossing;
     partition.parts.clear();
-    let achromatic = part.kind.passes_alike();
-    let event = Event { met: Met::Surface(part.kind), form: Form::Block, achromatic };
+    let model = match part.kind {
+        Crossed::Model(kind) => Some((kind, event_of(kind))),
+        // They leave polarization as it is.
+        Crossed::Holes => None,
+    };
     for index in part.rows.clone() {
         let row = crossings.row[index] as usize;
         if flights.progress[row].is_over {
@@ -44,7 +48,7 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
         for (beta, transmittance) in paths.beta.iter_mut().zip(crossings.transmittance[index]) {
             beta[row] *= transmittance / chance;
         }
-        if POLARIZED {
+        if POLARIZED && let Some((kind, event)) = model {
             let class = paths.carriers.place_of_class(row);
             match partition.parts.last_mut() {
                 Some(part) if part.rows.end == row && part.class == class => part.rows.end += 1,
@@ -52,9 +56,14 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
                     partition.parts.push(Part { event, class, rows: row..row + 1 });
                 }
             }
-            let blocks = crossings.kernels(index, part.kind);
+            let blocks = crossings.kernels(index, kind);
             let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
-            kernels.store_events((event.form, achromatic), &(blocks, axis), (row, row + 1));
+            kernels.store_events((event.form, event.achromatic), &(blocks, axis), (row, row + 1));
         }
     }
+}
+
+/// What goes straight on through a model has met.
+fn event_of(kind: SurfaceKind) -> Event {
+    Event { met: Met::Surface(kind), form: Form::Block, achromatic: kind.passes_alike() }
 }

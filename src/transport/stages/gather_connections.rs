@@ -7,10 +7,11 @@ use glam::Vec3;
 use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
 use crate::polarization::{Arrival, SensorRow, Stokes, film_axis};
+use crate::scattering::Met;
 use crate::scattering::event::Form;
+use crate::scattering::painting::SceneAt;
 use crate::scattering::sensor::Sensor;
 use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
-use crate::scattering::{Met, Scene};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
@@ -29,7 +30,7 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
     (paths, surfaces): (&PathTable<N, M::Sensor>, &SurfaceColumns),
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     met: Met,
 ) {
     if M::POLARIZED && scene.events[met.event()].form != Form::Depolarizer {

@@ -7,6 +7,7 @@ use glam::Vec3A;
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::scattering::painting::SceneAt;
 use crate::scattering::phase::half_sine2;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
@@ -41,7 +42,7 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     queries: &mut PhotonQueries,
     arrived: &Arrived<N, M::Sensor>,
     (map, length_max): (&PhotonMap<N>, u32),
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
 ) {
     let &Arrived { paths, surfaces, event, ref rows, .. } = arrived;
     if map.grid.photons().len == 0 {
@@ -52,7 +53,8 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     let (per_volume, radius) = (map.per_volume(), map.radius);
     let (kernel, met) = (Kernel { per_volume, radius, around }, event.met);
     let peak = F32s::splat(scene.peak_at(met));
-    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max, peak };
+    let at = scene.scene;
+    let gather = Gather { measured, paths, surfaces, scene: at, kernel, met, length_max, peak };
     let grid = &map.grid;
     let points = &surfaces.position;
     for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));

@@ -27,6 +27,7 @@ pub mod keep_pieces;
 pub mod list_pieces;
 pub mod merge_photons;
 pub mod note_brought;
+pub mod paint_surfaces;
 pub mod partition_paths;
 pub mod pass_surfaces;
 pub mod play_roulette;

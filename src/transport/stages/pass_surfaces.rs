@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use crate::geometry::resolve_surfaces;
+use crate::geometry::{HitColumns, resolve_surfaces};
 use crate::math::{F32s, LANES, lanes};
 use crate::scattering::Scene;
+use crate::scattering::painting::paint_normals;
 use crate::scattering::surface::model::{Incidence, Passage};
-use crate::scattering::surface::{StraightOn, for_straight_on};
+use crate::scattering::surface::{Crossed, StraightOn, for_straight_on};
 use crate::transport::tables::crossings::CrossingTable;
 
 /// Finds the surfaces of all crossings, and their transmittance. With `POLARIZED`, also their
@@ -20,11 +21,31 @@ pub fn pass_surfaces<const N: usize, const POLARIZED: bool>(
 ) {
     let CrossingTable { surfaces, hits, rays, len, .. } = &mut *crossings;
     resolve_surfaces(surfaces, hits, rays, 0..*len, &scene.shapes);
+    if scene.is_painted() {
+        paint_normals(surfaces, hits, 0..*len, scene);
+    }
     for part in 0..crossings.parts.len() {
         let (kind, rows) = (crossings.parts[part].kind, crossings.parts[part].rows.clone());
-        for_straight_on!(scene.surfaces, kind, models => {
-            pass::<N, POLARIZED, _>(crossings, (scene, models), rows);
-        });
+        match kind {
+            Crossed::Model(kind) => for_straight_on!(scene.surfaces, kind, models => {
+                pass::<N, POLARIZED, _>(crossings, (scene, models), rows);
+            }),
+            Crossed::Holes => pass_holes(crossings, scene, rows),
+        }
+    }
+}
+
+/// Rows of surfaces with holes.
+fn pass_holes<const N: usize>(
+    crossings: &mut CrossingTable<N>,
+    scene: &Scene<N>,
+    rows: Range<usize>,
+) {
+    for row in rows {
+        let HitColumns { primitive, u, v, .. } = &crossings.hits;
+        let open = 1.0 - scene.coverage_at(primitive[row], [u[row], v[row]]);
+        crossings.transmittance[row] = [open; N];
+        crossings.chance[row] = open;
     }
 }
 

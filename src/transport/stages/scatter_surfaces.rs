@@ -7,6 +7,7 @@ use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form, spheroids};
 use crate::scattering::nesting::InterfaceLanes;
+use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::model::{Choice, Incidence, OneOfTwo, Scattered};
 use crate::scattering::surface::{Connecting, Specular, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
@@ -39,7 +40,7 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     departures: &mut DepartureColumns<N>,
     paths: &mut PathTable<N, C>,
     surfaces: &SurfaceColumns,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
     partition: &Partition,
     bounce: Bounce,
 ) {
@@ -48,11 +49,11 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
         let mut to = Departing { departures, paths, end: part.rows.end };
         for_scattering!(scene.surfaces, kind, models => {
             specular: {
-                let all = (scene, models);
+                let all = (&*scene, models);
                 send_on::<N, POLARIZED, C, _>(&mut to, all, surfaces, part, bounce);
             },
             connecting: {
-                let all = OnSurfaces::new(scene, models);
+                let all = OnSurfaces::new(&scene, models);
                 scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, part.rows.clone(), bounce);
             },
             else: {},

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scattering::Scene;
+use crate::scattering::painting::SceneAt;
 use crate::scattering::vertex::{Consecutive, KeptLanes, Scatterer, Vertices, for_scatterer};
 use crate::scene::baked::NONE;
 use crate::transport::Arrived;
@@ -19,7 +19,7 @@ use crate::transport::tables::vertices::VertexTable;
 pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     vertices: &mut VertexTable<N>,
     arrived: &Arrived<N, C>,
-    scene: &Scene<N>,
+    scene: SceneAt<N>,
 ) {
     let &Arrived { paths, event, ref rows, path_length, .. } = arrived;
     let range = vertices.len..vertices.len + rows.len();

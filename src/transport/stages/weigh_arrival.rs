@@ -11,7 +11,7 @@ use crate::transport::tables::paths::PathTable;
 /// Brings the partial weights to the vertices just reached: by the length of the segment, unless
 /// that comes from infinity, and the cosine of arrival, or the density of the medium of the vertex.
 ///
-/// From: resolve_surfaces. To: depolarize_sensor, depolarize_light, weigh_choice.
+/// From: resolve_surfaces, paint_surfaces. To: depolarize_sensor, depolarize_light, weigh_choice.
 /// Writes: paths (mis). Reads: paths (rays), hits, surfaces, scene, partition.
 pub fn weigh_arrival<const N: usize, C>(
     paths: &mut PathTable<N, C>,

@@ -6,7 +6,7 @@ use crate::geometry::{Hit, HitColumns, Ray, RayColumns, SurfaceColumns};
 use crate::math::Real;
 use crate::math::columns::{Column, Rows, columns};
 use crate::polarization::SpheroidBlock;
-use crate::scattering::surface::SurfaceKind;
+use crate::scattering::surface::{Crossed, SurfaceKind};
 
 columns! {
     /// Crossings, those of a segment in the order of its ray; each with what it does to light.
@@ -37,7 +37,7 @@ columns! {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossingPart {
     /// The kind.
-    pub kind: SurfaceKind,
+    pub kind: Crossed,
     /// The rows.
     pub rows: Range<usize>,
 }
@@ -68,7 +68,7 @@ impl<const N: usize> CrossingTable<N> {
     }
 
     /// Makes a part of the rows from `first` on.
-    pub fn close_part(&mut self, kind: SurfaceKind, first: usize) {
+    pub fn close_part(&mut self, kind: Crossed, first: usize) {
         if first < self.len {
             self.parts.push(CrossingPart { kind, rows: first..self.len });
         }

@@ -1,0 +1,268 @@
+//! Pictures that surfaces are painted with, as they come: PNG, JPEG, WebP and OpenEXR. Values keep
+//! the width that their file has, and color profiles are ignored, as glTF asks for.
+
+use std::fmt;
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+use exr::prelude as exr_files;
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+
+use crate::math::elementary::pow;
+
+/// Most columns and rows of a picture.
+const SIDE_MAX: u32 = 1 << 15;
+/// Most memory that the reading of one may take.
+const BYTES_MAX: u64 = 1 << 32;
+
+/// A picture in memory: rows from the top, each from the left.
+#[derive(Clone, PartialEq)]
+pub struct Texels {
+    width: u32,
+    height: u32,
+    /// Values of a texel: grey, grey and alpha, red green and blue, or these and alpha.
+    channels: usize,
+    values: Values,
+}
+
+/// The values as the file has them.
+#[derive(Clone, PartialEq)]
+enum Values {
+    /// From 0 to 255.
+    Bytes(Vec<u8>),
+    /// From 0 to 65535.
+    Words(Vec<u16>),
+    /// Linear.
+    Floats(Vec<f32>),
+}
+
+/// What the values of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Coding {
+    /// Integers are encoded as sRGB is (IEC 61966-2-1), but for alpha; floats are linear.
+    Srgb,
+    /// All are linear.
+    Linear,
+}
+
+impl fmt::Debug for Texels {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { width, height, channels, .. } = self;
+        write!(f, "Texels {width} x {height} x {channels}")
+    }
+}
+
+/// Formats that are known by name and not read, with the bytes that they start with.
+const UNREAD: [(&[u8], &str); 6] = [
+    (b"\xabKTX 20", "KTX2, which is mostly Basis Universal"),
+    (b"\xabKTX 11", "KTX"),
+    (b"sB", "Basis Universal"),
+    (b"DDS ", "DDS"),
+    (b"GIF8", "GIF"),
+    (b"BM", "BMP"),
+];
+
+impl Texels {
+    /// Decodes the bytes of a file, whose format they tell.
+    ///
+    /// # Errors
+    /// What is wrong, and the way to mend it.
+    pub fn decode(bytes: &[u8]) -> Result<Self, [String; 2]> {
+        const FORMATS: &str = "save it as PNG, JPEG, WebP or OpenEXR";
+        let told = |problem: String| [problem, FORMATS.to_owned()];
+        if bytes.starts_with(b"\x76\x2f\x31\x01") {
+            return Self::decode_exr(bytes)
+                .map_err(|error| told(format!("is an OpenEXR file that cannot be read: {error}")));
+        }
+        let format = match image::guess_format(bytes) {
+            Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
+            _ if bytes.is_empty() => return Err(told("is empty".to_owned())),
+            _ => {
+                let known = UNREAD.iter().find(|(start, _)| bytes.starts_with(start));
+                let name = known.map_or("of a format that is not known", |(_, name)| name);
+                return Err(told(format!("is {name}, which is not read")));
+            }
+        };
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = Limits::no_limits();
+        limits.max_image_width = Some(SIDE_MAX);
+        limits.max_image_height = Some(SIDE_MAX);
+        limits.max_alloc = Some(BYTES_MAX);
+        reader.limits(limits);
+        let image = reader.decode().map_err(|error| {
+            let name = format.extensions_str().first().copied().unwrap_or("picture");
+            let problem = format!("is a {} that cannot be read: {error}", name.to_uppercase());
+            [problem, "save it again, 32768 pixels wide and high at most".to_owned()]
+        })?;
+        Ok(Self::of_image(image))
+    }
+
+    fn of_image(image: DynamicImage) -> Self {
+        let (width, height) = (image.width(), image.height());
+        let (channels, values) = match image {
+            DynamicImage::ImageLuma8(it) => (1, Values::Bytes(it.into_raw())),
+            DynamicImage::ImageLumaA8(it) => (2, Values::Bytes(it.into_raw())),
+            DynamicImage::ImageRgb8(it) => (3, Values::Bytes(it.into_raw())),
+            DynamicImage::ImageRgba8(it) => (4, Values::Bytes(it.into_raw())),
+            DynamicImage::ImageLuma16(it) => (1, Values::Words(it.into_raw())),
+            DynamicImage::ImageLumaA16(it) => (2, Values::Words(it.into_raw())),
+            DynamicImage::ImageRgb16(it) => (3, Values::Words(it.into_raw())),
+            DynamicImage::ImageRgba16(it) => (4, Values::Words(it.into_raw())),
+            other => (4, Values::Floats(other.into_rgba32f().into_raw())),
+        };
+        Self { width, height, channels, values }
+    }
+
+    fn decode_exr(bytes: &[u8]) -> Result<Self, exr::error::Error> {
+        use exr_files::{ReadChannels, ReadLayers};
+        let image = exr_files::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgba_channels(
+                |size, _| Self {
+                    width: size.width() as u32,
+                    height: size.height() as u32,
+                    channels: 4,
+                    values: Values::Floats(vec![0.0; 4 * size.width() * size.height()]),
+                },
+                |texels, place, (red, green, blue, alpha): (f32, f32, f32, f32)| {
+                    let at = 4 * (place.y() * texels.width as usize + place.x());
+                    if let Values::Floats(values) = &mut texels.values {
+                        values[at..at + 4].copy_from_slice(&[red, green, blue, alpha]);
+                    }
+                },
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))?;
+        Ok(image.layer_data.channel_data.pixels)
+    }
+
+    /// Columns and rows; none is zero.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Whether texels have an alpha of their own.
+    pub fn has_alpha(&self) -> bool {
+        self.channels.is_multiple_of(2)
+    }
+
+    /// Linear red, green, blue and alpha of the texel in a column and a row, which there are.
+    #[inline]
+    pub fn at(&self, column: u32, row: u32, coding: Coding) -> [f32; 4] {
+        let first = self.channels * (row as usize * self.width as usize + column as usize);
+        let value = |channel: usize| {
+            let is_alpha = self.has_alpha() && channel + 1 == self.channels;
+            match (&self.values, coding) {
+                (Values::Bytes(of), Coding::Srgb) if !is_alpha => {
+                    DECODED[usize::from(of[first + channel])]
+                }
+                (Values::Bytes(of), _) => f32::from(of[first + channel]) / 255.0,
+                (Values::Words(of), Coding::Srgb) if !is_alpha => {
+                    decoded(f64::from(of[first + channel]) / 65535.0)
+                }
+                (Values::Words(of), _) => f32::from(of[first + channel]) / 65535.0,
+                (Values::Floats(of), _) => of[first + channel],
+            }
+        };
+        match self.channels {
+            1 => [value(0), value(0), value(0), 1.0],
+            2 => [value(0), value(0), value(0), value(1)],
+            3 => [value(0), value(1), value(2), 1.0],
+            _ => [value(0), value(1), value(2), value(3)],
+        }
+    }
+
+    /// The first value that is not finite, or below zero: a column and a row.
+    pub fn find_unusable(&self) -> Option<[usize; 2]> {
+        let Values::Floats(values) = &self.values else { return None };
+        let at = values.iter().position(|value| !(value.is_finite() && *value >= 0.0))?;
+        let texel = at / self.channels;
+        Some([texel % self.width as usize, texel / self.width as usize])
+    }
+}
+
+/// What bytes of sRGB stand for.
+static DECODED: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| decoded(byte as f64 / 255.0)));
+
+/// The linear value of an sRGB one, both from 0 to 1.
+fn decoded(value: f64) -> f32 {
+    let linear = match value <= 0.04045 {
+        true => value / 12.92,
+        false => pow((value + 0.055) / 1.055, 2.4),
+    };
+    linear as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
+
+    use super::*;
+
+    fn written(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn texels_are_where_they_were_written_in_every_width() {
+        let bytes = ImageBuffer::from_fn(3, 2, |x, y| Rgb([x as u8, y as u8, 255]));
+        let words = ImageBuffer::from_fn(3, 2, |x, y| Rgba([x as u16, y as u16, 65535, 32768]));
+        for format in [ImageFormat::Png, ImageFormat::WebP] {
+            let texels = Texels::decode(&written(&bytes.clone().into(), format)).unwrap();
+            assert_eq!((texels.size(), texels.has_alpha()), ([3, 2], false));
+            assert_eq!(texels.at(2, 1, Coding::Linear), [2.0 / 255.0, 1.0 / 255.0, 1.0, 1.0]);
+        }
+        let texels = Texels::decode(&written(&words.into(), ImageFormat::Png)).unwrap();
+        let alpha = 32768.0 / 65535.0;
+        assert_eq!(texels.at(2, 1, Coding::Linear), [2.0 / 65535.0, 1.0 / 65535.0, 1.0, alpha]);
+        assert_eq!(texels.at(2, 1, Coding::Srgb)[3], alpha);
+    }
+
+    #[test]
+    fn grey_is_all_three_and_jpeg_is_near() {
+        let grey = ImageBuffer::from_pixel(16, 16, Luma([200_u8]));
+        for format in [ImageFormat::Png, ImageFormat::Jpeg] {
+            let texels = Texels::decode(&written(&grey.clone().into(), format)).unwrap();
+            let [red, green, blue, alpha] = texels.at(7, 9, Coding::Linear);
+            assert!((red - 200.0 / 255.0).abs() < 0.01, "{format:?}: {red}");
+            assert_eq!([green, blue, alpha], [red, red, 1.0]);
+        }
+        let faint = ImageBuffer::from_pixel(1, 1, LumaA([10_u8, 51]));
+        let texels = Texels::decode(&written(&faint.into(), ImageFormat::Png)).unwrap();
+        assert!(texels.has_alpha());
+        assert_eq!(texels.at(0, 0, Coding::Linear)[3], 0.2);
+    }
+
+    #[test]
+    fn srgb_is_decoded_by_its_inverse() {
+        // IEC 61966-2-1 the other way round.
+        let encoded = |linear: f64| match linear <= 0.003_130_8 {
+            true => 12.92 * linear,
+            false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+        };
+        for byte in 0..=255_u8 {
+            let linear = f64::from(DECODED[usize::from(byte)]);
+            let error = (255.0 * encoded(linear) - f64::from(byte)).abs();
+            assert!(error < 1e-4, "{byte}: {linear}");
+        }
+        assert_eq!([DECODED[0], DECODED[255]], [0.0, 1.0]);
+    }
+
+    #[test]
+    fn what_is_not_read_is_told_by_name() {
+        for (start, name) in UNREAD {
+            let [problem, remedy] = Texels::decode(&[start, &[0; 40]].concat()).unwrap_err();
+            assert!(problem.contains(name) && remedy.contains("PNG"), "{problem}");
+        }
+        let cut_off =
+            written(&ImageBuffer::from_pixel(9, 9, Luma([1_u8])).into(), ImageFormat::Png);
+        for bytes in [&[][..], b"text", &cut_off[..cut_off.len() / 2], b"\x76\x2f\x31\x01"] {
+            assert!(Texels::decode(bytes).is_err());
+        }
+    }
+}

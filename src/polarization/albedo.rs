@@ -1,0 +1,239 @@
+//! What surfaces of microfacets reflect in all, by the angle of the light, of what arrives: the
+//! rest has met other facets, which the model of single reflections leaves out.
+//!
+//! It is integrated once for a grid of roughnesses, and kept as a polynomial in the root of the
+//! cosine. With roughnesses from 0.2 on, it is off by 0.006 at most, mostly by 0.001; with less, by
+//! 0.014 towards grazing, and by up to 0.09 within two degrees of it. What is built on it reflects
+//! as much less or more, and is as reciprocal as ever.
+//!
+//! Kulla and Conty 2017 ("Revisiting physically based shading at Imageworks") make of such an
+//! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
+//! reflects just what is missing.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock, Mutex};
+
+use crate::math::{F32s, LANES, Vector, lanes};
+
+use super::fresnel;
+use super::microfacet::{Distribution, Facets};
+
+/// Coefficients of the polynomial.
+pub const TERMS: usize = 8;
+/// Intervals of the grid of roughnesses: even in the root.
+const ALPHAS: usize = 32;
+/// Points of the quadrature: turns over a half circle (the other mirrors it), and heights.
+const TURNS: usize = 16;
+const HEIGHTS: usize = 32;
+/// Most coats that are kept.
+const COATS_MAX: usize = 1000;
+
+/// The albedo of facets of one roughness, by the cosine of the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Albedo {
+    /// Coefficients of the powers of the root of the cosine, from the lowest on.
+    pub terms: [f32; TERMS],
+    /// The mean over the hemisphere, by the cosine.
+    pub mean: f32,
+}
+
+impl Albedo {
+    /// Of facets that reflect all light.
+    pub fn of_facets(distribution: Distribution, alpha: f32) -> Self {
+        static OF_GGX: LazyLock<Table> = LazyLock::new(|| Table::new(Distribution::Ggx, None));
+        static OF_BECKMANN: LazyLock<Table> =
+            LazyLock::new(|| Table::new(Distribution::Beckmann, None));
+        match distribution {
+            Distribution::Ggx => OF_GGX.at(alpha),
+            Distribution::Beckmann => OF_BECKMANN.at(alpha),
+        }
+    }
+
+    /// Of facets (GGX) of a dielectric of this index of refraction, relative to what is outside.
+    pub fn of_coat(ior: f32, alpha: f32) -> Self {
+        static COATS: Mutex<BTreeMap<u32, Arc<Table>>> = Mutex::new(BTreeMap::new());
+        let known = || COATS.lock().expect("no thread panics while it holds the lock");
+        let found = known().get(&ior.to_bits()).map(Arc::clone);
+        // No lock is held while it is computed: it may be twice at a time.
+        let table = found.unwrap_or_else(|| {
+            let table = Arc::new(Table::new(Distribution::Ggx, Some(ior)));
+            let mut coats = known();
+            if coats.len() >= COATS_MAX {
+                coats.clear();
+            }
+            coats.insert(ior.to_bits(), Arc::clone(&table));
+            table
+        });
+        table.at(alpha)
+    }
+
+    /// The same with a share of the reflectance.
+    #[must_use]
+    pub fn scaled(self, share: f32) -> Self {
+        Self { terms: self.terms.map(|term| share * term), mean: share * self.mean }
+    }
+
+    /// At eight cosines, 0 to 1, by the terms there; within [0, 1].
+    #[inline(always)]
+    pub fn at(terms: &[F32s; TERMS], cos: F32s) -> F32s {
+        let root = cos.fast_max(F32s::splat(0.0)).sqrt();
+        let mut sum = terms[TERMS - 1];
+        for &term in terms[..TERMS - 1].iter().rev() {
+            sum = sum.mul_add(root, term);
+        }
+        sum.fast_max(F32s::splat(0.0)).fast_min(F32s::splat(1.0))
+    }
+
+    fn of_terms(terms: [f32; TERMS]) -> Self {
+        // The integral of 2 mu dmu = 4 r^3 dr over the powers of the root r.
+        let integral = |(power, term): (usize, &f32)| 4.0 * term / (power + 4) as f32;
+        Self { terms, mean: terms.iter().enumerate().map(integral).sum() }
+    }
+}
+
+/// The mean over the hemisphere, by the cosine, of a function of eight cosines: midpoints of even
+/// squares, which a reflectance needs no more of.
+pub fn mean_over_cosines(of: impl Fn(F32s) -> F32s) -> f32 {
+    const PACKETS: usize = 2;
+    let sum = (0..PACKETS).map(|packet| {
+        let square = |lane| ((packet * LANES + lane) as f32 + 0.5) / (PACKETS * LANES) as f32;
+        of(F32s::from(lanes::each(square)).sqrt()).reduce_add()
+    });
+    sum.sum::<f32>() / (PACKETS * LANES) as f32
+}
+
+/// The albedo of facets of any roughness.
+struct Table([[f32; TERMS]; ALPHAS + 1]);
+
+impl Table {
+    fn new(distribution: Distribution, ior: Option<f32>) -> Self {
+        let inverse = vandermonde_inverse();
+        Self(std::array::from_fn(|row| {
+            let root = row as f32 / ALPHAS as f32;
+            let alpha = root * root;
+            let values = roots().map(|root| integrate(distribution, ior, alpha, root * root));
+            inverse.map(|row| row.iter().zip(&values).map(|(a, b)| a * b).sum::<f64>() as f32)
+        }))
+    }
+
+    /// Linear in the root of the roughness.
+    fn at(&self, alpha: f32) -> Albedo {
+        let place = alpha.clamp(0.0, 1.0).sqrt() * ALPHAS as f32;
+        let row = (place as usize).min(ALPHAS - 1);
+        let part = place - row as f32;
+        let [less, more] = [self.0[row], self.0[row + 1]];
+        let between = |term: usize| less[term] + part * (more[term] - less[term]);
+        Albedo::of_terms(std::array::from_fn(between))
+    }
+}
+
+/// The roots of cosines at which it is computed: those of Chebyshev.
+fn roots() -> [f64; TERMS] {
+    std::array::from_fn(|node| {
+        let turn = std::f64::consts::PI * (node as f64 + 0.5) / TERMS as f64;
+        0.5 - 0.5 * crate::math::elementary::cos(turn)
+    })
+}
+
+/// The matrix that makes coefficients of the values at [`roots`]: row k holds those of the power k
+/// in Lagrange's polynomials.
+fn vandermonde_inverse() -> [[f64; TERMS]; TERMS] {
+    let roots = roots();
+    let mut inverse = [[0.0; TERMS]; TERMS];
+    for (node, &root) in roots.iter().enumerate() {
+        let mut coefficients = [0.0; TERMS];
+        coefficients[0] = 1.0;
+        for &other in roots.iter().filter(|&&other| other != root) {
+            for power in (0..TERMS).rev() {
+                let lower = if power > 0 { coefficients[power - 1] } else { 0.0 };
+                coefficients[power] = (lower - other * coefficients[power]) / (root - other);
+            }
+        }
+        for (row, coefficient) in inverse.iter_mut().zip(coefficients) {
+            row[node] = coefficient;
+        }
+    }
+    inverse
+}
+
+/// The share of light of the cosine `cos` that facets reflect: its mean over the directions that
+/// are drawn.
+fn integrate(distribution: Distribution, ior: Option<f32>, alpha: f32, cos: f64) -> f64 {
+    let none = F32s::splat(0.0);
+    let is_beckmann = distribution == Distribution::Beckmann;
+    let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
+    let normal = Vector::splat([0.0, 0.0, 1.0]);
+    let sin = (1.0 - cos * cos).sqrt();
+    let given = Vector::splat([sin as f32, 0.0, cos as f32]);
+    let mut sum = 0.0;
+    for height in 0..HEIGHTS {
+        // More of them where facets of the long tail are drawn.
+        let left = 1.0 - (height as f32 + 0.5) / HEIGHTS as f32;
+        let (height, weight) = (F32s::splat(1.0 - left * left), F32s::splat(2.0 * left));
+        for turn in (0..TURNS).step_by(LANES) {
+            let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / TURNS as f32);
+            let drawn = facets.draw(normal, given, [F32s::from(turns), height]);
+            let pdf = facets.pdf(normal, given, drawn);
+            let reflection = facets.reflect(normal, given, drawn);
+            let reflectance = match ior {
+                Some(ior) => {
+                    fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
+                }
+                None => F32s::splat(1.0),
+            };
+            let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
+            sum += f64::from((pdf.simd_gt(none) & (weight * share)).reduce_add());
+        }
+    }
+    sum / (HEIGHTS * TURNS) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(albedo: &Albedo, cos: f32) -> f32 {
+        Albedo::at(&albedo.terms.map(F32s::splat), F32s::splat(cos)).to_array()[0]
+    }
+
+    #[test]
+    fn albedos_between_those_of_the_grid_are_as_integrated() {
+        for alpha in [0.213, 0.47, 0.83] {
+            for cos in [0.1, 0.35, 0.7, 1.0] {
+                let pairs = [
+                    (Albedo::of_facets(Distribution::Ggx, alpha), Distribution::Ggx, None),
+                    (
+                        Albedo::of_facets(Distribution::Beckmann, alpha),
+                        Distribution::Beckmann,
+                        None,
+                    ),
+                    (Albedo::of_coat(1.5, alpha), Distribution::Ggx, Some(1.5)),
+                ];
+                for (albedo, distribution, ior) in pairs {
+                    let expected = integrate(distribution, ior, alpha, f64::from(cos));
+                    let found = f64::from(at(&albedo, cos));
+                    assert!((found - expected).abs() < 4e-3, "{alpha} {cos}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_coats_reflect_as_fresnel_says() {
+        let albedo = Albedo::of_coat(1.5, 0.0);
+        for cos in [0.1, 0.3, 0.6, 1.0] {
+            let (expected, _) = fresnel::dielectric_reflectance(f64::from(cos), 1.5);
+            assert!((f64::from(at(&albedo, cos)) - expected).abs() < 6e-3, "{cos}");
+        }
+        // Of all directions: Walsh 1926, as given by Duntley 1942.
+        assert!((albedo.mean - 0.0918).abs() < 1e-3, "{}", albedo.mean);
+        assert_eq!(Albedo::of_coat(1.0, 0.5).mean, 0.0);
+    }
+
+    #[test]
+    fn means_are_those_over_the_hemisphere() {
+        let albedo = Albedo::of_facets(Distribution::Ggx, 0.7);
+        let mean = mean_over_cosines(|cos| Albedo::at(&albedo.terms.map(F32s::splat), cos));
+        assert!((mean - albedo.mean).abs() < 1e-3, "{mean}, {}", albedo.mean);
+    }
+}

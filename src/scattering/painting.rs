@@ -1,0 +1,237 @@
+//! Surfaces as textures paint them: parameters of their models, shading normals, holes, and what
+//! lamps emit. A value is found once for every point that a path meets, and whoever asks for it
+//! there again finds the same.
+
+use std::ops::{Deref, Range};
+
+use glam::Vec3;
+
+use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::math::{F32s, LANES, Vector, lanes};
+use crate::scene::baked::NONE;
+use crate::scene::painting::{Painting, coverage_at, normal_at};
+use crate::scene::world::Textures;
+
+use super::Scene;
+use super::emitter::primitive;
+use super::surface::Surfaces;
+
+/// A scene, with the tables of models that have a row for every painted point at hand.
+pub struct SceneAt<'a, const N: usize> {
+    /// The scene.
+    pub scene: &'a Scene<N>,
+    /// Its tables of models, or the same with more rows.
+    pub surfaces: &'a Surfaces<N>,
+}
+
+impl<const N: usize> Clone for SceneAt<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<const N: usize> Copy for SceneAt<'_, N> {}
+
+impl<const N: usize> Deref for SceneAt<'_, N> {
+    type Target = Scene<N>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Scene<N> {
+        self.scene
+    }
+}
+
+impl<'a, const N: usize> From<&'a Scene<N>> for SceneAt<'a, N> {
+    /// Where nothing is painted.
+    #[inline(always)]
+    fn from(scene: &'a Scene<N>) -> Self {
+        Self { scene, surfaces: &scene.surfaces }
+    }
+}
+
+/// The tables of models of a scene, and behind their rows those of painted points. Empty where
+/// nothing is painted.
+#[derive(Debug, Default)]
+pub struct PaintedModels<const N: usize> {
+    tables: Surfaces<N>,
+    /// Rows of each table that are needed still.
+    kept: Vec<usize>,
+}
+
+impl<const N: usize> PaintedModels<N> {
+    /// Takes the tables of a scene, and forgets all points.
+    pub fn start(&mut self, scene: &Scene<N>) {
+        if scene.is_painted() {
+            self.tables.restart(&scene.surfaces);
+            self.keep();
+        }
+    }
+
+    /// Keeps the points so far.
+    pub fn keep(&mut self) {
+        self.kept = self.tables.lengths();
+    }
+
+    /// Forgets the points since those that are kept.
+    fn forget(&mut self) {
+        self.tables.truncate(&self.kept);
+    }
+
+    /// The scene with these.
+    #[inline(always)]
+    pub fn of<'a>(&'a self, scene: &'a Scene<N>) -> SceneAt<'a, N> {
+        match scene.is_painted() {
+            true => SceneAt { scene, surfaces: &self.tables },
+            false => scene.into(),
+        }
+    }
+}
+
+/// Finds the models and the shading normals of painted surfaces where they have been hit. Points of
+/// earlier calls are forgotten but for those that are kept, unless `adds`.
+pub fn paint<const N: usize>(
+    surfaces: &mut SurfaceColumns,
+    models: &mut PaintedModels<N>,
+    hits: &HitColumns,
+    (rows, adds): (Range<usize>, bool),
+    scene: &Scene<N>,
+) {
+    let Some(painting) = scene.optics.painting.as_deref() else { return };
+    if !adds {
+        models.forget();
+    }
+    for row in rows {
+        let primitive = surfaces.primitive[row];
+        surfaces.model[row] = NONE;
+        let Some((textures, material)) = textures_at(scene, painting, primitive) else { continue };
+        if !textures.parameters.is_empty()
+            && let Some(on) = scene.shapes.painted(primitive)
+        {
+            let at = (&on, [hits.u[row], hits.v[row]]);
+            let model = scene.optics.materials[material].model;
+            let model = painting.model_at(model, textures, at);
+            surfaces.model[row] = models.tables.append(&model);
+        }
+        bend(surfaces, row, textures, hits, scene);
+    }
+}
+
+/// Finds the shading normals of painted surfaces where they have been hit.
+pub fn paint_normals<const N: usize>(
+    surfaces: &mut SurfaceColumns,
+    hits: &HitColumns,
+    rows: Range<usize>,
+    scene: &Scene<N>,
+) {
+    let Some(painting) = scene.optics.painting.as_deref() else { return };
+    for row in rows {
+        if let Some((textures, _)) = textures_at(scene, painting, surfaces.primitive[row]) {
+            bend(surfaces, row, textures, hits, scene);
+        }
+    }
+}
+
+/// The textures of a primitive, and the row of its material.
+#[inline]
+fn textures_at<'a, const N: usize>(
+    scene: &Scene<N>,
+    painting: &'a Painting<N>,
+    primitive: u32,
+) -> Option<(&'a Textures, usize)> {
+    if scene.shapes.surface_of(primitive) == NONE {
+        return None;
+    }
+    let material = scene.material_row(primitive);
+    Some((painting.of(material)?, material))
+}
+
+/// The shading normal of a row.
+fn bend<const N: usize>(
+    surfaces: &mut SurfaceColumns,
+    row: usize,
+    textures: &Textures,
+    hits: &HitColumns,
+    scene: &Scene<N>,
+) {
+    let Some(relief) = &textures.relief else { return };
+    let Some(on) = scene.shapes.painted(surfaces.primitive[row]) else { return };
+    let of = |columns| Vec3::from(lanes::row_of(columns, row));
+    let normals = [of(&surfaces.shading_normal), of(&surfaces.geometric_normal)];
+    let normal = normal_at(relief, (&on, [hits.u[row], hits.v[row]]), normals);
+    for (column, value) in surfaces.shading_normal.iter_mut().zip(normal.to_array()) {
+        column[row] = value;
+    }
+}
+
+impl<const N: usize> Scene<N> {
+    /// Whether any material has textures.
+    #[inline(always)]
+    pub fn is_painted(&self) -> bool {
+        self.optics.painting.is_some()
+    }
+
+    /// The row in the table of its model of a surface that has been hit.
+    #[inline]
+    pub fn model_row(&self, surfaces: &SurfaceColumns, row: usize) -> usize {
+        match surfaces.model[row] {
+            NONE => self.material_at(surfaces.primitive[row]).row as usize,
+            model => model as usize,
+        }
+    }
+
+    /// The share of a primitive that is there where it has been hit.
+    pub fn coverage_at(&self, primitive: u32, weights: [f32; 2]) -> f32 {
+        let found = self.optics.painting.as_deref().and_then(|painting| {
+            let (textures, _) = textures_at(self, painting, primitive)?;
+            let coverage = textures.coverage.as_ref()?;
+            Some(coverage_at(coverage, (&self.shapes.painted(primitive)?, weights)))
+        });
+        found.unwrap_or(1.0)
+    }
+
+    /// What a point of an emitter emits over what its lamp does, by textures.
+    pub fn tint(&self, emitter: usize, position: Vec3) -> [f32; N] {
+        let tint = || {
+            let painting = self.optics.painting.as_deref()?;
+            let primitive = primitive(&self.optics.emitters[emitter].model);
+            let surface = self.shapes.surfaces.get(self.shapes.surface_of(primitive) as usize)?;
+            let textures = painting.of(surface.material as usize)?;
+            let on = self.shapes.painted(primitive)?;
+            let at = (&on, on.weights_at(position));
+            let mut tint = [1.0; N];
+            if let Some(paint) = &textures.emission {
+                let (value, lamp) =
+                    (painting.radiance(paint, at), self.optics.radiance_of(emitter));
+                // Where the factor is zero, its product with a picture is.
+                tint = std::array::from_fn(|n| match lamp[n] > 0.0 {
+                    true => value[n] / lamp[n],
+                    false => 0.0,
+                });
+            }
+            if let Some(coverage) = &textures.coverage {
+                let share = coverage_at(coverage, at);
+                tint.iter_mut().for_each(|tint| *tint *= share);
+            }
+            Some(tint)
+        };
+        tint().unwrap_or([1.0; N])
+    }
+
+    /// Multiplies what arrives of points of eight emitters by their tints.
+    #[cold]
+    pub fn tint_lanes(
+        &self,
+        radiance: &mut [F32s; N],
+        emitters: [usize; LANES],
+        points: Vector<F32s>,
+    ) {
+        let points = points.to_rows();
+        let mut tints = [[1.0; N]; LANES];
+        for (lane, tint) in tints.iter_mut().enumerate() {
+            *tint = self.tint(emitters[lane], points[lane].into());
+        }
+        for (n, radiance) in radiance.iter_mut().enumerate() {
+            *radiance *= F32s::from(lanes::each(|lane| tints[lane][n]));
+        }
+    }
+}

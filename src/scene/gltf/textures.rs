@@ -1,0 +1,373 @@
+//! Textures: pictures out of files, data URIs and buffer views, and what of a material they feed.
+//!
+//! Base color and emission are sRGB, all else is linear, and so is OpenEXR; colors of vertices
+//! multiply base color. `alphaMode` MASK and BLEND make holes. Occlusion maps darken what light
+//! leaves dark by itself, and are not used.
+
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::Import;
+use super::document::Document;
+use crate::image::texels::{Coding, Texels};
+use crate::math::elementary::sin_cos;
+use crate::math::text::listed;
+use crate::scene::error::{Findings, SceneError};
+use crate::scene::world::{
+    Bsdf, Coverage, Emission, Filter, Paint, Parameter, Picture, Reads, Relief, Texture, Textures,
+    Wrap,
+};
+use crate::spectrum::Spectrum;
+
+/// `alphaCutoff` of materials that do not say.
+const CUTOFF: f32 = 0.5;
+
+/// What has been decoded for the worlds of a file, by what its JSON says of each image.
+#[derive(Default)]
+pub struct Pictures(Mutex<HashMap<u128, Result<Arc<Picture>, SceneError>>>);
+
+impl Document {
+    /// The picture of an image, decoded once.
+    fn picture(&self, image: usize) -> Result<Arc<Picture>, SceneError> {
+        let key = half_hash(self.value["images"][image].to_string().as_bytes());
+        let lock = || self.pictures.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&key) {
+            return known.clone();
+        }
+        let decoded = self.decoded(image).map(Arc::new);
+        lock().entry(key).or_insert(decoded).clone()
+    }
+
+    fn decoded(&self, image: usize) -> Result<Picture, SceneError> {
+        let label = self.label("images", image);
+        let bytes = self.image_bytes(&self.value["images"][image], &label)?;
+        let texels = Texels::decode(&bytes)
+            .map_err(|[problem, remedy]| SceneError::new(&label, problem, remedy))?;
+        if let Some([column, row]) = texels.find_unusable() {
+            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+            return Err(SceneError::new(label, problem, "clean the picture up"));
+        }
+        Ok(Picture::new(texels, half_hash(&bytes)))
+    }
+}
+
+fn half_hash(bytes: &[u8]) -> u128 {
+    let whole = blake3::hash(bytes);
+    whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
+}
+
+/// A texture of a material, as the file has it.
+struct Slot<'a> {
+    info: &'a Value,
+    /// What errors call it.
+    label: String,
+    coding: Coding,
+}
+
+impl Import<'_> {
+    /// What of a material differs from place to place; `bsdf` and `emission` are what it is without
+    /// that.
+    pub fn textures(
+        &mut self,
+        index: Option<usize>,
+        label: &str,
+        (bsdf, emission): (&Bsdf, Option<&Emission>),
+    ) -> Result<Textures, SceneError> {
+        let document = self.document;
+        let material = index.map_or(&Value::Null, |index| &document.value["materials"][index]);
+        self.warn_of_unread(material, label);
+        let mut textures = Textures::default();
+        let mut findings = Findings::default();
+        let slot =
+            |info, key: &str, coding| Slot { info, label: format!("{label}, {key}"), coding };
+        let base = &material["pbrMetallicRoughness"]["baseColorTexture"];
+        let base = self.texture(&slot(base, "baseColorTexture", Coding::Srgb));
+        let base = findings.note(base).flatten();
+        let by_vertices = self.colors_of(index);
+        if base.is_some() || by_vertices.is_some() {
+            match color_of(bsdf) {
+                Some((parameter, factor)) => {
+                    let (texture, by_vertices) = (base.clone(), by_vertices.is_some());
+                    let paint = Paint { factor, texture, reads: Reads::Color, by_vertices };
+                    textures.parameters.push((parameter, paint));
+                }
+                None => {
+                    let text = "color by textures and vertices is ignored: the model has none";
+                    self.warnings.add_like("color by textures", label, text);
+                }
+            }
+        }
+        textures.coverage = self.coverage(material, (label, bsdf), base, by_vertices);
+        let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
+        let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
+        if let Some(texture) = findings.note(metal).flatten() {
+            match metal_and_roughness(bsdf, texture) {
+                Some(paints) => textures.parameters.extend(paints),
+                None => {
+                    let text = "metallicRoughnessTexture is ignored: the model has no roughness";
+                    self.warnings.add(label, text);
+                }
+            }
+        }
+        let glow = &material["emissiveTexture"];
+        let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
+        let glow = findings.note(glow).flatten();
+        if let (Some(texture), Some(emission)) = (glow, emission) {
+            textures.emission = findings.note(painted_emission(texture, emission, label));
+        }
+        let info = &material["normalTexture"];
+        let relief = self.texture(&slot(info, "normalTexture", Coding::Linear));
+        if let Some(texture) = findings.note(relief).flatten() {
+            let scale = info["scale"].as_f64().unwrap_or(1.0) as f32;
+            textures.relief = Some(Relief { texture, scale });
+        }
+        findings.result()?;
+        Ok(textures)
+    }
+
+    /// The holes of a material, if it has any.
+    fn coverage(
+        &mut self,
+        material: &Value,
+        (label, bsdf): (&str, &Bsdf),
+        base: Option<Texture>,
+        by_vertices: Option<bool>,
+    ) -> Option<Coverage> {
+        let cutoff = match material["alphaMode"].as_str() {
+            Some("MASK") => Some(material["alphaCutoff"].as_f64().map_or(CUTOFF, |it| it as f32)),
+            Some("BLEND") => None,
+            // Alpha counts for nothing.
+            Some(_) | None => return None,
+        };
+        let alpha = &material["pbrMetallicRoughness"]["baseColorFactor"][3];
+        let factor = alpha.as_f64().unwrap_or(1.0) as f32;
+        let texture = base.filter(|texture| texture.picture.least_alpha() < 1.0);
+        let by_vertices = by_vertices == Some(true);
+        let is_even = texture.is_none() && !by_vertices;
+        let paint = Paint { factor: [factor; 3], texture, reads: Reads::Alpha, by_vertices };
+        let coverage = Coverage { paint, cutoff };
+        if is_even && coverage.of(factor) == 1.0 {
+            return None;
+        }
+        if bsdf.transmits() {
+            // What is even is for viewers that know no better.
+            if is_even {
+                return None;
+            }
+            let text = "alpha is ignored: light goes through the surface anyway";
+            self.warnings.add_like("alpha", label, text);
+            return None;
+        }
+        Some(coverage)
+    }
+
+    /// A texture with its picture.
+    fn texture(&mut self, slot: &Slot) -> Result<Option<Texture>, SceneError> {
+        if slot.info.is_null() {
+            return Ok(None);
+        }
+        self.decode_all();
+        let document = self.document;
+        let refuse = |problem: &str, remedy: &str| SceneError::new(&slot.label, problem, remedy);
+        let textures = &document.value["textures"];
+        let texture = slot.info["index"].as_u64().and_then(|index| textures.get(index as usize));
+        let Some(texture) = texture else {
+            return Err(refuse("has no `index` of a texture of the file", "export it again"));
+        };
+        let image = match image_of(texture) {
+            Some(image) if document.value["images"].get(image).is_some() => image,
+            Some(_) | None => {
+                let compressed = &texture["extensions"]["KHR_texture_basisu"];
+                return Err(match compressed.is_null() {
+                    true => refuse("has no picture that is read", "export it with one"),
+                    false => refuse(
+                        "is compressed by KHR_texture_basisu (Basis Universal), which is not read",
+                        "convert its picture to PNG, for instance with gltf-transform",
+                    ),
+                });
+            }
+        };
+        let picture = document.picture(image)?;
+        let transform = &slot.info["extensions"]["KHR_texture_transform"];
+        let set = transform["texCoord"].as_u64().or(slot.info["texCoord"].as_u64()).unwrap_or(0);
+        if set > 1 {
+            let problem = format!("goes by TEXCOORD_{set}, and only the sets 0 and 1 are read");
+            return Err(refuse(&problem, "use one of these"));
+        }
+        let sampler = texture["sampler"].as_u64().map_or(&Value::Null, |sampler| {
+            document.value["samplers"].get(sampler as usize).unwrap_or(&Value::Null)
+        });
+        let wrap = |key: &str| match sampler[key].as_u64() {
+            Some(33071) => Wrap::Clamp,
+            Some(33648) => Wrap::Mirror,
+            Some(_) | None => Wrap::Repeat,
+        };
+        Ok(Some(Texture {
+            picture,
+            coding: slot.coding,
+            wrap: ["wrapS", "wrapT"].map(wrap),
+            filter: match sampler["magFilter"].as_u64() {
+                Some(9728) => Filter::Nearest,
+                Some(_) | None => Filter::Linear,
+            },
+            set: set as usize,
+            transform: transform_of(transform, &slot.label)?,
+        }))
+    }
+
+    /// Decodes the pictures of all materials, by all threads.
+    fn decode_all(&mut self) {
+        if std::mem::replace(&mut self.has_pictures, true) {
+            return;
+        }
+        let document = self.document;
+        let mut wanted = Vec::new();
+        for material in document.value["materials"].as_array().into_iter().flatten() {
+            let pbr = &material["pbrMetallicRoughness"];
+            let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
+            for info in [base, metal, &material["emissiveTexture"], &material["normalTexture"]] {
+                let texture = info["index"].as_u64();
+                let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
+                wanted.extend(texture.and_then(image_of));
+            }
+        }
+        wanted.sort_unstable();
+        wanted.dedup();
+        // What goes wrong is told to who asks for it.
+        wanted.into_par_iter().for_each(|image| drop(document.picture(image)));
+    }
+
+    /// Whether meshes of a material have colors at their vertices, and whether with alpha.
+    fn colors_of(&self, material: Option<usize>) -> Option<bool> {
+        let value = &self.document.value;
+        let meshes = value["meshes"].as_array().into_iter().flatten();
+        let primitives = meshes.flat_map(|it| it["primitives"].as_array().into_iter().flatten());
+        let own = primitives.filter(|it| it["material"].as_u64() == material.map(|it| it as u64));
+        let colors = own.filter_map(|it| it["attributes"]["COLOR_0"].as_u64());
+        colors.fold(None, |found, accessor| {
+            let has_alpha = value["accessors"][accessor as usize]["type"] == "VEC4";
+            Some(found == Some(true) || has_alpha)
+        })
+    }
+
+    /// Says which textures are not read, once a kind.
+    fn warn_of_unread(&mut self, material: &Value, label: &str) {
+        const READ: [&str; 5] = [
+            "baseColorTexture",
+            "emissiveTexture",
+            "metallicRoughnessTexture",
+            "normalTexture",
+            "occlusionTexture",
+        ];
+        let mut open = vec![material];
+        let mut unread = BTreeSet::new();
+        while let Some(next) = open.pop() {
+            for (key, inner) in next.as_object().into_iter().flatten() {
+                match key.as_str() {
+                    "extras" => {}
+                    read if READ.contains(&read) => {}
+                    other if other.ends_with("Texture") => drop(unread.insert(other)),
+                    _ => open.push(inner),
+                }
+            }
+        }
+        if !unread.is_empty() {
+            let text = format!("{}: not read yet, factors hold throughout", listed(unread));
+            self.warnings.add_like("textures", label, &text);
+        }
+    }
+}
+
+/// What emits by a picture.
+fn painted_emission(
+    texture: Texture,
+    emission: &Emission,
+    label: &str,
+) -> Result<Paint, SceneError> {
+    let Some(factor) = rgb(&emission.radiance) else {
+        let problem = "the picture and a spectrum of the emission exclude each other";
+        let place = format!("{label}, emissiveTexture");
+        return Err(SceneError::new(place, problem, "take one of them away"));
+    };
+    Ok(Paint { factor, texture: Some(texture), reads: Reads::Color, by_vertices: false })
+}
+
+/// The image of a texture.
+fn image_of(texture: &Value) -> Option<usize> {
+    let webp = texture["extensions"]["EXT_texture_webp"]["source"].as_u64();
+    webp.or(texture["source"].as_u64()).map(|image| image as usize)
+}
+
+/// The color of a model that has one as red, green and blue.
+fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
+    let (parameter, spectrum) = match bsdf {
+        Bsdf::Diffuse { reflectance } => (Parameter::Reflectance, reflectance),
+        Bsdf::MetallicRoughness { base_color, .. } => (Parameter::BaseColor, base_color),
+        Bsdf::Absorber
+        | Bsdf::Conductor { .. }
+        | Bsdf::RoughConductor { .. }
+        | Bsdf::Dielectric { .. }
+        | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::ThinDielectric { .. }
+        | Bsdf::Polarizer { .. }
+        | Bsdf::Retarder { .. }
+        | Bsdf::Null => return None,
+    };
+    Some((parameter, rgb(spectrum)?))
+}
+
+/// Shares of metal in the blue of a picture, and roughness in its green, for glTF's own model.
+fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Paint); 2]> {
+    let (metallic, roughness) = match bsdf {
+        Bsdf::MetallicRoughness { metallic, alpha, .. } => (*metallic, alpha.sqrt()),
+        Bsdf::Absorber
+        | Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::RoughConductor { .. }
+        | Bsdf::Dielectric { .. }
+        | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::ThinDielectric { .. }
+        | Bsdf::Polarizer { .. }
+        | Bsdf::Retarder { .. }
+        | Bsdf::Null => return None,
+    };
+    let paint = |factor: f32, reads| {
+        let texture = Some(texture.clone());
+        Paint { factor: [factor; 3], texture, reads, by_vertices: false }
+    };
+    let roughness = (Parameter::Roughness, paint(roughness, Reads::Green));
+    Some([(Parameter::Metallic, paint(metallic, Reads::Blue)), roughness])
+}
+
+/// A spectrum as red, green and blue, if it is that.
+fn rgb(spectrum: &Spectrum) -> Option<[f32; 3]> {
+    match spectrum {
+        Spectrum::Constant(value) => Some([*value; 3]),
+        Spectrum::Rgb(rgb) => Some(*rgb),
+        Spectrum::Table(_) | Spectrum::Formula(_) => None,
+    }
+}
+
+/// The rows of KHR_texture_transform: coordinates are scaled, turned so that the picture turns
+/// clockwise, and moved.
+fn transform_of(transform: &Value, label: &str) -> Result<[[f32; 3]; 2], SceneError> {
+    let number = |value: &Value, default: f64| match value.as_f64() {
+        Some(number) if (number as f32).is_finite() => Ok(number),
+        None if value.is_null() => Ok(default),
+        Some(_) | None => {
+            let place = format!("{label}, KHR_texture_transform");
+            Err(SceneError::new(place, format!("{value} is no number"), "export it again"))
+        }
+    };
+    let pair = |key: &str, default: f64| -> Result<[f64; 2], SceneError> {
+        let pair = &transform[key];
+        Ok([number(&pair[0], default)?, number(&pair[1], default)?])
+    };
+    let ([across, down], [wide, high]) = (pair("offset", 0.0)?, pair("scale", 1.0)?);
+    let (sine, cosine) = sin_cos(number(&transform["rotation"], 0.0)?);
+    let rows = [[cosine * wide, sine * high, across], [-sine * wide, cosine * high, down]];
+    Ok(rows.map(|row| row.map(|value| value as f32)))
+}

@@ -1,0 +1,170 @@
+//! What textures say at points of triangles, at the wavelengths of a render.
+
+use glam::{Vec2, Vec3, Vec4Swizzles};
+
+use super::baked::LEAST_COSINE;
+use super::corners::Painted;
+use super::world::{Coverage, Paint, Relief, SurfaceModel, Taps, Textures};
+use crate::spectrum::{Carried, Role, Spectrum};
+
+/// The textures of all materials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Painting<const N: usize> {
+    /// By row in the materials.
+    of_material: Vec<Option<Textures>>,
+    carried: Carried<N>,
+}
+
+impl<const N: usize> Painting<N> {
+    /// Those of the materials in their order; nothing if none has any.
+    pub fn new(of_material: Vec<Option<Textures>>, carried: &Carried<N>) -> Option<Self> {
+        let carried = *carried;
+        of_material.iter().any(Option::is_some).then_some(Self { of_material, carried })
+    }
+
+    /// The textures of a row in the materials.
+    #[inline]
+    pub fn of(&self, material: usize) -> Option<&Textures> {
+        self.of_material.get(material)?.as_ref()
+    }
+
+    /// A model with parameters as they are at a point.
+    pub fn model_at(
+        &self,
+        mut model: SurfaceModel<[f32; N]>,
+        textures: &Textures,
+        at: (&Painted, [f32; 2]),
+    ) -> SurfaceModel<[f32; N]> {
+        for (parameter, paint) in &textures.parameters {
+            model.set(*parameter, self.value(paint, parameter.role(), at));
+        }
+        model
+    }
+
+    /// A model whose parameters are the means of their paints.
+    pub fn mean_model(
+        mut model: SurfaceModel<[f32; N]>,
+        textures: &Textures,
+        carried: &Carried<N>,
+    ) -> SurfaceModel<[f32; N]> {
+        for (parameter, paint) in &textures.parameters {
+            model.set(*parameter, columns(paint.mean(), parameter.role(), carried));
+        }
+        model
+    }
+
+    /// What a material emits at a point.
+    pub fn radiance(&self, paint: &Paint, at: (&Painted, [f32; 2])) -> [f32; N] {
+        self.value(paint, Some(Role::Emission), at)
+    }
+
+    fn value(&self, paint: &Paint, role: Option<Role>, at: (&Painted, [f32; 2])) -> [f32; N] {
+        let columns = |rgb| columns(rgb, role, &self.carried);
+        let mut value = taps(paint, at).mixed(|texel| columns(paint.color(texel)));
+        if paint.by_vertices {
+            let [a, b, c] = at.0.colors().map(|color| columns(paint.reads.of(color.to_array())));
+            let [u, v] = at.1;
+            for (n, value) in value.iter_mut().enumerate() {
+                *value *= a[n] + (b[n] - a[n]) * u + (c[n] - a[n]) * v;
+            }
+        }
+        match role {
+            // Colors of vertices may be beyond one.
+            Some(Role::Reflectance) => value.map(|value| value.clamp(0.0, 1.0)),
+            Some(Role::Emission | Role::Coefficient | Role::Index) | None => value,
+        }
+    }
+}
+
+/// What red, green and blue stand for in the columns of a render.
+#[inline]
+fn columns<const N: usize>(rgb: [f32; 3], role: Option<Role>, carried: &Carried<N>) -> [f32; N] {
+    match role {
+        // Colors are known wherever the white is, which bake has asked for.
+        Some(role) => Spectrum::Rgb(rgb).sample(carried, role).unwrap_or([0.0; N]),
+        None => [rgb[0]; N],
+    }
+}
+
+#[inline]
+fn taps(paint: &Paint, (on, weights): (&Painted, [f32; 2])) -> Taps {
+    match &paint.texture {
+        Some(texture) => texture.taps(on.coordinates(texture.set, weights)),
+        None => Taps::WHITE,
+    }
+}
+
+/// The share of a surface that is there at a point.
+#[inline]
+pub fn coverage_at(coverage: &Coverage, (on, weights): (&Painted, [f32; 2])) -> f32 {
+    let paint = &coverage.paint;
+    let [mut alpha] = taps(paint, (on, weights)).mixed(|texel| [paint.color(texel)[0]]);
+    if paint.by_vertices {
+        let [a, b, c] = on.colors().map(|color| paint.reads.of(color.to_array())[0]);
+        let [u, v] = weights;
+        alpha *= a + (b - a) * u + (c - a) * v;
+    }
+    coverage.of(alpha)
+}
+
+/// The shading normal at a point where it is `shading` without a relief: of unit length, and to the
+/// front of the geometric one.
+pub fn normal_at(
+    relief: &Relief,
+    (on, weights): (&Painted, [f32; 2]),
+    [shading, geometric]: [Vec3; 2],
+) -> Vec3 {
+    let texture = &relief.texture;
+    let place = |at: Vec2| texture.place(at);
+    let Some([right, up]) = on.frame((texture.set, place), weights, shading) else {
+        return shading;
+    };
+    let texel = glam::Vec4::from(texture.at(on.coordinates(texture.set, weights)));
+    let own = 2.0 * texel.xyz() - 1.0;
+    let own = Vec3::new(own.x * relief.scale, own.y * relief.scale, own.z);
+    let Some(normal) = (right * own.x + up * own.y + shading * own.z).try_normalize() else {
+        return shading;
+    };
+    let cosine = normal.dot(geometric);
+    if cosine >= LEAST_COSINE {
+        return normal;
+    }
+    (normal + geometric * (LEAST_COSINE - cosine)).try_normalize().unwrap_or(shading)
+}
+
+/// The mean over a triangle of what it emits, relative to the factor of the paint: what emitters
+/// are chosen by. Greater than zero unless nothing of the picture is.
+pub fn mean_share(textures: &Textures, on: &Painted) -> f64 {
+    let Some(paint) = &textures.emission else { return 1.0 };
+    let total = |rgb: [f32; 3]| f64::from(rgb[0]) + f64::from(rgb[1]) + f64::from(rgb[2]);
+    let whole = total(paint.factor);
+    if whole == 0.0 {
+        return 0.0;
+    }
+    let steps = steps(paint, on);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for i in 0..steps {
+        for j in 0..steps - i {
+            let weights = [i, j].map(|at| (at as f32 + 1.0 / 3.0) / steps as f32);
+            let [color] = [taps(paint, (on, weights)).mixed(|texel| paint.color(texel))];
+            let covered = textures.coverage.as_ref();
+            let share = covered.map_or(1.0, |it| coverage_at(it, (on, weights)));
+            sum += total(color) * f64::from(share);
+            count += 1.0;
+        }
+    }
+    // What no sample has met may shine all the same.
+    (0.99 * sum / count + 0.01 * total(paint.mean())) / whole
+}
+
+/// How many steps along an edge meet most texels of a triangle.
+fn steps(paint: &Paint, on: &Painted) -> usize {
+    const STEPS: [f32; 2] = [4.0, 64.0];
+    let Some(texture) = &paint.texture else { return 1 };
+    let [width, height] = texture.picture.texels().size();
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+        .map(|weights| texture.place(on.coordinates(texture.set, weights)));
+    let [right, down] = [1, 2].map(|corner| corners[corner] - corners[0]);
+    let texels = (right.perp_dot(down) * width as f32 * height as f32).abs();
+    texels.sqrt().clamp(STEPS[0], STEPS[1]) as usize
+}

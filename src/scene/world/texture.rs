@@ -1,0 +1,425 @@
+//! Textures: pictures on surfaces, and what of a material they feed.
+//!
+//! A picture is read at its full resolution, whichever path asks from however far: its value at a
+//! point of a surface is one, from both sides of the transport.
+
+use std::fmt;
+use std::sync::{Arc, OnceLock};
+
+use glam::Vec2;
+
+use super::material::{Bsdf, Parameter};
+use crate::image::texels::{Coding, Texels};
+use crate::math::{Fault, Range};
+
+/// What a picture shows beyond its edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// Itself, again and again.
+    Repeat,
+    /// Itself, every other time mirrored.
+    Mirror,
+    /// What is at its edge.
+    Clamp,
+}
+
+/// How the value between the middles of texels is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// It is that of the nearest texel.
+    Nearest,
+    /// By linear interpolation of the four about it.
+    Linear,
+}
+
+/// A picture, and how it lies on surfaces.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// The picture.
+    pub picture: Arc<Picture>,
+    /// What its values are.
+    pub coding: Coding,
+    /// What it shows beyond its edges, from left to right and from top to bottom.
+    pub wrap: [Wrap; 2],
+    /// What it shows between its texels.
+    pub filter: Filter,
+    /// Which set of a mesh's texture coordinates it goes by: 0 or 1.
+    pub set: usize,
+    /// Its own coordinates are these rows times (u, v, 1) of the mesh's: (0, 0) is its upper left
+    /// corner, and (1, 1) the lower right one.
+    pub transform: [[f32; 3]; 2],
+}
+
+impl PartialEq for Texture {
+    /// Pictures are the same if they are one.
+    fn eq(&self, other: &Self) -> bool {
+        let Self { picture, coding, wrap, filter, set, transform } = self;
+        Arc::ptr_eq(picture, &other.picture)
+            && (coding, wrap, filter, set, transform)
+                == (&other.coding, &other.wrap, &other.filter, &other.set, &other.transform)
+    }
+}
+
+/// A picture with what is asked of it as a whole.
+pub struct Picture {
+    texels: Texels,
+    /// What tells it from others: half the BLAKE3 of its file.
+    pub checksum: u128,
+    /// The mean of all texels, by coding.
+    means: [OnceLock<[f32; 4]>; 2],
+    least_alpha: OnceLock<f32>,
+}
+
+impl fmt::Debug for Picture {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "Picture {:032x} of {:?}", self.checksum, self.texels)
+    }
+}
+
+impl Picture {
+    /// The picture of some texels, whose file had a checksum.
+    pub fn new(texels: Texels, checksum: u128) -> Self {
+        Self { texels, checksum, means: Default::default(), least_alpha: OnceLock::new() }
+    }
+
+    /// The texels.
+    pub fn texels(&self) -> &Texels {
+        &self.texels
+    }
+
+    /// The least alpha of all texels.
+    pub fn least_alpha(&self) -> f32 {
+        *self.least_alpha.get_or_init(|| {
+            let [width, height] = self.texels.size();
+            if !self.texels.has_alpha() {
+                return 1.0;
+            }
+            let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+            let alphas = places.map(|(column, row)| self.texels.at(column, row, Coding::Linear)[3]);
+            alphas.fold(f32::INFINITY, f32::min)
+        })
+    }
+
+    /// The mean of all texels.
+    fn mean(&self, coding: Coding) -> [f32; 4] {
+        *self.means[coding as usize].get_or_init(|| {
+            let [width, height] = self.texels.size();
+            let mut sum = [0.0_f64; 4];
+            for row in 0..height {
+                for column in 0..width {
+                    let texel = self.texels.at(column, row, coding);
+                    sum.iter_mut().zip(texel).for_each(|(sum, value)| *sum += f64::from(value));
+                }
+            }
+            sum.map(|sum| (sum / (f64::from(width) * f64::from(height))) as f32)
+        })
+    }
+}
+
+/// The four texels about a point, row by row, and how far it is from the first to the right and
+/// down, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taps {
+    /// Linear red, green, blue and alpha.
+    pub texels: [[f32; 4]; 4],
+    /// The shares of the right ones and of the lower ones.
+    pub shares: [f32; 2],
+}
+
+impl Taps {
+    /// Texels without a texture: white and opaque.
+    pub const WHITE: Self = Self { texels: [[1.0; 4]; 4], shares: [0.0; 2] };
+
+    /// What is made of the texels, interpolated: exactly that of one if all are the same.
+    #[inline]
+    pub fn mixed<const K: usize>(&self, mut of: impl FnMut([f32; 4]) -> [f32; K]) -> [f32; K] {
+        let [right, down] = self.shares;
+        let first = of(self.texels[0]);
+        if self.shares == [0.0; 2] {
+            return first;
+        }
+        let [second, third, fourth] = [1, 2, 3].map(|tap: usize| of(self.texels[tap]));
+        std::array::from_fn(|k| {
+            let upper = (second[k] - first[k]).mul_add(right, first[k]);
+            let lower = (fourth[k] - third[k]).mul_add(right, third[k]);
+            (lower - upper).mul_add(down, upper)
+        })
+    }
+}
+
+impl Texture {
+    /// The texels about a point of a mesh, by the coordinates of its set there.
+    #[inline]
+    pub fn taps(&self, at: Vec2) -> Taps {
+        let uv = self.place(at).to_array();
+        let size = self.picture.texels.size();
+        let along = |axis: usize| columns_about(uv[axis], size[axis], self.wrap[axis], self.filter);
+        let ([left, right], across) = along(0);
+        let ([upper, lower], down) = along(1);
+        let texel = |column, row| self.picture.texels.at(column, row, self.coding);
+        let first = texel(left, upper);
+        let texels = match across == 0.0 && down == 0.0 {
+            true => [first; 4],
+            false => [first, texel(right, upper), texel(left, lower), texel(right, lower)],
+        };
+        Taps { texels, shares: [across, down] }
+    }
+
+    /// Linear red, green, blue and alpha at a point of a mesh.
+    #[inline]
+    pub fn at(&self, at: Vec2) -> [f32; 4] {
+        self.taps(at).mixed(|texel| texel)
+    }
+
+    /// The coordinates in the picture of those of a mesh.
+    #[inline]
+    pub fn place(&self, Vec2 { x: u, y: v }: Vec2) -> Vec2 {
+        let [x, y] = self.transform.map(|[a, b, c]| a.mul_add(u, b.mul_add(v, c)));
+        Vec2::new(x, y)
+    }
+
+    /// The mean of the whole picture.
+    pub fn mean(&self) -> [f32; 4] {
+        self.picture.mean(self.coding)
+    }
+}
+
+/// The two columns about a coordinate in a picture of so many, and the share of the second.
+#[inline]
+fn columns_about(at: f32, count: u32, wrap: Wrap, filter: Filter) -> ([u32; 2], f32) {
+    // What is beyond all numbers is as good as anywhere.
+    let at = if at.is_finite() { at } else { 0.0 };
+    let within = match wrap {
+        Wrap::Repeat => at - at.floor(),
+        Wrap::Mirror => 1.0 - (1.0 - (at - 2.0 * (0.5 * at).floor())).abs(),
+        Wrap::Clamp => at.clamp(0.0, 1.0),
+    };
+    let last = count - 1;
+    match filter {
+        Filter::Nearest => ([((within * count as f32) as u32).min(last); 2], 0.0),
+        Filter::Linear => {
+            let place = within * count as f32 - 0.5;
+            let first = place.floor();
+            let share = place - first;
+            let column = first as i64;
+            let one = |column: i64| match wrap {
+                Wrap::Repeat => column.rem_euclid(i64::from(count)) as u32,
+                Wrap::Mirror | Wrap::Clamp => column.clamp(0, i64::from(last)) as u32,
+            };
+            ([one(column), one(column + 1)], share)
+        }
+    }
+}
+
+/// What of a picture's texels counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reads {
+    /// The color.
+    Color,
+    /// Red, as a number.
+    Red,
+    /// Green, as a number.
+    Green,
+    /// Blue, as a number.
+    Blue,
+    /// Alpha, as a number.
+    Alpha,
+}
+
+impl Reads {
+    /// That of a texel; a number three times.
+    #[inline]
+    pub fn of(self, [red, green, blue, alpha]: [f32; 4]) -> [f32; 3] {
+        match self {
+            Self::Color => [red, green, blue],
+            Self::Red => [red; 3],
+            Self::Green => [green; 3],
+            Self::Blue => [blue; 3],
+            Self::Alpha => [alpha; 3],
+        }
+    }
+}
+
+/// A color, or a number, that differs from place to place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paint {
+    /// What all that follows is multiplied by: linear red, green and blue.
+    pub factor: [f32; 3],
+    /// The picture; without, white.
+    pub texture: Option<Texture>,
+    /// What of its texels counts.
+    pub reads: Reads,
+    /// Whether the colors of vertices count as well.
+    pub by_vertices: bool,
+}
+
+impl Paint {
+    /// What a texel stands for: linear red, green and blue.
+    #[inline]
+    pub fn color(&self, texel: [f32; 4]) -> [f32; 3] {
+        let [red, green, blue] = self.reads.of(texel);
+        [self.factor[0] * red, self.factor[1] * green, self.factor[2] * blue]
+    }
+
+    /// About the mean over all of the picture.
+    pub fn mean(&self) -> [f32; 3] {
+        self.color(self.texture.as_ref().map_or([1.0; 4], Texture::mean))
+    }
+}
+
+/// How much of a surface is there: the rest lets light straight on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// The share that is there, times alpha of the picture and of the vertices.
+    pub paint: Paint,
+    /// The least share that counts as all; what is less counts as nothing. Without, shares are
+    /// what they are.
+    pub cutoff: Option<f32>,
+}
+
+impl Coverage {
+    /// The share of a surface that is there, from 0 to 1, where its paint has a value.
+    #[inline]
+    pub fn of(&self, alpha: f32) -> f32 {
+        match self.cutoff {
+            Some(least) => f32::from(u8::from(alpha >= least)),
+            None => alpha.clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// Shading normals by a picture, in the frame of tangents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relief {
+    /// The picture: from 0 to 1 what is from -1 to 1 to the right, up, and out of it.
+    pub texture: Texture,
+    /// What the first two of these are multiplied by.
+    pub scale: f32,
+}
+
+/// What of a material differs from place to place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Textures {
+    /// Parameters of its model.
+    pub parameters: Vec<(Parameter, Paint)>,
+    /// Its radiance.
+    pub emission: Option<Paint>,
+    /// Its shading normal.
+    pub relief: Option<Relief>,
+    /// How much of it is there.
+    pub coverage: Option<Coverage>,
+}
+
+impl Textures {
+    /// Whether nothing differs.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Refuses textures that do not go with a model.
+    pub(crate) fn check(&self, bsdf: &Bsdf) -> Result<(), Fault> {
+        let Ok(mut model) = bsdf.sampled(|_, _, _| Ok::<_, Fault>([0.0; 1])) else { return Ok(()) };
+        for (parameter, _) in &self.parameters {
+            if !model.set(*parameter, [0.0]) {
+                let problem = format!("{parameter:?} is no parameter of its model");
+                return Err(Fault::new("textures", problem, "take this texture away"));
+            }
+        }
+        if self.coverage.is_some() && bsdf.transmits() {
+            let problem = "what light goes through has no holes";
+            return Err(Fault::new("alpha", problem, "make it opaque: alphaMode OPAQUE"));
+        }
+        for texture in self.textures() {
+            if texture.set > 1 {
+                let problem = format!("{} is not one of the two sets of coordinates", texture.set);
+                return Err(Fault::new("texCoord", problem, "use 0 or 1"));
+            }
+        }
+        let factors = self.paints().flat_map(|paint| paint.factor);
+        factors.into_iter().try_for_each(|factor| Range::NOT_NEGATIVE.check("factor", factor))?;
+        match &self.relief {
+            Some(relief) => Range::ANY.check("scale", relief.scale),
+            None => Ok(()),
+        }
+    }
+
+    /// All that is painted.
+    pub fn paints(&self) -> impl Iterator<Item = &Paint> {
+        let parameters = self.parameters.iter().map(|(_, paint)| paint);
+        parameters.chain(&self.emission).chain(self.coverage.as_ref().map(|it| &it.paint))
+    }
+
+    /// All textures.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let relief = self.relief.iter().map(|relief| &relief.texture);
+        self.paints().filter_map(|paint| paint.texture.as_ref()).chain(relief)
+    }
+
+    /// Whether any of it goes by the colors of vertices.
+    pub fn read_vertices(&self) -> bool {
+        self.paints().any(|paint| paint.by_vertices)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A coordinate of a picture by the words of glTF: repeated, mirrored or clamped.
+    fn texel_at(column: i64, count: i64, wrap: Wrap) -> u32 {
+        let within = match wrap {
+            Wrap::Repeat => (column % count + count) % count,
+            Wrap::Mirror => {
+                let turn = (column % (2 * count) + 2 * count) % (2 * count);
+                if turn < count { turn } else { 2 * count - 1 - turn }
+            }
+            Wrap::Clamp => column.max(0).min(count - 1),
+        };
+        within as u32
+    }
+
+    #[test]
+    fn columns_are_those_that_a_loop_over_texels_finds() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for count in [1_u32, 2, 3, 5, 8] {
+                // Steps of a 64th fall on no middle and no edge of these texels.
+                for step in (-400..400).map(|step| (f64::from(step) + 0.37) / 64.0) {
+                    let place = step * f64::from(count);
+                    let ([nearest, _], none) =
+                        columns_about(step as f32, count, wrap, Filter::Nearest);
+                    let expected = texel_at(place.floor() as i64, i64::from(count), wrap);
+                    assert_eq!((nearest, none), (expected, 0.0), "{wrap:?} {count} {step}");
+                    let (found, share) = columns_about(step as f32, count, wrap, Filter::Linear);
+                    let first = (place - 0.5).floor();
+                    let pair = [first as i64, first as i64 + 1];
+                    let expected = pair.map(|at| texel_at(at, i64::from(count), wrap));
+                    let right = (place - 0.5 - first) as f32;
+                    // A mirrored picture may be read from the other side.
+                    let value =
+                        |[a, b]: [u32; 2], share: f32| (1.0 - share) * a as f32 + share * b as f32;
+                    let error = value(found, share) - value(expected, right);
+                    assert!(error.abs() < 1e-4, "{wrap:?} {count} {step}: {found:?} {share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_beyond_numbers_are_somewhere() {
+        for at in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e20, -1e20] {
+            for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+                for filter in [Filter::Nearest, Filter::Linear] {
+                    let ([first, second], share) = columns_about(at, 7, wrap, filter);
+                    assert!(first < 7 && second < 7 && (0.0..=1.0).contains(&share), "{at}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_texels_mix_to_themselves() {
+        let texel = [0.1, 0.2, 0.3, 0.7];
+        let taps = Taps { texels: [texel; 4], shares: [0.3, 0.6] };
+        assert_eq!(taps.mixed(|texel| texel), texel);
+    }
+}

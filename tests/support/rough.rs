@@ -1,0 +1,44 @@
+//! Scenes of rough surfaces.
+
+use glam::Vec3;
+use serde_json::json;
+use sunstone::internals::scene::World;
+
+use super::scenes::{CEILING, add_panel, pinhole, room, v};
+
+/// Rough metals of both distributions about each other and a smooth one, one with the normals of a
+/// sphere: light is polarized in turned planes, and vertices of all sorts are connected.
+pub fn metals() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.4, 5.0);
+    let gold = json!({"bsdf": "rough_conductor", "metal": "Au", "alpha": 0.2});
+    let gold = scene.material(gold);
+    let copper = json!({"bsdf": "rough_conductor", "metal": "Cu", "roughness": 0.7,
+        "distribution": "beckmann"});
+    let copper = scene.material(copper);
+    let single = json!({"bsdf": "rough_conductor", "metal": "Al", "alpha": 0.5,
+        "multiple_scattering": false});
+    let single = scene.material(single);
+    let single = scene.two_sided(single);
+    let mirror = scene.material(json!({"bsdf": "conductor", "metal": "Al"}));
+    scene.sphere(v(-0.5, -0.4, -0.2), 0.45, gold);
+    scene.ball(v(0.4, -0.2, -0.2), 0.4, 8, copper);
+    scene.quad(v(0.0, -0.7, 0.3), v(0.7, 0.0, 0.1), v(0.0, 0.1, -0.4), single);
+    scene.sphere(v(0.1, 0.4, -0.6), 0.3, mirror);
+    pinhole(scene).load("rough metals")
+}
+
+/// glTF's materials of partial metal and of plain coats, lit by points and a sky.
+pub fn coats() -> World {
+    let mut scene = room(&[CEILING]);
+    scene.environment(0.5);
+    scene.light(json!({"type": "point", "intensity": 1.5}), v(0.3, 0.5, 0.3), Vec3::NEG_Z);
+    let plain = scene.metallic_roughness([0.8, 0.3, 0.1], 0.0, 0.5);
+    let mixed = scene.metallic_roughness([0.9, 0.8, 0.4], 0.6, 0.6);
+    let floor = scene.metallic_roughness([0.1, 0.1, 0.1], 0.0, 0.3);
+    scene.sphere(v(-0.4, -0.5, 0.0), 0.4, plain);
+    scene.ball(v(0.5, -0.4, 0.1), 0.4, 8, mixed);
+    scene.quad(v(0.0, -0.95, 0.0), v(0.0, 0.0, 0.9), v(0.9, 0.0, 0.0), floor);
+    scene.orthographic(v(0.3, 0.9, 3.0), Vec3::ZERO, 1.0);
+    scene.load("rough coats")
+}
