@@ -215,7 +215,7 @@ macro_rules! declare {
 
         impl<const N: usize> Surfaces<N> {
             /// Appends the material's parameters to the table of its model.
-            fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> (u32, f32) {
+            fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> Added {
                 match *model {
                     $(SurfaceModel::$end { $($end_of),* } => {
                         append(&mut self.$end_table, <$end_model>::of($($end_of),*))
@@ -404,6 +404,8 @@ pub struct Material {
     pub two_sided: bool,
     /// The probability with which roulette lets a path go on.
     pub survival: f32,
+    /// Where the peak about the mirrored direction ends; see [`Surface::peak`].
+    pub peak: f32,
 }
 
 impl<const N: usize> Surfaces<N> {
@@ -411,14 +413,10 @@ impl<const N: usize> Surfaces<N> {
     pub fn new(baked: &[baked::Material<N>]) -> Self {
         let mut surfaces = Self::default();
         for &baked::Material { model, two_sided } in baked {
-            let (row, scattered) = surfaces.add(&model);
+            let Added { row, scattered, peak } = surfaces.add(&model);
             let survival = scattered.clamp(SURVIVAL_MIN, 1.0);
-            surfaces.materials.push(Material {
-                kind: SurfaceKind::of(&model),
-                row,
-                two_sided,
-                survival,
-            });
+            let kind = SurfaceKind::of(&model);
+            surfaces.materials.push(Material { kind, row, two_sided, survival, peak });
         }
         surfaces
     }
@@ -430,7 +428,7 @@ impl<const N: usize> Surfaces<N> {
             true => SurfaceModel::DispersiveDielectric { ior, exterior_ior },
             false => SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] },
         };
-        self.add(&model).0
+        self.add(&model).row
     }
 
     /// Whether light may go on at one wavelength alone.
@@ -448,10 +446,19 @@ impl<const N: usize> Surfaces<N> {
 /// The least probability of going on, so that no path gains too much where it is let.
 pub const SURVIVAL_MIN: f32 = 0.05;
 
-/// The row that `model` becomes, and what it scatters.
-fn append<M: Surface>(table: &mut Vec<M>, model: M) -> (u32, f32) {
+/// What a material has become.
+struct Added {
+    /// The row in the table of its model.
+    row: u32,
+    /// See [`Surface::scattered`].
+    scattered: f32,
+    /// See [`Surface::peak`].
+    peak: f32,
+}
+
+fn append<M: Surface>(table: &mut Vec<M>, model: M) -> Added {
     table.push(model);
-    (table.len() as u32 - 1, model.scattered())
+    Added { row: table.len() as u32 - 1, scattered: model.scattered(), peak: model.peak() }
 }
 
 #[cfg(test)]
