@@ -9,7 +9,8 @@
 //!
 //! In media whose phase functions have a forward peak, the few photons in it would make nearly all
 //! of the noise. They do not count, and paths that are scattered so little go on to merge farther
-//! off: what the two find is apart by the angle.
+//! off: what the two find is apart by the angle. So it is about the mirrored direction on surfaces
+//! of narrow facets, unless photons alone find some light.
 
 use crate::scattering::Scene;
 use crate::transport::stages::merge_photons::merge_photons;
@@ -44,10 +45,10 @@ pub fn walk_to_merging<const N: usize, M: LightModel<N>>(
             w.walk.partition.end_at_connections();
             return;
         }
-        let directions = &w.sensor[1].rays.direction;
+        let arrived = (&w.sensor[1].rays.direction, &w.walk.surfaces);
         for (event, rows) in w.walk.partition.connectable() {
             if maps.merge_at(event.met) {
-                w.merged.push(rows, directions, scene.peak_at(event.met));
+                w.merged.push(rows, arrived, (scene, event.met));
             }
         }
     });

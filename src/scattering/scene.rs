@@ -66,6 +66,9 @@ pub struct Scene<const N: usize> {
     pub has_polarizing_vertices: bool,
     /// Whether lamps emit what textures say.
     pub has_painted_lamps: bool,
+    /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
+    /// photons find some light.
+    pub has_narrow_facets: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// How far off every emitter rays start and end.
@@ -156,6 +159,7 @@ impl<const N: usize> Scene<N> {
             has_emitting_straight_on,
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
+            has_narrow_facets: false,
             looks: Arc::default(),
             look: OnceLock::new(),
             rims: Arc::default(),
@@ -168,6 +172,10 @@ impl<const N: usize> Scene<N> {
             event_of_hit,
             surfaces,
         };
+        // Light that only photons find must not be left out of what they count for.
+        let is_narrow = |material: &Material| material.peak > 0.0;
+        scene.has_narrow_facets =
+            scene.surfaces.materials().iter().any(is_narrow) && !scene.hides_lamps();
         scene.aim_light_paths();
         let emitters = &scene.optics.emitters;
         scene.glimpses = Arc::new(Glimpses::new(&scene.shapes, emitters, &scene.sensor));
@@ -199,6 +207,7 @@ impl<const N: usize> Scene<N> {
             has_polarizing_vertices: self.has_polarizing_vertices,
             has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
+            has_narrow_facets: self.has_narrow_facets,
             emitter_offsets: Arc::clone(&self.emitter_offsets),
             direct: Arc::clone(&self.direct),
             sensor_medium: self.sensor_medium,
@@ -388,17 +397,29 @@ impl<const N: usize> Scene<N> {
         &self.media[(row as usize).min(self.media.len() - 1)]
     }
 
-    /// Where the forward peak ends of what was met ([`Medium::peak`]).
-    pub fn peak_at(&self, met: Met) -> f32 {
+    /// Where the peak ends of what was met, about the direction straight on in a medium
+    /// ([`Medium::peak`]), and about the mirrored one on the surface of a primitive
+    /// ([`super::surface::Surface::peak`]).
+    #[inline(always)]
+    pub fn peak_at(&self, met: Met, primitive: u32) -> f32 {
         match met {
+            Met::Surface(_) if self.has_narrow_facets => self.material_at(primitive).peak,
             Met::Surface(_) => 0.0,
             Met::Medium(row) => self.medium(row).peak,
         }
     }
 
-    /// Whether some media have forward peaks.
+    /// Whether what was met may have a peak.
+    pub fn may_peak(&self, met: Met) -> bool {
+        match met {
+            Met::Surface(_) => self.has_narrow_facets,
+            Met::Medium(row) => self.medium(row).peak > 0.0,
+        }
+    }
+
+    /// Whether some media or surfaces have peaks.
     pub fn has_peaks(&self) -> bool {
-        self.media.iter().any(|medium| medium.peak > 0.0)
+        self.has_narrow_facets || self.media.iter().any(|medium| medium.peak > 0.0)
     }
 
     /// The medium on the side of a surface that is entered, for a path in the medium `before`, and

@@ -21,7 +21,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::facing::Facing;
 use super::model::{Connecting, Drawn, ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, Reflected, Rough, is_above, missing};
+use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
 use crate::math::{F32s, Vector};
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{
@@ -95,6 +95,10 @@ impl<const N: usize> Surface for MetallicRoughness<N> {
             of_metal + (1.0 - metallic) * of_coat.mean + color[n] * (1.0 - of_coat.mean)
         };
         strongest::<N>(std::array::from_fn(all)).min(1.0)
+    }
+
+    fn peak(&self) -> f32 {
+        peak(self.alpha)
     }
 }
 

@@ -247,7 +247,7 @@ macro_rules! declare {
             }
 
             /// Appends the material's parameters to the table of its model.
-            fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> (u32, f32) {
+            fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> Added {
                 match *model {
                     $(SurfaceModel::$end { $($end_of),* } => {
                         append(&mut self.$end_table, <$end_model>::of($($end_of),*))
@@ -436,6 +436,8 @@ pub struct Material {
     pub two_sided: bool,
     /// The probability with which roulette lets a path go on.
     pub survival: f32,
+    /// Where the peak about the mirrored direction ends; see [`Surface::peak`].
+    pub peak: f32,
     /// Whether there are holes in it, or places that let some light straight on.
     pub has_holes: bool,
 }
@@ -493,13 +495,13 @@ impl<const N: usize> Surfaces<N> {
         let mut surfaces = Self::default();
         for (index, &baked::Material { model, two_sided }) in baked.iter().enumerate() {
             let textures = painting.and_then(|painting| painting.of(index));
-            let (row, scattered) = surfaces.add(&model);
-            let survival = scattered.clamp(SURVIVAL_MIN, 1.0);
+            let Added { row, scattered, peak } = surfaces.add(&model);
             surfaces.materials.push(Material {
                 kind: SurfaceKind::of(&model),
                 row,
                 two_sided,
-                survival,
+                survival: scattered.clamp(SURVIVAL_MIN, 1.0),
+                peak,
                 has_holes: textures.is_some_and(|textures| textures.coverage.is_some()),
             });
         }
@@ -513,7 +515,7 @@ impl<const N: usize> Surfaces<N> {
             true => SurfaceModel::DispersiveDielectric { ior, exterior_ior },
             false => SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] },
         };
-        self.add(&model).0
+        self.add(&model).row
     }
 
     /// Whether light may go on at one wavelength alone.
@@ -523,7 +525,7 @@ impl<const N: usize> Surfaces<N> {
 
     /// The row that a model becomes in its table.
     pub fn append(&mut self, model: &SurfaceModel<[f32; N]>) -> u32 {
-        self.add(model).0
+        self.add(model).row
     }
 
     /// The materials, in the order of the baked ones.
@@ -536,10 +538,19 @@ impl<const N: usize> Surfaces<N> {
 /// The least probability of going on, so that no path gains too much where it is let.
 pub const SURVIVAL_MIN: f32 = 0.05;
 
-/// The row that `model` becomes, and what it scatters.
-fn append<M: Surface>(table: &mut Vec<M>, model: M) -> (u32, f32) {
+/// What a material has become.
+struct Added {
+    /// The row in the table of its model.
+    row: u32,
+    /// See [`Surface::scattered`].
+    scattered: f32,
+    /// See [`Surface::peak`].
+    peak: f32,
+}
+
+fn append<M: Surface>(table: &mut Vec<M>, model: M) -> Added {
     table.push(model);
-    (table.len() as u32 - 1, model.scattered())
+    Added { row: table.len() as u32 - 1, scattered: model.scattered(), peak: model.peak() }
 }
 
 #[cfg(test)]

@@ -27,6 +27,13 @@ pub trait Surface: Copy {
     /// enough to steer roulette by. It looks at neither the path's throughput nor its
     /// polarization (polarizers: of unpolarized light; conductors: at normal incidence).
     fn scattered(&self) -> f32;
+
+    /// How far about the mirrored direction, as `half_sine2`, light is reflected so narrowly that
+    /// hardly any photon comes along the right way: closer than this, none merge but paths go on.
+    /// 0 where it is not.
+    fn peak(&self) -> f32 {
+        0.0
+    }
 }
 
 /// The largest of the values.

@@ -14,7 +14,9 @@ use super::facing::Facing;
 use super::model::Drawn;
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::{TERMS, mean_over_cosines};
-use crate::polarization::{Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel};
+use crate::polarization::{
+    ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel,
+};
 
 /// Least share of what is missing, on the average, for which there is a lobe.
 const MISSING_MIN: f32 = 1e-4;
@@ -23,6 +25,23 @@ const TINY: f32 = 1e-30;
 /// Least density that is said of a drawn direction: of those below the surface, which carry
 /// nothing, it would be zero.
 const PDF_MIN: f32 = 1e-12;
+
+/// Roughness from which on photons merge whatever their directions.
+const NARROW: f32 = 0.2;
+/// Slopes of facets in the peak, over the roughness: beyond it GGX has a hundredth of its most.
+const PEAK: f32 = 3.0;
+
+/// The end of the peak of facets of this roughness; see [`Surface::peak`]. A mirror that is turned
+/// by an angle turns light by twice that.
+///
+/// [`Surface::peak`]: super::model::Surface::peak
+pub fn peak(alpha: f32) -> f32 {
+    if alpha >= NARROW {
+        return 0.0;
+    }
+    let slope = PEAK * alpha.max(ALPHA_MIN);
+    slope * slope / (1.0 + slope * slope)
+}
 
 /// The Mueller matrix of what facets of one normal reflect: a sum of blocks about the same axis.
 #[derive(Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use super::facing::Facing;
 use super::model::{Connecting, Drawn, ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, Reflected, Rough, is_above, missing};
+use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
 use crate::math::{F32s, Vector};
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{
@@ -49,6 +49,10 @@ impl<const N: usize> Surface for RoughConductor<N> {
         let missing = 1.0 - self.albedo.mean;
         let all = |n: usize| single[n] * self.albedo.mean + multiple[n] * missing;
         strongest::<N>(std::array::from_fn(all)).min(1.0)
+    }
+
+    fn peak(&self) -> f32 {
+        peak(self.alpha)
     }
 }
 

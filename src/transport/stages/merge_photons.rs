@@ -9,6 +9,7 @@ use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::painting::SceneAt;
 use crate::scattering::phase::half_sine2;
+use crate::scattering::surface::model::reflect;
 use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::transport::clearing::{Clearing, Nearby};
@@ -52,9 +53,8 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     order.sort(&surfaces.position, rows.clone(), map.grid.cells());
     let (per_volume, radius) = (map.per_volume(), map.radius);
     let (kernel, met) = (Kernel { per_volume, radius, around }, event.met);
-    let peak = F32s::splat(scene.peak_at(met));
-    let at = scene.scene;
-    let gather = Gather { measured, paths, surfaces, scene: at, kernel, met, length_max, peak };
+    let scene = scene.scene;
+    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max };
     let grid = &map.grid;
     let points = &surfaces.position;
     for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));
@@ -101,8 +101,22 @@ struct Gather<'a, const N: usize, C> {
     met: Met,
     /// Most segments of a photon's path.
     length_max: u32,
-    /// Photons within this of forwards, as `half_sine2`, do not count: paths go on there.
-    peak: F32s,
+}
+
+/// Photons whose directions are within `end` of `k_in`, as `half_sine2`, do not count: paths go on
+/// there.
+#[derive(Clone, Copy)]
+struct Peak {
+    k_in: Vector<F32s>,
+    end: F32s,
+}
+
+impl Peak {
+    /// The mask of the photons along `k_in` that count.
+    #[inline(always)]
+    fn leaves(&self, k_in: Vector<F32s>) -> F32s {
+        half_sine2(k_in, self.k_in).simd_ge(self.end)
+    }
 }
 
 impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
@@ -149,6 +163,21 @@ impl<const N: usize, C: SensorSide<N>> Gather<'_, N, C> {
     #[inline(always)]
     fn direction(&self, row: usize) -> Vector<F32s> {
         Vector::splat(lanes::row_of(&self.paths.rays.direction, row))
+    }
+
+    /// The peak of the vertex in row `query`.
+    #[inline(always)]
+    fn peak(&self, query: usize) -> Peak {
+        let k_out = -self.direction(query);
+        let k_in = match self.met {
+            Met::Medium(_) => k_out,
+            Met::Surface(_) => {
+                let normal = lanes::row_of(&self.surfaces.shading_normal, query);
+                reflect(k_out, Vector::splat(normal))
+            }
+        };
+        let end = self.scene.peak_at(self.met, self.surfaces.primitive[query]);
+        Peak { k_in, end: F32s::splat(end) }
     }
 
     /// What a row makes of a sum over photons that is to gain so much; `factor` is the same in all
@@ -296,6 +325,7 @@ struct UnevenState<V, S> {
     collapsed: bool,
     sums: S,
     pending: Pending,
+    peak: Peak,
     /// Where light leaves towards the sensor.
     k_out: Vector<F32s>,
     /// The x axis of the frame in which Stokes vectors are summed.
@@ -343,11 +373,11 @@ fn add_scattered<const N: usize>(
     sums: &mut [F32s; N],
     (vertex, collapsed): (&impl Vertices<N>, bool),
     photons: &PhotonTable<N>,
-    (k_out, peak): (Vector<F32s>, F32s),
+    (k_out, peak): (Vector<F32s>, Peak),
     (rows, within): (&[u32; LANES], F32s),
 ) {
     let k_in = photons.directions_of(rows);
-    let within = within & half_sine2(k_in, k_out).simd_ge(peak);
+    let within = within & peak.leaves(k_in);
     let scattered = vertex.merge(k_in, k_out);
     let powers: [F32s; N] = powers_met(collapsed, |n| photons.power_of(rows, n));
     for (n, sum) in sums.iter_mut().enumerate() {
@@ -373,6 +403,7 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
             collapsed: has_collapsed(&self.gather.paths.beta, query),
             sums: [F32s::splat(0.0); N],
             pending: Pending::default(),
+            peak: self.gather.peak(query),
             k_out,
             axis: k_out,
         }
@@ -386,20 +417,18 @@ impl<const N: usize, S: Scatterer<N>, C: SensorSide<N>> PhotonVisitor<N> for Une
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { clearing, vertex, collapsed, sums, pending, k_out, .. } = state;
-        let (peak, within) =
-            (self.gather.peak, self.gather.counting(clearing, photons, row, within));
+        let UnevenState { clearing, vertex, collapsed, sums, pending, peak, k_out, .. } = state;
+        let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
             let at = (&*vertex, *collapsed);
-            add_scattered(sums, at, photons, (*k_out, peak), (rows, within));
+            add_scattered(sums, at, photons, (*k_out, *peak), (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { clearing, vertex, collapsed, mut sums, pending, k_out, .. } = state;
+        let UnevenState { clearing, vertex, collapsed, mut sums, pending, peak, k_out, .. } = state;
         let Some(Clearing { gain, .. }) = clearing else { return };
-        let peak = self.gather.peak;
         pending.finish(|rows, within| {
             let at = (&vertex, collapsed);
             add_scattered(&mut sums, at, self.photons, (k_out, peak), (rows, within));
@@ -423,11 +452,11 @@ fn add_polarized<const N: usize, const COMMON: bool>(
     sums: &mut [Stokes<F32s>; N],
     (vertex, collapsed): (&impl Vertices<N>, bool),
     photons: &PhotonTable<N>,
-    (k_out, axis_out, peak): (Vector<F32s>, Vector<F32s>, F32s),
+    (k_out, axis_out, peak): (Vector<F32s>, Vector<F32s>, Peak),
     (rows, within): (&[u32; LANES], F32s),
 ) {
     let k_in = photons.directions_of(rows);
-    let within = within & half_sine2(k_in, k_out).simd_ge(peak);
+    let within = within & peak.leaves(k_in);
     let (shares, (kernels, axis)) = vertex.merge_polarized(k_in, k_out);
     let x = k_in.any_perpendicular();
     let arrival = Arrival::between(x, axis, k_in);
@@ -468,6 +497,7 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
             collapsed: has_collapsed(&self.gather.paths.beta, query),
             sums: [Stokes([F32s::splat(0.0); 4]); N],
             pending: Pending::default(),
+            peak: self.gather.peak(query),
             k_out,
             axis: k_out.any_perpendicular(),
         }
@@ -481,20 +511,21 @@ impl<const N: usize, const COMMON: bool, S: Scatterer<N>, C: SensorSide<N>> Phot
         within: F32s,
         photons: &PhotonTable<N>,
     ) {
-        let UnevenState { clearing, vertex, collapsed, sums, pending, k_out, axis } = state;
+        let UnevenState { clearing, vertex, collapsed, sums, pending, peak, k_out, axis } = state;
         let within = self.gather.counting(clearing, photons, row, within);
         pending.add(row, within, |rows, within| {
-            let (at, out) = ((&*vertex, *collapsed), (*k_out, *axis, self.gather.peak));
+            let (at, out) = ((&*vertex, *collapsed), (*k_out, *axis, *peak));
             add_polarized::<N, COMMON>(sums, at, photons, out, (rows, within));
         });
     }
 
     #[inline(always)]
     fn finish(&mut self, row: usize, state: Self::State) {
-        let UnevenState { clearing, vertex, collapsed, mut sums, pending, k_out, axis } = state;
+        let UnevenState { clearing, vertex, collapsed, mut sums, pending, peak, k_out, axis } =
+            state;
         let Some(Clearing { gain, .. }) = clearing else { return };
         pending.finish(|rows, within| {
-            let (at, out) = ((&vertex, collapsed), (k_out, axis, self.gather.peak));
+            let (at, out) = ((&vertex, collapsed), (k_out, axis, peak));
             add_polarized::<N, COMMON>(&mut sums, at, self.photons, out, (rows, within));
         });
         let gather = &mut self.gather;
