@@ -1,10 +1,10 @@
 //! What surfaces of microfacets reflect in all, by the angle of the light, of what arrives: the
 //! rest has met other facets, which the model of single reflections leaves out.
 //!
-//! It is integrated for a grid of roughnesses, where that is asked for, and kept as a polynomial in the root of the
-//! cosine. With roughnesses from 0.2 on, it is off by 0.006 at most, mostly by 0.001; with less, by
-//! 0.014 towards grazing, and by up to 0.09 within two degrees of it. What is built on it reflects
-//! as much less or more, and is as reciprocal as ever.
+//! It is integrated for a grid of roughnesses, where that is asked for, and kept as a polynomial in
+//! the root of the cosine. With roughnesses from 0.2 on, it is off by 0.006 at most, mostly by
+//! 0.001; with less, by 0.014 towards grazing, and by up to 0.09 within two degrees of it. What is
+//! built on it reflects as much less or more, and is as reciprocal as ever.
 //!
 //! Kulla and Conty 2017 ("Revisiting physically based shading at Imageworks") make of such an
 //! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
