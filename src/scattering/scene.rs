@@ -172,14 +172,19 @@ impl<const N: usize> Scene<N> {
             event_of_hit,
             surfaces,
         };
+        scene.look_about();
+        scene
+    }
+
+    /// Finds what follows from all that is there.
+    fn look_about(&mut self) {
         // Light that only photons find must not be left out of what they count for.
         let is_narrow = |material: &Material| material.peak > 0.0;
-        scene.has_narrow_facets =
-            scene.surfaces.materials().iter().any(is_narrow) && !scene.hides_lamps();
-        scene.aim_light_paths();
-        let emitters = &scene.optics.emitters;
-        scene.glimpses = Arc::new(Glimpses::new(&scene.shapes, emitters, &scene.sensor));
-        scene
+        self.has_narrow_facets =
+            self.surfaces.materials().iter().any(is_narrow) && !self.hides_lamps();
+        self.aim_light_paths();
+        let emitters = &self.optics.emitters;
+        self.glimpses = Arc::new(Glimpses::new(&self.shapes, emitters, &self.sensor));
     }
 
     /// The same scene at other wavelengths: places, trees, choices and what has been learned are

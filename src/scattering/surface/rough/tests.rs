@@ -7,6 +7,7 @@ use crate::math::hash::{combine, mix};
 use crate::math::{LANES, lanes};
 use crate::polarization::kernel::Kernel;
 use crate::polarization::{Distribution, Rotation, Stokes};
+use crate::scattering::phase::half_sine2;
 use crate::scattering::surface::metallic_roughness::MetallicRoughness;
 use crate::scattering::surface::model::{Connecting, LaneRows, ModelLanes, Surface};
 use crate::scattering::surface::rough_conductor::RoughConductor;
@@ -378,8 +379,7 @@ fn no_light_is_polarized_more_than_wholly() {
             directions(numbers.lanes() * F32s::splat(2.0) - F32s::splat(1.0), numbers.lanes());
         let Stokes(s) = kernel.scatter(Stokes([F32s::splat(1.0), pure.x, pure.y, pure.z]));
         let polarized = (s[1] * s[1] + s[2] * s[2] + s[3] * s[3]).sqrt();
-        let lanes = lanes::each(|lane| lane);
-        for lane in lanes {
+        for lane in 0..LANES {
             let [s0, polarized, value] = [s[0], polarized, value].map(|it| it.to_array()[lane]);
             if value > 0.0 {
                 assert!(polarized <= s0 + 1e-5, "{polarized} of {s0}, {model:?}");
@@ -429,6 +429,26 @@ fn hardly_rough_metal_is_as_smooth_metal() {
             }
         }
     }
+}
+
+/// Of GGX, facets with slopes above three alpha are a tenth.
+#[test]
+fn peaks_hold_nine_tenths_of_what_is_reflected_straight_back() {
+    let alpha = 0.1;
+    let model = Model::lossless(alpha, Distribution::Ggx, false);
+    let given = Vector::splat([0.0, 0.0, 1.0]);
+    let (mut numbers, mut outside) = (Numbers(6000), 0);
+    const PACKETS: usize = 1000;
+    for _ in 0..PACKETS {
+        let drawn = model.draw(given, [numbers.lanes(), numbers.lanes()]).direction;
+        let is_outside = half_sine2(given, drawn).simd_ge(F32s::splat(peak(alpha)));
+        outside += is_outside.to_bitmask().count_ones();
+    }
+    // Five standard errors: by chance in one of two million.
+    let share = f64::from(outside) / (PACKETS * LANES) as f64;
+    let error = (0.1 * 0.9 / (PACKETS * LANES) as f64).sqrt();
+    assert!((share - 0.1).abs() < 5.0 * error, "{share}");
+    assert_eq!([peak(NARROW), peak(1.0)], [0.0; 2]);
 }
 
 /// Unpolarized light at Brewster's angle on rough glass of which nothing but the coat reflects:
