@@ -16,6 +16,7 @@ use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::settings::AUTO;
 use crate::render::{Mode, Part};
+use crate::scene::LightChoice;
 use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
@@ -159,6 +160,24 @@ impl ValueEnum for SamplingName {
     }
 }
 
+/// What shines where nothing does, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightName(pub LightChoice);
+
+impl ValueEnum for LightName {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self(LightChoice::Auto), Self(LightChoice::None)]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            LightChoice::Auto => "A neutral sky",
+            LightChoice::None => "Nothing: the scene is refused",
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
+    }
+}
+
 /// Formats of statistics and reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsFormat {
@@ -259,9 +278,17 @@ pub struct RenderArguments {
     /// Height in pixels [default: from the width and the camera's aspect]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
     pub height: Option<u32>,
-    /// Name of the camera or of its node, or #0, #1, ... by the file's order [default: the first]
+    /// Name of the camera or of its node, or 0, 1, ... by the file's order; `auto` puts one in that
+    /// sees all of the scene [default: the first, and auto where there is none]
     #[arg(long, value_name = "NAME", help_heading = FILM)]
     pub camera: Option<String>,
+    /// What shines where nothing in the scene does
+    #[arg(long, value_enum, default_value = "auto", value_name = "NAME", help_heading = FILM)]
+    pub light: LightName,
+    /// Seconds into the animations of the file [default: nothing moves: nodes and meshes are as
+    /// they are stated]
+    #[arg(long, value_name = "SECONDS", help_heading = FILM)]
+    pub time: Option<f64>,
 
     /// Checkpoints.
     #[command(flatten)]

@@ -207,11 +207,9 @@ fn why_no_variances(replicates: u32) -> &'static str {
 /// The world of the scene, of which there are warnings to be said, in its place; none of these
 /// outputs is among its files.
 fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<PlacedWorld, CliError> {
-    let reading = Reading {
-        camera: arguments.camera.as_deref(),
-        allow_outside: arguments.files.allow_outside,
-    };
-    let world = scene::load_with(&arguments.scene, reading)?;
+    let reading =
+        Reading { view: job::view(arguments)?, allow_outside: arguments.files.allow_outside };
+    let world = scene::load_with(&arguments.scene, &reading)?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
     let said = world.warnings().len();
     let warn = |warning: &str| say(format_args!("warning: {warning}"));

@@ -11,6 +11,7 @@ pub mod emitter;
 mod error;
 mod gltf;
 pub mod instanced;
+mod view;
 pub mod warnings;
 pub mod world;
 
@@ -23,4 +24,5 @@ pub use self::gltf::{
     Edit, Editable, EditedFile, Reading, SceneFile, extension_keys, keys_of_kind, load,
     load_from_memory, load_with,
 };
+pub use self::view::{AUTO, LightChoice, View};
 pub use self::world::World;

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::{data_uri, glb, good, load_bytes, load_json, scratch, square_bytes};
 use serde_json::{Value, json};
-use sunstone::internals::scene::{Reading, bake, load, load_with};
+use sunstone::internals::scene::{LightChoice, Reading, View, bake, load, load_with};
 use sunstone::internals::spectrum::Carried;
 
 /// What is done to the good document, and what the error must say.
@@ -74,7 +74,7 @@ fn structure() {
             },
             &["no scene"],
         ),
-        (|d| d["scenes"][0]["nodes"] = json!([1, 2]), &["no camera"]),
+        (|d| d["scenes"][0]["nodes"] = json!([0, 3, 9]), &["9 is not an index"]),
         (|d| d["nodes"][1]["mesh"] = json!(7), &["node 1 \"panel\", mesh", "7", "2 meshes"]),
         (|d| d["nodes"][1]["mesh"] = json!(4_294_967_296u64), &["node 1", "4294967296"]),
         (|d| d["nodes"][1]["mesh"] = json!(-1), &["node 1 \"panel\", mesh", "-1"]),
@@ -431,12 +431,14 @@ fn a_camera_that_is_not_there_lists_those_that_are() {
         "orthographic": {"xmag": 1.0, "ymag": 1.0, "znear": 0.1, "zfar": 9.0}});
     document["cameras"].as_array_mut().unwrap().push(second);
     fs::write(&path, document.to_string()).unwrap();
-    let load = |name| load_with(&path, Reading { camera: Some(name), ..Reading::default() });
-    for (name, height) in [("eye", "5.0000"), ("lens", "5.0000"), ("#0", "5."), ("#1", "7.0000")] {
+    let load = |name| load_with(&path, &Reading { view: View::by(name), ..Reading::default() });
+    for (name, height) in
+        [("eye", "5.0000"), ("lens", "5.0000"), ("#0", "5."), ("#1", "7.0000"), ("1", "7.")]
+    {
         let text = load(name).unwrap().describe();
         assert!(text.contains(&format!("at (0.0000, 0.0000, {height}")), "{name}: {text}");
     }
-    for name in ["nose", "#2", "#-1", "#x", ""] {
+    for name in ["nose", "#2", "2", "#-1", "#x", ""] {
         let error = load(name).unwrap_err().to_string();
         assert!(error.contains(&format!("`{name}`")), "{error}");
         assert!(error.contains("the cameras are #0 eye or lens, #1"), "{error}");
@@ -560,7 +562,10 @@ fn what_only_the_bake_can_see() {
     let mut dark = good();
     dark["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     dark["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(0);
-    let world = load_json(&dark).unwrap();
+    let path = scratch("dark.gltf");
+    fs::write(&path, dark.to_string()).unwrap();
+    let view = View { light: LightChoice::None, ..View::default() };
+    let world = load_with(&path, &Reading { view, ..Reading::default() }).unwrap();
     let error = bake(&world, &Carried::RGB).unwrap_err();
     assert!(error.to_string().contains("nothing in the scene emits"), "{error}");
     assert_eq!(error.place(), "lights");

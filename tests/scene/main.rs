@@ -4,6 +4,7 @@ mod built;
 mod common;
 mod errors;
 mod far;
+mod framed;
 mod fuzz;
 mod meaning;
 mod media;

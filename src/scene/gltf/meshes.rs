@@ -93,6 +93,7 @@ impl Import<'_> {
         let geometry = match is_of_triangles(primitive.mode, place) {
             Ok(true) => self.read_geometry(key, primitive, place),
             Ok(false) => {
+                self.has_lines = true;
                 self.warnings.add(place, "points and lines have no surface and are skipped");
                 Ok(None)
             }
