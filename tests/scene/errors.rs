@@ -60,17 +60,18 @@ fn structure() {
         (|d| d["asset"]["version"] = json!("1.0"), &["asset.version", "glTF 2.0"]),
         (
             |d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
-            &["extensionsRequired", "`KHR_draco_mesh_compression`", "export without"],
+            &["extensionsRequired", "`KHR_draco_mesh_compression`", "gltf-pipeline"],
         ),
         (
             |d| d["extensionsRequired"] = json!(["A", "B"]),
-            &["extensionsRequired: `A`, `B` are not supported"],
+            &["`A` is not supported", "`B` is not supported", "export without"],
         ),
         (|d| d["scenes"] = json!([]), &["scene: 0 is not an index", "0 scenes"]),
         (
             |d| {
                 d["scenes"] = json!([]);
                 d["scene"] = Value::Null;
+                d["nodes"] = json!([]);
             },
             &["no scene"],
         ),
@@ -107,7 +108,8 @@ fn structure() {
 #[test]
 fn transforms() {
     refused(&[
-        (|d| d["nodes"][1]["scale"] = json!([1, 0, 1]), &["node 1 \"panel\"", "singular"]),
+        (|d| d["nodes"][2]["scale"] = json!([1, 0, 1]), &["node 2 \"ball\"", "singular"]),
+        (|d| d["nodes"][3]["scale"] = json!([1, 0, 1]), &["node 3 \"lamp\"", "singular"]),
         (
             |d| d["nodes"][1]["scale"] = json!([1e200, 1e200, 1]),
             &["node 1 \"panel\"", "not finite"],

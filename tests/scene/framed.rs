@@ -63,7 +63,7 @@ fn things() -> Vec<(Geometry, DAffine3)> {
         [1e-9, 2e-9, 3e-9],
         [3e6, 1e6, 1e6],
     ];
-    let places = [DVec3::ZERO, DVec3::new(1e3, -2e3, 5e2), DVec3::new(-30.0, 40.0, 70.0)];
+    let places = [DVec3::ZERO, DVec3::new(100.0, -50.0, 20.0), DVec3::new(-30.0, 40.0, 70.0)];
     let mut things = Vec::new();
     for (index, size) in sizes.into_iter().enumerate() {
         for (turn, place) in places.into_iter().enumerate() {

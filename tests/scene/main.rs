@@ -9,6 +9,7 @@ mod fuzz;
 mod meaning;
 mod media;
 mod mended;
+mod moving;
 mod reference;
 mod refused;
 mod room;

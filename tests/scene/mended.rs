@@ -62,7 +62,7 @@ fn what_nobody_reads_may_be_wrong() {
     document["materials"][1]["occlusionTexture"] = json!({"index": 3});
     let said = warnings(&document);
     assert_eq!(said.lines().count(), 2, "{said}");
-    assert!(said.contains("animations are ignored") && said.contains("material 1"), "{said}");
+    assert!(said.contains("nothing moves") && said.contains("material 1"), "{said}");
     assert_eq!(baked(&document).shapes.triangles.len(), 2);
 }
 

@@ -6,6 +6,7 @@
 //! what was edited, and `unused` checks what is edited and not seen.
 
 mod accessors;
+mod animations;
 mod cameras;
 mod document;
 mod edit;
@@ -13,6 +14,7 @@ mod edited;
 mod extension;
 mod files;
 mod hierarchy;
+mod instances;
 mod lights;
 mod materials;
 mod media;
@@ -20,6 +22,7 @@ mod meshes;
 mod particles;
 mod phase_matrix;
 mod places;
+mod poses;
 mod spectra;
 mod unused;
 mod validate;
@@ -133,14 +136,27 @@ impl SceneFile {
     /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
     pub fn world(&self, view: &View, edits: &[Edit]) -> Result<World, SceneError> {
         let import = || {
-            let mut world = match edits {
-                [] => self.import(&self.document, view, edits)?,
-                _ => self.import(&self.document.edited(edits)?, view, edits)?,
+            let mut warnings = Warnings::default();
+            let moved = match view.time {
+                Some(time) => Some(self.document.moved(time, &mut warnings)?),
+                None if animations::has_any(&self.document) => {
+                    let text = "nothing moves: nodes and meshes are as the file states them \
+                                (--time SECONDS shows a moment)";
+                    warnings.add("animations", text);
+                    None
+                }
+                None => None,
+            };
+            let document = moved.as_ref().unwrap_or(&self.document);
+            let (mut world, is_dark) = match edits {
+                [] => self.import(document, view, edits)?,
+                _ => self.import(&document.edited(edits)?, view, edits)?,
             };
             // A lamp that an edit has turned off is off.
-            if view.light == LightChoice::Auto && !world.emits() && self.is_dark(edits) {
+            if view.light == LightChoice::Auto && is_dark && self.is_dark(edits) {
                 world.light_up()?;
             }
+            world.warnings.splice(0..0, warnings.sentences());
             Ok(world)
         };
         import().map_err(|error: SceneError| error.in_file(&self.path))
@@ -149,18 +165,19 @@ impl SceneFile {
     /// Whether the file emits no light without the edits, or nobody can tell.
     fn is_dark(&self, edits: &[Edit]) -> bool {
         let is_dark = || {
-            let world = self.import(&self.document, &View::default(), &[]);
-            world.map_or(true, |world| !world.emits())
+            let imported = self.import(&self.document, &View::default(), &[]);
+            imported.map_or(true, |(_, is_dark)| is_dark)
         };
         edits.is_empty() || *self.is_dark.get_or_init(is_dark)
     }
 
+    /// A world, and whether nothing in it sheds light on other things.
     fn import(
         &self,
         document: &Document,
         view: &View,
         edits: &[Edit],
-    ) -> Result<World, SceneError> {
+    ) -> Result<(World, bool), SceneError> {
         let mut import = Import::new(document, &self.geometries);
         let scene = import.scene()?;
         import.add_scene(scene, view)?;
@@ -176,7 +193,8 @@ impl SceneFile {
         if import.wants_frame {
             world.frame().map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
         }
-        Ok(world)
+        let is_dark = !import.has_sky && !world.emits(&import.unlit);
+        Ok((world, is_dark))
     }
 }
 
@@ -215,12 +233,17 @@ struct Import<'a> {
     volumes: BTreeMap<usize, Filling>,
     /// What has been read for other worlds of the same file.
     shared: &'a ReadGeometries,
-    /// Triangles or what is wrong with them, by mesh and primitive.
-    geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
+    /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves their
+    /// vertices, if one does.
+    geometries: BTreeMap<(usize, usize, Option<usize>), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
     /// Whether a camera is to be put in.
     wants_frame: bool,
+    /// Materials that emit because they look the same in any light, and not to shed any.
+    unlit: Vec<Entity>,
+    /// Whether the file says what comes from outside, be it nothing.
+    has_sky: bool,
     /// Whether points or lines were skipped.
     has_lines: bool,
 }
@@ -233,9 +256,6 @@ impl<'a> Import<'a> {
             let text = format!("extensions that are not known are ignored: {}", listed(unknown));
             warnings.add_like("extensions", "", &text);
         }
-        if document.value["animations"].as_array().is_some_and(|all| !all.is_empty()) {
-            warnings.add("", "animations are ignored");
-        }
         Self {
             document,
             world: World::new(""),
@@ -247,6 +267,8 @@ impl<'a> Import<'a> {
             geometries: BTreeMap::new(),
             elements: 0,
             wants_frame: false,
+            unlit: Vec::new(),
+            has_sky: false,
             has_lines: false,
         }
     }
@@ -260,8 +282,15 @@ impl<'a> Import<'a> {
     }
 
     /// The scene to load: the default one, else the first.
-    fn scene(&self) -> Result<usize, SceneError> {
+    fn scene(&mut self) -> Result<usize, SceneError> {
         let root = &self.document.root;
+        if root.scene.is_none() && root.scenes.len() > 1 {
+            let text = format!(
+                "the file has {} scenes and does not say which to show: the first is shown",
+                root.scenes.len()
+            );
+            self.warnings.add_like("scenes", "scene", &text);
+        }
         let scene = root.scene.map_or(0, |scene| scene.value());
         if scene < root.scenes.len() {
             return Ok(scene);
@@ -273,6 +302,7 @@ impl<'a> Import<'a> {
         let nodes = hierarchy::placed_nodes(self.document, scene, &mut self.warnings)?;
         self.add_media(scene)?;
         let mut findings = Findings::default();
+        findings.note(validate::check_required(&self.document.value));
         for node in &nodes {
             findings.note(self.add_node(node));
             if self.is_full() {
@@ -288,9 +318,6 @@ impl<'a> Import<'a> {
         let node = &self.document.root.nodes[placed.node];
         let label = self.document.label("nodes", placed.node);
         let body = Body::of(&self.document.value["nodes"][placed.node], &label, &NODE)?;
-        if node.skin.is_some() {
-            self.warnings.add(&label, "the skin is ignored, the mesh stays in its bind pose");
-        }
         let boundary = self.boundary(&body)?;
         if body.has("shape") || body.has("sphere_radius") {
             self.add_sphere(placed, &body, boundary)?;
@@ -298,7 +325,7 @@ impl<'a> Import<'a> {
             let remedy = "add `shape` or `sphere_radius`; meshes have materials of their own";
             return Err(SceneError::new(body.field("material"), "belongs to a sphere", remedy));
         } else if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh.value(), &body, boundary, placed.to_world)?;
+            self.add_mesh(mesh.value(), &body, boundary, placed)?;
         } else if let Some(key) =
             ["interior", "exterior", "priority"].into_iter().find(|key| body.has(key))
         {
@@ -400,6 +427,7 @@ impl<'a> Import<'a> {
             };
             put.map_err(|fault| environment.place(fault))?;
             found = Some(field);
+            self.has_sky = true;
         }
         Ok(())
     }

@@ -157,9 +157,10 @@ impl World {
         &self.put_in
     }
 
-    /// Whether anything shines.
-    pub(in crate::scene) fn emits(&self) -> bool {
-        let of: Vec<Entity> = self.in_order::<&MadeOf, _>(|of| of.0);
+    /// Whether anything shines but some materials.
+    pub(in crate::scene) fn emits(&self, but: &[Entity]) -> bool {
+        let of = self.in_order::<&MadeOf, _>(|of| of.0).into_iter();
+        let of: Vec<Entity> = of.filter(|material| !but.contains(material)).collect();
         let mut glowing = of.iter().filter_map(|it| self.entities.get::<&Emission>(*it).ok());
         let shines = |values: &[f32]| values.iter().any(|value| *value > 0.0);
         glowing.any(|it| shines(&it.radiance.values()))
