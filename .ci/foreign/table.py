@@ -1,16 +1,19 @@
 """Renders glTF files of others and says in a table what became of each.
 
-    python table.py [--sunstone PROGRAM] [--validator SCRIPT] [--jobs N] [-o TABLE] FOLDER...
+    python table.py [--sunstone PROGRAM] [--validator SCRIPT | --known TABLE] [--jobs N] [-o TABLE]
+        FOLDER...
 
 Every .gltf and .glb below the folders is rendered at 64 x 64 pixels and 4 samples, by the camera and
 the light that it has or that are put in, and is counted as one of
     rendered    there is a picture, in which something can be told apart
     plain       there is a picture of one color: a failure, unless the file shows nothing
     waits       only materials or textures that are not supported yet are missing
+    empty       there is nothing in the file that could be seen, and it is refused
     refused     with the first thing that is wrong; all is well if it should be refused
     crashed, hung
 --validator is `validate.mjs` beside this script, which asks npm's gltf-validator for the number of
-errors. The table has a line for every file, and ends with the sums.
+errors; --known takes these from a former table, and fails if anything became else than there says.
+The table has a line for every file, and ends with the sums.
 """
 
 import argparse
@@ -25,9 +28,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 SECONDS = 120
-# What tells a refusal that later versions will not make.
+# What tells a refusal that later versions will not make, and that there is nothing to see.
 WAITS = ["textures are not supported yet", "is a rough metal", "is rough glass",
-         "by a partial factor", "by a partial metallicFactor"]
+         "by a partial factor", "by a partial metallicFactor", "`KHR_texture_transform`",
+         "`EXT_texture_webp`"]
+EMPTY = ["the file has no scene", "has nothing that could be seen"]
 
 
 def pixels(path):
@@ -86,8 +91,13 @@ def render(program, file, picture):
     if done.returncode not in (1, 2) or "panicked" in done.stderr:
         return "crashed", done.stderr.strip()[-200:], seconds
     wrong = troubles(done.stderr)
-    others = [line for line in wrong if not any(text in line for text in WAITS)]
-    return ("refused", others[0], seconds) if others else ("waits", wrong[0], seconds)
+    # Of very many things only the first are told.
+    told = [line for line in wrong if not (line.startswith("and ") and line.endswith(" more"))]
+    others = [line for line in told if not any(text in line for text in WAITS)]
+    if not others:
+        return "waits", wrong[0], seconds
+    is_empty = any(text in others[0] for text in EMPTY)
+    return ("empty" if is_empty else "refused"), others[0], seconds
 
 
 def verdicts(script, files):
@@ -104,6 +114,7 @@ def main():
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--sunstone", default="sunstone")
     parser.add_argument("--validator")
+    parser.add_argument("--known", type=Path)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--pictures", type=Path, help="a folder to keep them in")
@@ -112,6 +123,12 @@ def main():
     found = [(folder, path) for folder in arguments.folders for path in sorted(folder.rglob("*"))
              if path.suffix.lower() in (".gltf", ".glb") and path.is_file()]
     errors = verdicts(arguments.validator, [str(path) for _, path in found])
+    known = {}
+    if arguments.known:
+        lines = arguments.known.read_text().splitlines()[1:]
+        known = {row[0]: row for row in (line.split("\t") for line in lines) if len(row) > 3}
+        errors = {str(path): known[str(path.relative_to(root))][1] for root, path in found
+                  if str(path.relative_to(root)) in known}
     with tempfile.TemporaryDirectory() as scratch:
         folder = arguments.pictures or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
@@ -137,7 +154,10 @@ def main():
     text = "\n".join(lines) + "\n"
     arguments.output.write_text(text) if arguments.output else sys.stdout.write(text)
     print("\n".join(lines[-2:]), file=sys.stderr)
-    return any(row[2] in ("crashed", "hung") for row in rows)
+    changed = [row for row in rows if known and known.get(row[0], row)[2] != row[2]]
+    for row in changed:
+        print(f"{row[0]}: was {known[row[0]][2]}, is {row[2]}: {row[3]}", file=sys.stderr)
+    return bool(changed) or any(row[2] in ("crashed", "hung") for row in rows)
 
 
 if __name__ == "__main__":

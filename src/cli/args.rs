@@ -10,13 +10,13 @@ use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
 use super::images::{ChannelArguments, PixelText};
+use super::view::LightName;
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::settings::AUTO;
 use crate::render::{Mode, Part};
-use crate::scene::LightChoice;
 use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
@@ -155,24 +155,6 @@ impl ValueEnum for SamplingName {
             Sampling::Intensity => {
                 "What unpolarized light would do: all modes trace the same paths, and share noise"
             }
-        };
-        Some(PossibleValue::new(self.0.name()).help(help))
-    }
-}
-
-/// What shines where nothing does, by its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LightName(pub LightChoice);
-
-impl ValueEnum for LightName {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self(LightChoice::Auto), Self(LightChoice::None)]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self.0 {
-            LightChoice::Auto => "A neutral sky",
-            LightChoice::None => "Nothing: the scene is refused",
         };
         Some(PossibleValue::new(self.0.name()).help(help))
     }

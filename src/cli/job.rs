@@ -7,7 +7,6 @@ use crate::image::format::{Format, extension, extensions, named_by};
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
-use crate::scene::View;
 
 use super::CliError;
 use super::args::{PhotonArguments, RenderArguments};
@@ -69,14 +68,6 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         ..light
     };
     Ok(Settings::new(options)?)
-}
-
-/// What is seen of the scene.
-pub(super) fn view(arguments: &RenderArguments) -> Result<View, CliError> {
-    let RenderArguments { camera, light, time, .. } = arguments;
-    let view = View { camera: camera.clone(), light: light.0, time: *time };
-    view.check().map_err(|rule| CliError::Usage(format!("--time {rule}")))?;
-    Ok(view)
 }
 
 /// Checks that the output's name says what is asked for: a part, or an image in some format.

@@ -174,8 +174,8 @@ impl PlacedWorld {
         Ok(format!("{media}  {choice}\n{notes}{}", warnings.collect::<String>()))
     }
 
-    /// What is to be known of a render before it begins, a sentence each: what has been put into the
-    /// scene that it does not state ([`World::put_in`]), which integrator was
+    /// What is to be known of a render before it begins, a sentence each: what has been put into
+    /// the scene that it does not state ([`World::put_in`]), which integrator was
     /// chosen and why, if none was asked for, what the integrator does not find in this scene, and
     /// lamps from which no light gets to the camera.
     ///

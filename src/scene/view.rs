@@ -12,8 +12,8 @@ pub struct View {
     pub camera: Option<String>,
     /// What shines where nothing does.
     pub light: LightChoice,
-    /// Seconds into the file's animations, not negative; by default nothing moves, and all is as the
-    /// nodes and meshes state it.
+    /// Seconds into the file's animations, not negative; by default nothing moves, and all is as
+    /// the nodes and meshes state it.
     pub time: Option<f64>,
 }
 

@@ -161,8 +161,10 @@ fn what_is_asked_for_is_put_in_or_left_out() {
     let dark = View { light: LightChoice::None, ..View::default() };
     let world = load(&bare(), dark).unwrap();
     assert_eq!(world.put_in().len(), 1, "no sky");
-    let error = bake(&world, &Carried::RGB).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("nothing in the scene emits"), "{error}");
+    let error = bake(&world, &Carried::RGB).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("nothing in the scene emits"), "{error}");
+    assert_eq!(error.place(), "lights");
+    assert!(error.remedy().contains("add a light"));
     let error = load(&bare(), View::by("nose")).unwrap_err().to_string();
     assert!(error.contains("the scene has none; `auto` puts one in"), "{error}");
 }

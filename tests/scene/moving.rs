@@ -454,10 +454,44 @@ fn all_that_is_refused_is_told_with_what_to_do() {
 fn unlit_materials_emit_their_color_and_light_no_scene() {
     let mut document = good();
     document["scenes"][0]["nodes"] = json!([0, 1]);
-    document["materials"][0] = json!({"pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.6, 1]},
-        "extensions": {"KHR_materials_unlit": {}}});
+    let color = json!({"baseColorFactor": [0.2, 0.4, 0.6, 1]});
+    document["materials"][0] =
+        json!({"pbrMetallicRoughness": color, "extensions": {"KHR_materials_unlit": {}}});
     let world = load_json(&document).unwrap();
     assert!(world.put_in().iter().any(|it| it.what == "light"), "it is no lamp");
     let text = world.describe();
     assert!(text.contains("absorber, emits radiance [0.2, 0.4, 0.6]"), "{text}");
+}
+
+#[test]
+fn digits_that_change_in_what_moves_never_panic() {
+    let mut document = skinned([[0.5, 0.5, 0.0, 0.0]; 4]);
+    document["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
+    document["meshes"][0]["weights"] = json!([0.5]);
+    animate(&mut document, 4, "rotation", ("LINEAR", &[0.0, 1.0], &[0.5; 8]));
+    document["nodes"][2] = json!({"mesh": 0});
+    let moves = floats(&mut document, &[1.0; 6], "VEC3", 3);
+    document["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"] =
+        json!({"attributes": {"TRANSLATION": moves}});
+    assert!(at(&document, 0.5).is_ok());
+    let text = document.to_string().into_bytes();
+    let digits: Vec<usize> = (0..text.len()).filter(|&at| text[at].is_ascii_digit()).collect();
+    let path = scratch("digits.gltf");
+    // A linear congruential generator (Knuth's MMIX) suffices to choose digits.
+    let mut state = 1u64;
+    let mut next = |below: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for round in 0..1_000 {
+        let mut changed = text.clone();
+        for _ in 0..1 + round % 3 {
+            changed[digits[next(digits.len())]] = b'0' + next(10) as u8;
+        }
+        fs::write(&path, &changed).unwrap();
+        let view = View { time: (round % 2 == 0).then_some(0.5), ..View::by("auto") };
+        let world = load_with(&path, &Reading { view, ..Reading::default() });
+        let _ = world.map(|world| bake(&world, &Carried::RGB).is_ok());
+    }
 }

@@ -15,7 +15,7 @@ use crate::math::text::excerpt;
 use crate::render::Settings;
 
 use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, RenderArguments};
-use super::super::{CliError, job, numbers_may_be_negative};
+use super::super::{CliError, job, numbers_may_be_negative, view};
 
 /// Options that mean nothing for a job of many, and why.
 const REFUSED: [(&str, &str); 11] = [
@@ -98,7 +98,7 @@ impl Reader {
         }
         arguments.seed = seed.unwrap_or(arguments.seed);
         let settings = settings(&arguments).map_err(together)?;
-        let view = job::view(&arguments).map_err(|error| together(told(&error)))?;
+        let view = view::view(&arguments).map_err(|error| together(told(&error)))?;
         Ok(Order {
             index: job.index,
             name: job.name.clone(),

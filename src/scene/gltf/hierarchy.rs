@@ -19,8 +19,8 @@ pub struct PlacedNode {
     pub to_world: Transform,
 }
 
-/// All nodes below a scene that are not hidden, parents before children, in the file's order. The hierarchy has been
-/// validated, so this ends, however deep it is.
+/// All nodes below a scene that are not hidden, parents before children, in the file's order. The
+/// hierarchy has been validated, so this ends, however deep it is.
 pub fn placed_nodes(
     document: &Document,
     scene: usize,

@@ -231,9 +231,9 @@ impl Import<'_> {
             self.warnings.add_counted(at, dropped, TRIANGLES, "dropped");
         }
         if behind > 0 && behind == 3 * geometry.triangles.len() {
-            let text = "all normals are on the backs of the triangles (or missing), and are mirrored \
-                        to the fronts: the mesh may be inside out, and a material of one side is \
-                        black from behind";
+            let text = "all normals are on the backs of the triangles (or missing), and are \
+                        mirrored to the fronts: the mesh may be inside out, and a material of one \
+                        side is black from behind";
             self.warnings.add(at, text);
         } else {
             let text = "with a normal on the back of the triangle (or none): mirrored to the front";

@@ -58,8 +58,8 @@ pub struct Reading {
     pub allow_outside: bool,
 }
 
-/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it; by one that is put
-/// in if it has none, and under a neutral sky if nothing emits ([`World::put_in`]).
+/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it; by one that is
+/// put in if it has none, and under a neutral sky if nothing emits ([`World::put_in`]).
 ///
 /// # Errors
 /// With the file's name, the object and field in it, and the remedy, whenever something in the
@@ -136,6 +136,7 @@ impl SceneFile {
     /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
     pub fn world(&self, view: &View, edits: &[Edit]) -> Result<World, SceneError> {
         let import = || {
+            view.check().map_err(|rule| SceneError::new("time", rule, "leave it out"))?;
             let mut warnings = Warnings::default();
             let moved = match view.time {
                 Some(time) => Some(self.document.moved(time, &mut warnings)?),
@@ -233,8 +234,8 @@ struct Import<'a> {
     volumes: BTreeMap<usize, Filling>,
     /// What has been read for other worlds of the same file.
     shared: &'a ReadGeometries,
-    /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves their
-    /// vertices, if one does.
+    /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves
+    /// their vertices, if one does.
     geometries: BTreeMap<(usize, usize, Option<usize>), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,

@@ -13,6 +13,9 @@ use crate::scene::world::Transform;
 
 const AGAIN: &str = "export the scene again";
 
+/// Numbers of a matrix that take vertices out of all range.
+const LARGE: f64 = 1e30;
+
 /// How a mesh that hangs on a node is moved, vertex by vertex.
 pub struct Pose {
     /// The node.
@@ -57,7 +60,10 @@ impl Pose {
             return Ok((pose(weights, Motion::Skin(joints)), place));
         }
         let place = placed.to_world;
-        if place.check().is_err() {
+        if let Err(fault) = place.check() {
+            if place.0.matrix3.to_cols_array().iter().any(|number| number.abs() > LARGE) {
+                return Err(SceneError::at(&label(), fault));
+            }
             let there = DAffine3::from_translation(place.0.translation);
             let flat = DAffine3::from_mat3(place.0.matrix3);
             return Ok((pose(weights, Motion::Flat(flat)), Transform(there)));
@@ -71,8 +77,8 @@ impl Pose {
         matches!(self.motion, Motion::Flat(_))
     }
 
-    /// Whether fronts of triangles come to lie on their backs: they are to be turned round, as those
-    /// of a mesh in a mirror.
+    /// Whether fronts of triangles come to lie on their backs: they are to be turned round, as
+    /// those of a mesh in a mirror.
     pub fn mirrors(&self) -> bool {
         match &self.motion {
             Motion::None | Motion::Flat(_) => false,

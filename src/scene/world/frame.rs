@@ -81,9 +81,9 @@ pub struct PutIn {
 }
 
 impl World {
-    /// Puts a camera in, in place of that which was there, that sees all shapes, from the front (+z)
-    /// and a little from the right and above; from elsewhere if they show little there. All of it
-    /// is in the picture, whatever the shape of the film.
+    /// Puts a camera in, in place of that which was there, that sees all shapes, from the front
+    /// (+z) and a little from the right and above; from elsewhere if they show little there. All
+    /// of it is in the picture, whatever the shape of the film.
     ///
     /// ```
     /// use sunstone::world::{Bsdf, Geometry, Transform, World};
@@ -130,8 +130,8 @@ impl World {
             yfov.to_degrees()
         );
         let note = format!(
-            "a camera that sees all of the scene is {text}; to state one, add a node with a camera, \
-             and choose it with --camera NAME if there are several"
+            "a camera that sees all of the scene is {text}; to state one, add a node with a \
+             camera, and choose it with --camera NAME if there are several"
         );
         self.put_in.push(PutIn { what: "camera", text, note });
         self.warnings.extend(parts.stray(&points));
@@ -145,8 +145,9 @@ impl World {
         let text = format!("put in: a sky of radiance {SKY}, gradient {gradient:?}");
         let note = format!(
             "nothing in the scene emits: a sky is put in, brighter above; to state it, give the \
-             scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": {{\"radiance\": \
-             {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights; --light none puts in nothing"
+             scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
+             {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights; --light none \
+             puts in nothing"
         );
         self.put_in.push(PutIn { what: "light", text, note });
         Ok(())
@@ -163,9 +164,9 @@ impl World {
         let of: Vec<Entity> = of.filter(|material| !but.contains(material)).collect();
         let mut glowing = of.iter().filter_map(|it| self.entities.get::<&Emission>(*it).ok());
         let shines = |values: &[f32]| values.iter().any(|value| *value > 0.0);
-        glowing.any(|it| shines(&it.radiance.values()))
-            || self.in_order::<&Punctual, _>(|it| shines(&it.intensity.values())).contains(&true)
-            || self.in_order::<&Environment, _>(|it| shines(&it.radiance.values())).contains(&true)
+        glowing.any(|it| shines(it.radiance.values()))
+            || self.in_order::<&Punctual, _>(|it| shines(it.intensity.values())).contains(&true)
+            || self.in_order::<&Environment, _>(|it| shines(it.radiance.values())).contains(&true)
     }
 }
 
