@@ -138,7 +138,7 @@ def main():
             picture = folder / f"{number:04}-{path.stem}.png"
             kind, text, seconds = render(arguments.sunstone, path, picture)
             # Neither machine nor number of the run is to be seen in what is kept.
-            text = text.replace(str(path), path.name).removeprefix("error: ")
+            text = text.replace(str(path.parent), "").removeprefix("error: ").lstrip("/")
             row = [str(path.relative_to(root)), errors.get(str(path), "-"), kind, text[:200]]
             return row + [f"{seconds:.1f}"] * arguments.seconds
 

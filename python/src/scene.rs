@@ -86,10 +86,11 @@ struct Rendered {
 pub fn load(
     py: Python,
     path: PathBuf,
-    (camera, light, time): (Option<String>, String, Option<f64>),
+    view: (Option<String>, String, Option<f64>),
     allow_outside: bool,
     changes: &Bound<PyDict>,
 ) -> PyResult<Scene> {
+    let (camera, light, time) = view;
     let lights = [LightChoice::Auto, LightChoice::None];
     let Some(light) = lights.into_iter().find(|known| known.name() == light) else {
         return Err(SCENE_ERROR.says("light is \"auto\" or \"none\""));

@@ -388,6 +388,12 @@ fn what_a_scale_of_zero_makes_flat_is_flat() {
     let shapes = baked(&document).shapes;
     assert_near(shapes.triangles[0].corners[0], Vec3::new(2.0, -3.0, 0.0));
     assert!(warnings(&document).contains("scale of zero"));
+    // Without bytes all positions are zero.
+    let mut nowhere = good();
+    nowhere["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert!(baked(&nowhere).shapes.triangles.is_empty());
+    nowhere["accessors"][0]["count"] = json!(1 << 25);
+    assert!(load_json(&nowhere).unwrap_err().contains("zeros"));
     document["nodes"][1]["scale"] = json!([0, 0, 0]);
     assert!(baked(&document).shapes.triangles.is_empty());
     assert!(warnings(&document).contains("no triangle with an area and is skipped"));

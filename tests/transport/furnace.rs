@@ -306,10 +306,11 @@ fn stained_media_are_invisible_in_a_furnace() {
 
 /// Under a sky of mean radiance 1 and gradient g a plate of normal n receives pi (1 + 2/3 g . n).
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn plates_reflect_skies_with_a_gradient() {
     const REFLECTANCE: f32 = 0.6;
     let gradient = Vec3::new(0.3, -0.5, 0.6);
-    for (normal, up) in [(Vec3::Z, Vec3::Y), (-Vec3::Y, Vec3::Z), (Vec3::X, Vec3::Y)] {
+    for (normal, up) in [(Vec3::Z, Vec3::Y), (-Vec3::Y, Vec3::Z)] {
         let mut world = World::new("plate");
         let paint = Material::from(Bsdf::diffuse(REFLECTANCE)).two_sided();
         let paint = world.add_material("paint", paint).unwrap();
@@ -322,8 +323,13 @@ fn plates_reflect_skies_with_a_gradient() {
         world.set_camera("eye", lens, place).unwrap();
         world.set_sky(1.0, gradient).unwrap();
         let truth = REFLECTANCE * (1.0 + 2.0 / 3.0 * gradient.dot(normal));
-        for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt, Integrator::Ppm] {
-            check(&world, integrator, 32, 3, truth.into());
+        for (integrator, iterations) in [
+            (Integrator::Path, 16),
+            (Integrator::Light, 64),
+            (Integrator::Bdpt, 16),
+            (Integrator::Ppm, 16),
+        ] {
+            check(&world, integrator, iterations, 3, truth.into());
         }
         // Past the plate the sky itself is seen.
         let away = Transform::looking(eye, 2.0 * eye, up.as_dvec3());

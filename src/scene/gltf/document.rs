@@ -50,8 +50,10 @@ impl Document {
         let mut findings = Findings::default();
         for (index, buffer) in root.buffers.iter().enumerate() {
             let label = validate::label(&value, "buffers", index);
-            let read = match (validate::compression(&value["buffers"][index]), &buffer.uri) {
-                (Some(name), None) => Err(validate::unsupported(&label, name)),
+            let read = match (validate::compression_of_buffer(&value, index), &buffer.uri) {
+                (Some(name), None) if index > 0 || binary.is_none() => {
+                    Err(validate::unsupported(&label, name))
+                }
                 _ => read_buffer(buffer, index, &label, &files, binary),
             };
             buffers.extend(findings.note(read));

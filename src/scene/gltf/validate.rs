@@ -63,6 +63,13 @@ pub fn unsupported(place: &str, name: &str) -> SceneError {
     SceneError::new(place, format!("`{}` is not supported", excerpt(name, VALUE)), remedy)
 }
 
+/// The extension that a buffer's contents come from, if nobody reads it here: it stands with the
+/// buffer, or with what is seen of it.
+pub fn compression_of_buffer(value: &Value, buffer: usize) -> Option<&'static str> {
+    let views = items(&value["bufferViews"]).filter(|view| view["buffer"] == buffer);
+    std::iter::once(&value["buffers"][buffer]).chain(views).find_map(compression)
+}
+
 /// The extension that an object has its contents in, if nobody reads it here.
 pub fn compression(object: &Value) -> Option<&'static str> {
     let extensions = &object["extensions"];

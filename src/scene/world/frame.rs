@@ -146,8 +146,8 @@ impl World {
         let note = format!(
             "nothing in the scene emits: a sky is put in, brighter above; to state it, give the \
              scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
-             {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights; --light none \
-             puts in nothing"
+             {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights; \
+             --light none puts in nothing"
         );
         self.put_in.push(PutIn { what: "light", text, note });
         Ok(())
