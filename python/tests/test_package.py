@@ -852,5 +852,5 @@ def test_files_without_camera_and_light_are_shown(tmp_path: pathlib.Path) -> Non
     assert np.array_equal(again.render(**SMALL).stokes, image.stokes)
     with pytest.raises(sunstone.SceneError, match="nothing in the scene emits"):
         sunstone.load(path, light="none", time=0.5).render(**SMALL)
-    with pytest.raises(sunstone.SceneError, match="time must be seconds"):
+    with pytest.raises(sunstone.SceneError, match="time: must be seconds"):
         sunstone.load(path, time=-1)
