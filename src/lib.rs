@@ -101,7 +101,8 @@ pub use crate::render::{
     Resolved, Rule, Settings, SettingsError, Spectral, Stop, merge,
 };
 pub use crate::scene::{
-    Edit, EditedFile, Reading, SceneError, SceneFile, World, load, load_with, world,
+    Edit, EditedFile, LightChoice, Reading, SceneError, SceneFile, View, World, load, load_with,
+    world,
 };
 pub use crate::spectrum::{Band, Bands, Color, Curves, Spectrum, White, WhiteBalance};
 pub use crate::transport::Sampling;

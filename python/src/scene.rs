@@ -12,8 +12,8 @@ use pyo3::types::PyDict;
 use sunstone::internals::render::doubts::doubts;
 use sunstone::internals::scene::keys_of_kind;
 use sunstone::{
-    Edit, EditedFile, PlacedWorld, RenderError, Renderer, SceneError, SceneFile, Settings,
-    StokesImage, Stop,
+    Edit, EditedFile, LightChoice, PlacedWorld, RenderError, Renderer, SceneError, SceneFile,
+    Settings, StokesImage, Stop, View,
 };
 
 use crate::errors::{RENDER_ERROR, SCENE_ERROR, of_render, of_scene, of_settings, of_system};
@@ -32,11 +32,11 @@ pub struct Scene {
     users: Arc<Users>,
 }
 
-/// A file with what was edited, and the camera that was chosen.
+/// A file with what was edited, and what is seen of it.
 #[derive(Clone)]
 struct Source {
     file: EditedFile,
-    camera: Option<String>,
+    view: View,
 }
 
 /// Who works with a scene. What they lock while they do is locked for ever in a process that is
@@ -86,10 +86,16 @@ struct Rendered {
 pub fn load(
     py: Python,
     path: PathBuf,
-    camera: Option<String>,
+    view: (Option<String>, String, Option<f64>),
     allow_outside: bool,
     changes: &Bound<PyDict>,
 ) -> PyResult<Scene> {
+    let (camera, light, time) = view;
+    let lights = [LightChoice::Auto, LightChoice::None];
+    let Some(light) = lights.into_iter().find(|known| known.name() == light) else {
+        return Err(SCENE_ERROR.says("light is \"auto\" or \"none\""));
+    };
+    let view = View { camera, light, time };
     // The system's own word for a file that is not there, or may not be read.
     if let Err(error) = std::fs::File::open(&path) {
         return Err(of_system(&path, &error, format!("cannot read {}: {error}", path.display())));
@@ -98,8 +104,8 @@ pub fn load(
     let read = move || {
         let file = Arc::new(SceneFile::read(&path, allow_outside)?);
         let file = EditedFile::new(file).edit(edits)?;
-        let placed = PlacedWorld::new(file.world(camera.as_deref())?)?;
-        Ok(Scene { placed, source: Some(Source { file, camera }), users: Arc::default() })
+        let placed = PlacedWorld::new(file.world(&view)?)?;
+        Ok(Scene { placed, source: Some(Source { file, view }), users: Arc::default() })
     };
     let nothing = Stop::default();
     let scene = wait_for(py, None, &nothing, |_| Ok(()), move |pool, _| pool.threads.run(read))?;
@@ -255,11 +261,11 @@ impl Scene {
         py: Python,
         change: impl FnOnce(&EditedFile) -> Result<Option<EditedFile>, SceneError> + Send + 'static,
     ) -> PyResult<Option<Self>> {
-        let Source { file, camera } = self.source()?.clone();
+        let Source { file, view } = self.source()?.clone();
         let edited = self.ask(py, None, move |placed| {
             let Some(file) = change(&file)? else { return Ok(None) };
-            let placed = placed.beside(file.world(camera.as_deref())?)?;
-            Ok(Some((placed, Source { file, camera })))
+            let placed = placed.beside(file.world(&view)?)?;
+            Ok(Some((placed, Source { file, view })))
         })?;
         // They lock what they share, and so do those who use them.
         let of = |(placed, source)| Self {

@@ -2,10 +2,10 @@
 
 use sunstone::internals::cli::color::ColorName;
 use sunstone::internals::render::settings::AUTO;
-use sunstone::{Integrator, Mode, Sampling, White};
+use sunstone::{Integrator, LightChoice, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 29] = [
+const OPTIONS: [(&str, &str); 31] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("bands", ""),
@@ -15,6 +15,7 @@ const OPTIONS: [(&str, &str); 29] = [
     ("hold-spectra", "=True"),
     ("integrator", ""),
     ("iterations", ""),
+    ("light", ""),
     ("max-path-length", ""),
     ("mode", ""),
     ("photons", ""),
@@ -30,6 +31,7 @@ const OPTIONS: [(&str, &str); 29] = [
     ("samples-per-iteration", ""),
     ("spp", ""),
     ("threads", ""),
+    ("time", ""),
     ("variance", "=True"),
     ("wavelength", ""),
     ("wavelengths", ""),
@@ -78,6 +80,10 @@ fn values(name: &str) -> Box<dyn Iterator<Item = &'static str>> {
         "mode" => Box::new(Mode::ALL.into_iter().map(Mode::name)),
         "sampling" => Box::new(Sampling::ALL.into_iter().map(Sampling::name)),
         "rgb-white" => Box::new(White::ALL.into_iter().map(White::name)),
+        "light" => {
+            Box::new([LightChoice::Auto, LightChoice::None].into_iter().map(LightChoice::name))
+        }
+        "camera" => Box::new(std::iter::once(AUTO)),
         "color" => Box::new(ColorName::ALL.into_iter().map(ColorName::name)),
         _ => Box::new(std::iter::empty()),
     }

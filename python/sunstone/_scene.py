@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Union
+from typing import Any, Literal, NamedTuple, Optional, Union
 
 from . import _sunstone
 from ._edits import Editable, Parts, file_keys, plain, values
@@ -17,18 +17,27 @@ Mode = Literal["polarized", "intensity", "scalar"]
 Color = Literal["rgb", "mono", "spectral"]
 Sampling = Literal["stokes", "intensity"]
 RgbWhite = Literal["d65", "e"]
+Light = Literal["auto", "none"]
 
 
 def load(
-    path: str | os.PathLike[str], *, allow_outside: bool = False, camera: str | None = None
+    path: str | os.PathLike[str],
+    *,
+    allow_outside: bool = False,
+    camera: str | None = None,
+    light: Light = "auto",
+    time: float | None = None,
 ) -> Scene:
     """Loads a scene: glTF 2.0, .gltf or .glb.
 
     Args:
         path: the file.
         allow_outside: let it read files outside its folder; only for scenes that you trust.
-        camera: the name of the camera or of its node, or "#0", "#1" by the file's order; by default
-            the first.
+        camera: the name of the camera or of its node, or "0", "1" by the file's order; "auto" puts
+            one in that sees all of the scene. By default the first, and "auto" where there is none.
+        light: what shines where nothing in the scene does: "auto", a neutral sky, or "none". What
+            has been put in is told by `Scene.notes`, and in the metadata of images.
+        time: seconds into the animations of the file; by default nothing moves.
 
     Raises:
         OSError: if the file cannot be read.
@@ -38,17 +47,26 @@ def load(
     Warns:
         SceneWarning: of what is not rendered as it was described.
     """
-    scene = Scene._loaded(os.path.abspath(path), os.fspath(path), camera, allow_outside, {})
+    view = _View(camera, light, None if time is None else float(time))
+    scene = Scene._loaded(os.path.abspath(path), os.fspath(path), view, allow_outside, {})
     for text in scene.warnings:
         warnings.warn(text, SceneWarning, stacklevel=2)
     return scene
+
+
+class _View(NamedTuple):
+    """What is seen of a scene file."""
+
+    camera: Optional[str]
+    light: str
+    time: Optional[float]
 
 
 class _File(NamedTuple):
     """Where a scene was loaded from, and how."""
 
     path: str
-    camera: str | None
+    view: _View
     allow_outside: bool
 
 
@@ -106,10 +124,10 @@ class Scene(Editable):
 
     @classmethod
     def _loaded(
-        cls, whole: str, path: str, camera: str | None, allow_outside: bool, edits: dict[str, Any]
+        cls, whole: str, path: str, view: _View, allow_outside: bool, edits: dict[str, Any]
     ) -> Scene:
-        native = _sunstone.load(path, camera, allow_outside, edits)
-        return cls._of(native, _File(whole, camera, allow_outside))
+        native = _sunstone.load(path, view, allow_outside, edits)
+        return cls._of(native, _File(whole, view, allow_outside))
 
     @property
     def _native(self) -> _sunstone.Scene:
@@ -342,7 +360,7 @@ def _loaded_again(
 ) -> Scene:
     """A scene out of a pickle, if its files still hold what they held."""
     file = _File(*source)
-    scene = Scene._loaded(file.path, file.path, file.camera, file.allow_outside, edits)
+    scene = Scene._loaded(file.path, file.path, _View(*file.view), file.allow_outside, edits)
     now = _checksums(scene._native, file.path).values()
     for path, before, found in zip(checksums, checksums.values(), now):
         if before != found:

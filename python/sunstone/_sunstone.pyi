@@ -107,7 +107,10 @@ class World:
     def place(self, beside: Scene | None) -> Scene: ...
 
 def load(
-    path: str, camera: str | None, allow_outside: bool, changes: dict[str, Any]
+    path: str,
+    view: tuple[str | None, str, float | None],
+    allow_outside: bool,
+    changes: dict[str, Any],
 ) -> Scene: ...
 def keys_of(kind: str) -> list[str]: ...
 def save_image(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import gc
 import inspect
+import json
 import math
 import multiprocessing
 import os
@@ -817,3 +818,39 @@ def test_stubs_and_types(tmp_path: pathlib.Path) -> None:
     for name in sunstone.__all__:
         assert getattr(sunstone, name).__doc__, name
     assert ROOT.exists()
+
+
+def test_files_without_camera_and_light_are_shown(tmp_path: pathlib.Path) -> None:
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32).tobytes()
+    (tmp_path / "corners.bin").write_bytes(corners)
+    times = np.array([0, 1, 0, 0, 0, 4, 0, 0], np.float32).tobytes()
+    (tmp_path / "times.bin").write_bytes(times)
+    path = tmp_path / "model.gltf"
+    path.write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "materials": [{"doubleSided": True, "pbrMetallicRoughness": {"metallicFactor": 0}}],
+        "buffers": [{"uri": "corners.bin", "byteLength": 36},
+                    {"uri": "times.bin", "byteLength": 32}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 32}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+            {"bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 2},
+            {"bufferView": 1, "componentType": 5126, "type": "VEC3", "count": 2, "byteOffset": 8},
+        ],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                        "samplers": [{"input": 1, "output": 2}]}],
+    }))
+    scene = sunstone.load(path, time=0.5)
+    image = scene.render(**SMALL)
+    assert image.stokes[..., 0].std() > 0
+    notes = "\n".join(scene.notes())
+    assert "a camera that sees all" in notes and 'light="none"' in notes
+    assert {"camera", "light"} <= set(image.metadata)
+    assert "bounds (2.0000, 0.0000, 0.0000)" in scene.describe()
+    again = pickle.loads(pickle.dumps(scene))
+    assert np.array_equal(again.render(**SMALL).stokes, image.stokes)
+    with pytest.raises(sunstone.SceneError, match="nothing in the scene emits"):
+        sunstone.load(path, light="none", time=0.5).render(**SMALL)
+    with pytest.raises(sunstone.SceneError, match="time: must be seconds"):
+        sunstone.load(path, time=-1)

@@ -15,7 +15,7 @@ use crate::image;
 use crate::math::text::excerpt;
 use crate::render::settings::SAMPLES_MAX;
 use crate::render::{BUILD, Options, Part, Settings, SettingsError};
-use crate::scene::Edit;
+use crate::scene::{Edit, View};
 
 /// A job in which nothing can be wrong but what its scene and the machine know.
 #[derive(Clone, Debug)]
@@ -30,8 +30,8 @@ pub struct Order {
     pub scene: PathBuf,
     /// The same as the job file has it.
     pub scene_name: PathBuf,
-    /// The camera, if one was chosen.
-    pub camera: Option<String>,
+    /// What is seen of it.
+    pub view: View,
     /// What is other than in the scene file.
     pub edits: Vec<Edit>,
     /// What is rendered of it: an image, or a part of one.
@@ -112,11 +112,11 @@ impl Order {
 
     /// What decides on its image beside the files that it reads: options, edits and the program.
     pub fn key(&self) -> String {
-        let Self { scene_name: scene, camera, edits, settings, .. } = self;
+        let Self { scene_name: scene, view, edits, settings, .. } = self;
         let edits: Vec<_> =
             edits.iter().map(|edit| (&edit.target, edit.value.to_string())).collect();
         // Debug output tells floats apart to the last bit.
-        let text = format!("{scene:?} {camera:?} {edits:?} {settings:?} {BUILD}");
+        let text = format!("{scene:?} {view:?} {edits:?} {settings:?} {BUILD}");
         hex(Sha256::digest(text.as_bytes()).as_slice())
     }
 

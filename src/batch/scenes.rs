@@ -47,13 +47,13 @@ impl Scenes {
         let file = kept.file.get_or_init(read).as_ref().map_err(SceneError::clone)?;
         let edits: Vec<_> =
             order.edits.iter().map(|edit| (&edit.target, edit.value.to_string())).collect();
-        let key = format!("{:?} {edits:?}", order.camera);
+        let key = format!("{:?} {edits:?}", order.view);
         if let Some((of, world)) = &*locked(&kept.latest)
             && *of == key
         {
             return Ok((world.clone(), None));
         }
-        let world = file.world(order.camera.as_deref(), &order.edits)?;
+        let world = file.world(&order.view, &order.edits)?;
         // With the lock, so that no two trees are built at once of what could be shared.
         let mut latest = locked(&kept.latest);
         let mut permit = None;

@@ -110,6 +110,7 @@ mod tests {
     use super::*;
     use crate::batch::values::Values;
     use crate::render::{Options, Settings};
+    use crate::scene::View;
 
     fn order(index: usize, samples: u32) -> Order {
         let options = Options { samples, width: Some(4), height: Some(4), ..Options::default() };
@@ -119,7 +120,7 @@ mod tests {
             values: Values::default(),
             scene: PathBuf::new(),
             scene_name: PathBuf::new(),
-            camera: None,
+            view: View::default(),
             edits: Vec::new(),
             settings: Settings::new(options).unwrap(),
             output: format!("here/{index}.exr").into(),

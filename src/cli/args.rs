@@ -10,6 +10,7 @@ use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
 use super::images::{ChannelArguments, PixelText};
+use super::view::LightName;
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
 use crate::image::visualize::Map;
@@ -259,9 +260,17 @@ pub struct RenderArguments {
     /// Height in pixels [default: from the width and the camera's aspect]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
     pub height: Option<u32>,
-    /// Name of the camera or of its node, or #0, #1, ... by the file's order [default: the first]
+    /// Name of the camera or of its node, or 0, 1, ... by the file's order; `auto` puts one in that
+    /// sees all of the scene [default: the first, and auto where there is none]
     #[arg(long, value_name = "NAME", help_heading = FILM)]
     pub camera: Option<String>,
+    /// What shines where nothing in the scene does
+    #[arg(long, value_enum, default_value = "auto", value_name = "NAME", help_heading = FILM)]
+    pub light: LightName,
+    /// Seconds into the animations of the file [default: nothing moves: nodes and meshes are as
+    /// they are stated]
+    #[arg(long, value_name = "SECONDS", help_heading = FILM)]
+    pub time: Option<f64>,
 
     /// Checkpoints.
     #[command(flatten)]

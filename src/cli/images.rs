@@ -145,7 +145,7 @@ pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
         "gltf" | "glb" => {
             let reading =
                 Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
-            print(inspect_scene(scene::load_with(&arguments.file, reading)?).trim_end())
+            print(inspect_scene(scene::load_with(&arguments.file, &reading)?).trim_end())
         }
         _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),
     }

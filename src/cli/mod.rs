@@ -16,6 +16,7 @@ mod render;
 mod report;
 mod rescue;
 mod tev;
+mod view;
 mod visualize;
 pub mod white;
 

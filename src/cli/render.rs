@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use crate::film::Developed;
 use crate::image::StokesImage;
 use crate::image::atomic::probe_writable;
+use crate::image::format::extension;
+use crate::image::png;
 use crate::image::rows::Rows;
 use crate::integrators::profile::STAGES;
 use crate::math::text::counted;
@@ -24,7 +26,7 @@ use super::files::{json, print, refuse_overwriting, say};
 use super::interrupt::{Interrupt, Signal};
 use super::progress::Progress;
 use super::tev::{Tev, Viewer};
-use super::{job, rescue};
+use super::{job, rescue, view};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
@@ -180,6 +182,11 @@ fn finish(
     }
     add_metadata(&mut image.metadata, &arguments.scene, seconds, interrupted);
     threads.run(|| rescue::save(&image, &arguments.output))?;
+    if let Some(stops) = exposure(&image, &arguments.output).filter(|_| !arguments.quiet) {
+        let verb = if stops > 0.0 { "brightened" } else { "darkened" };
+        let stops = stops.abs();
+        say(format_args!("note: {} is {verb} by {stops} stops", arguments.output.display()));
+    }
     if arguments.variance && !image.frame().has_variance {
         say(why_no_variances(settings.replicates));
     }
@@ -188,6 +195,12 @@ fn finish(
     }
     doubts.about(&image).iter().for_each(|doubt| say(format_args!("warning: {doubt}")));
     Ok(image)
+}
+
+/// The stops by which a preview is not as bright as the image.
+fn exposure(image: &dyn Rows, output: &Path) -> Option<f32> {
+    let is_preview = extension(output) == "png";
+    is_preview.then(|| png::exposure(&image.whole())).filter(|stops| *stops != 0.0)
 }
 
 /// What keeps a render from variances, and how to have them.
@@ -207,11 +220,9 @@ fn why_no_variances(replicates: u32) -> &'static str {
 /// The world of the scene, of which there are warnings to be said, in its place; none of these
 /// outputs is among its files.
 fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<PlacedWorld, CliError> {
-    let reading = Reading {
-        camera: arguments.camera.as_deref(),
-        allow_outside: arguments.files.allow_outside,
-    };
-    let world = scene::load_with(&arguments.scene, reading)?;
+    let reading =
+        Reading { view: view::view(arguments)?, allow_outside: arguments.files.allow_outside };
+    let world = scene::load_with(&arguments.scene, &reading)?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
     let said = world.warnings().len();
     let warn = |warning: &str| say(format_args!("warning: {warning}"));

@@ -52,10 +52,13 @@ pub static FORMATS: [Format; 4] = [
     },
     Format {
         extension: "png",
-        summary: "A preview: S0 alone, at exposure 0, as sRGB.",
+        summary: "A preview: S0 alone, as sRGB, at exposure 0 unless that is black or white.",
         keeps_variance: false,
         takes_many: true,
-        write: Some(|image, path| png::write_preview(&image.whole(), path, 0.0)),
+        write: Some(|image, path| {
+            let image = image.whole();
+            png::write_preview(&image, path, png::exposure(&image))
+        }),
         read: None,
         files: one_file,
     },

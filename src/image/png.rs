@@ -8,7 +8,7 @@ use super::palette::encode_srgb;
 use super::picture::Picture;
 use super::{atomic, check_image};
 use crate::image::StokesImage;
-use crate::math::elementary::exp2;
+use crate::math::elementary::{exp2, log2};
 
 /// S0 as a picture: linear values times two to the power `exposure_ev`, clipped, sRGB encoded.
 /// Monochromatic images are grey, and bands in color where they tell it; the mean of others, and of
@@ -23,6 +23,29 @@ pub fn preview(image: &StokesImage, exposure_ev: f32) -> Picture {
         })
         .collect();
     Picture { width: image.width, height: image.height, pixels }
+}
+
+/// Exposure of a preview, in whole stops: 0, unless almost all of it would be black or white then.
+/// Lights in candela and lux are, in watts, hundreds of times darker than lamps that are stated in
+/// these.
+pub fn exposure(image: &StokesImage) -> f32 {
+    const DARK: f32 = 0.02;
+    const BRIGHT: f32 = 1.0;
+    const GOAL: f32 = 0.8;
+    let image = image.shown();
+    let channels = image.color.channels();
+    let brightest = |pixel: usize| {
+        (0..channels).map(|channel| image.plane(0, channel)[pixel]).fold(0.0, f32::max)
+    };
+    let values = (0..image.width * image.height).map(brightest);
+    let mut values: Vec<f32> = values.filter(|value| value.is_finite()).collect();
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    let mut of_share = |hundredths: usize| {
+        *values.select_nth_unstable_by(last * hundredths / 100, f32::total_cmp).1
+    };
+    let (low, high) = (of_share(10), of_share(99));
+    let is_off = (high > 0.0 && high < DARK) || low > BRIGHT;
+    if is_off { log2(GOAL / high).floor() } else { 0.0 }
 }
 
 /// Writes the preview of an image.

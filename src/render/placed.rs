@@ -174,7 +174,8 @@ impl PlacedWorld {
         Ok(format!("{media}  {choice}\n{notes}{}", warnings.collect::<String>()))
     }
 
-    /// What is to be known of a render before it begins, a sentence each: which integrator was
+    /// What is to be known of a render before it begins, a sentence each: what has been put into
+    /// the scene that it does not state ([`World::put_in`]), which integrator was
     /// chosen and why, if none was asked for, what the integrator does not find in this scene, and
     /// lamps from which no light gets to the camera.
     ///
@@ -182,7 +183,9 @@ impl PlacedWorld {
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
         let film = self.film_size(settings)?;
-        self.with_scene(settings, film, Notes { world: &self.0.world, settings })
+        let notes = self.with_scene(settings, film, Notes { world: &self.0.world, settings })?;
+        let put_in = self.world().put_in().iter().map(|it| it.note.clone());
+        Ok(put_in.chain(notes).collect())
     }
 
     /// Of these, what the image lacks.

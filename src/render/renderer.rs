@@ -161,6 +161,8 @@ impl Renderer {
         let film = world.film_size(settings)?;
         let mut renderer = world.with_scene(settings, film, InMemory { settings })??;
         renderer.origin = Origin::of(world.clone(), film);
+        let put_in = world.world().put_in().iter();
+        renderer.settings.put_in = put_in.map(|it| (it.what, it.text.clone())).collect();
         Ok(renderer)
     }
 
@@ -456,7 +458,8 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     let held = (!settings.held.is_empty()).then(|| ("held spectra", settings.held.join("; ")));
-    let facts = integrator.into_iter().flatten().chain(analyzer).chain(spectral);
+    let put_in = settings.put_in.iter().cloned();
+    let facts = integrator.into_iter().flatten().chain(analyzer).chain(put_in).chain(spectral);
     let facts = facts.chain(others).chain(white).chain(balance).chain(held);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

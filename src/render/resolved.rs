@@ -40,6 +40,8 @@ pub struct Resolved {
     pub analyzer: Option<Analyzer>,
     /// Spectra that are held beyond their ends, a sentence each.
     pub held: Vec<String>,
+    /// What the scene does not state and has been put in: what it is, and what it is like.
+    pub put_in: Vec<(&'static str, String)>,
 }
 
 /// How photons are shot: each iteration begins with a pass of them.
@@ -80,6 +82,7 @@ impl Resolved {
             end_sample,
             analyzer,
             held,
+            put_in: Vec::new(),
         }
     }
 

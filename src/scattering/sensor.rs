@@ -53,7 +53,14 @@ impl Sensor {
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
         let aspect = width as f32 / height as f32;
         let (half_size, perspective, aperture_radius, focus_distance) = match camera.projection {
-            Projection::Perspective { tan_half_y, aperture_radius, focus_distance, .. } => {
+            Projection::Perspective {
+                tan_half_y,
+                tan_half_x_min,
+                aperture_radius,
+                focus_distance,
+                ..
+            } => {
+                let tan_half_y = tan_half_y.max(tan_half_x_min / aspect);
                 ([tan_half_y * aspect, tan_half_y], true, aperture_radius, focus_distance)
             }
             Projection::Orthographic { half_height, .. } => {
@@ -233,6 +240,7 @@ mod tests {
     fn connections_reverse_rays() {
         let lens = |radius| Projection::Perspective {
             tan_half_y: 0.7,
+            tan_half_x_min: 0.0,
             aspect: None,
             aperture_radius: radius,
             focus_distance: 4.0,

@@ -324,6 +324,9 @@ pub enum Projection {
     Perspective {
         /// Tangent of half the vertical angle of view.
         tan_half_y: f32,
+        /// Tangent of half the horizontal angle of view that the film shows at least, by a larger
+        /// vertical one if it is narrow; zero if the vertical angle counts alone.
+        tan_half_x_min: f32,
         /// Width over height as the file states it; the film's own aspect where it does not.
         aspect: Option<f32>,
         /// Radius of the lens, 0 for a pinhole.

@@ -92,9 +92,13 @@ pub struct Directional {
     pub direction: Vec3,
 }
 
-/// Constant radiance from everywhere outside the scene.
+/// Radiance from everywhere outside the scene: from a direction 1 + its projection on the gradient
+/// times the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Environment;
+pub struct Environment {
+    /// Where the sky is brighter, and by how much: of length 1 at most.
+    pub gradient: Vec3,
+}
 
 macro_rules! emitter_models {
     ($($Model:ident),*) => {

@@ -13,6 +13,7 @@ mod error;
 mod gltf;
 pub mod instanced;
 pub mod painting;
+mod view;
 pub mod warnings;
 pub mod world;
 
@@ -25,4 +26,5 @@ pub use self::gltf::{
     Edit, Editable, EditedFile, Reading, SceneFile, extension_keys, keys_of_kind, load,
     load_from_memory, load_with,
 };
+pub use self::view::{AUTO, LightChoice, View};
 pub use self::world::World;

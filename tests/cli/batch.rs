@@ -249,13 +249,12 @@ fn twenty_jobs_are_done_although_ten_fail() {
         let set = json!({"materials/glass/ior": 1.1 + 0.05 * f64::from(number)});
         lines.push(json!({"name": format!("good {number}"), "set": set}));
     }
-    let flat = [vec![0; 15], vec![1]].concat();
     let failing = [
         (json!({"set": {"materials/glass/ior": -1.0}}), "ior"),
         (json!({"set": {"materials/glass/ior": "x"}}), "no substance"),
         (json!({"set": {"materials/white/reflectance": [0.5, 2.0, 0.5]}}), "reflectance"),
         (json!({"set": {"materials/gold/metal": "Xx"}}), "Xx"),
-        (json!({"set": {"nodes/pool/matrix": flat}}), "\"pool\""),
+        (json!({"set": {"nodes/pool/matrix": vec![1; 16]}}), "\"pool\""),
         (json!({"set": {"cameras/camera/perspective.yfov": 7.0}}), "yfov"),
         (json!({"scene": "bufferless.gltf"}), "gone.bin"),
         (json!({"scene": "damaged.gltf"}), "is not glTF"),

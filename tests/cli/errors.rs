@@ -78,20 +78,25 @@ fn with_reflectance_above_one(document: &mut Value) {
 fn scenes_that_are_wrong_are_refused() {
     let here = folder_of_trouble("errors-scenes");
     let before = names_in(&here);
-    let cases: [(&str, &[&str]); 9] = [
+    let cases: [(&str, &[&str]); 7] = [
         ("missing.gltf", &["missing.gltf"]),
         ("scene.obj", &["scene.obj", "glTF"]),
         ("broken.gltf", &["broken.gltf"]),
         ("empty.gltf", &["empty.gltf"]),
         ("noise.glb", &["noise.glb"]),
-        ("dark.gltf", &["dark.gltf", "emi"]),
-        ("blind.gltf", &["blind.gltf", "camera"]),
         ("typo.gltf", &["typo.gltf", "material 4 \"glass\"", "SUNSTONE_polarization.iro"]),
         ("range.gltf", &["range.gltf", "material 0 \"white\"", "reflectance"]),
     ];
     for (scene, words) in cases {
         let run = sunstone(&here, &["render", scene, "-o", "out.exr", "--spp", "1"]);
         expect_error(&here, &before, &run, 1, words);
+    }
+    for (options, words) in [
+        (["dark.gltf", "--light", "none"], ["dark.gltf", "emi"]),
+        (["blind.gltf", "--camera", "nose"], ["blind.gltf", "camera"]),
+    ] {
+        let run = [&["render", "-o", "out.exr", "--spp", "1"], &options[..]].concat();
+        expect_error(&here, &before, &sunstone(&here, &run), 1, &words);
     }
     for (scene, words) in [("missing.gltf", "missing.gltf"), ("broken.gltf", "broken.gltf")] {
         expect_error(&here, &before, &sunstone(&here, &["inspect", scene]), 1, &[words]);

@@ -261,3 +261,25 @@ fn gallery() {
         png::write(&picture, &folder().join(format!("{name}-panels.png"))).unwrap();
     }
 }
+
+/// What a picture shows of values is between black and white, and no other than the values are.
+#[test]
+fn previews_are_brightened_where_all_would_be_black() {
+    let image = |scale: f32| {
+        let ramp: Vec<[f32; 4]> =
+            (0..=100).map(|at| [scale * at as f32 / 100.0, 0.0, 0.0, 0.0]).collect();
+        row(&ramp, MONO)
+    };
+    for (scale, stops) in [(1.0, 0.0), (0.1, 0.0), (3.0, 0.0), (0.0, 0.0), (1.0 / 1024.0, 9.0)] {
+        assert_eq!(png::exposure(&image(scale)), stops, "{scale}");
+    }
+    assert_eq!(png::exposure(&image(4096.0)), -13.0, "brighter than white but for a few");
+    let dark = image(1.0 / 1024.0);
+    let brightened = png::preview(&dark, png::exposure(&dark));
+    assert_eq!(brightened.pixels, png::preview(&image(0.5), 0.0).pixels);
+    let mut odd = image(1e-4);
+    odd.planes[0][3] = f32::NAN;
+    odd.planes[0][4] = f32::INFINITY;
+    assert!(png::exposure(&odd) > 10.0);
+    assert_eq!(png::exposure(&row(&[[f32::NAN; 4]], MONO)), 0.0);
+}

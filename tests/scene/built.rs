@@ -12,7 +12,7 @@ use sunstone::internals::scene::world::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
     Medium, Name, Order, Phase, Punctual, Sides, Skin, SurfaceModel, Transform,
 };
-use sunstone::internals::scene::{World, bake};
+use sunstone::internals::scene::{View, World, bake};
 use sunstone::internals::spectrum::{Carried, Spectrum};
 use sunstone::{Analyzer, Edit, PlacedWorld, SceneFile};
 
@@ -158,7 +158,7 @@ fn worlds_of_a_file_have_one_tree_even_if_they_are_made_at_once() {
         let world = |grey: usize| {
             start.wait();
             let edit = Edit::new("materials/white/reflectance", 0.1 * grey as f64);
-            file.world(None, &[edit]).unwrap()
+            file.world(&View::default(), &[edit]).unwrap()
         };
         let worlds: Vec<World> = thread::scope(|scope| {
             let made = (0..THREADS).map(|grey| scope.spawn(move || world(grey)));
@@ -263,7 +263,11 @@ fn some_things_are_there_once() {
             if is_camera {
                 entities.spawn((Order(99), name, lens, place));
             } else {
-                entities.spawn((Order(99), name, Environment { radiance: 1.0.into() }));
+                entities.spawn((
+                    Order(99),
+                    name,
+                    Environment { radiance: 1.0.into(), gradient: Vec3::ZERO },
+                ));
             }
         })
     };

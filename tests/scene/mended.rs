@@ -8,7 +8,7 @@ use crate::errors::refused;
 use crate::meaning::{baked, warnings};
 use glam::Vec3;
 use serde_json::{Value, json};
-use sunstone::internals::scene::{Reading, load_with};
+use sunstone::internals::scene::{Reading, View, load_with};
 
 #[test]
 fn triangles_without_area_are_dropped_with_a_warning() {
@@ -62,7 +62,7 @@ fn what_nobody_reads_may_be_wrong() {
     document["materials"][1]["occlusionTexture"] = json!({"index": 3});
     let said = warnings(&document);
     assert_eq!(said.lines().count(), 2, "{said}");
-    assert!(said.contains("animations are ignored") && said.contains("material 1"), "{said}");
+    assert!(said.contains("nothing moves") && said.contains("material 1"), "{said}");
     assert_eq!(baked(&document).shapes.triangles.len(), 2);
 }
 
@@ -236,7 +236,7 @@ fn scenes_read_nothing_outside_their_folder_unless_allowed() {
         let mut document = good();
         document["buffers"][0]["uri"] = uri.into();
         fs::write(&path, document.to_string()).unwrap();
-        let world = load_with(&path, Reading { allow_outside, ..Reading::default() });
+        let world = load_with(&path, &Reading { allow_outside, ..Reading::default() });
         world.map(|world| world.files().to_vec()).map_err(|error| error.to_string())
     };
     for uri in ["../secret.bin", "%2E%2E%2Fsecret.bin", "deep/../../secret.bin", "link.bin"] {
@@ -281,7 +281,7 @@ fn cameras_of_one_name_are_told_apart() {
     let second = json!({"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}});
     document["cameras"].as_array_mut().unwrap().push(second);
     fs::write(&path, document.to_string()).unwrap();
-    let load = |name| load_with(&path, Reading { camera: Some(name), ..Reading::default() });
+    let load = |name| load_with(&path, &Reading { view: View::by(name), ..Reading::default() });
     let error = load("lens").unwrap_err().to_string();
     assert!(error.contains("several cameras are called `lens`"), "{error}");
     assert!(error.contains("the cameras are #0 eye or lens, #1 lens"), "{error}");

@@ -9,11 +9,12 @@
 //! by chance in 1 of 200), and standard errors below 2e-3 of it (those of `path` and `bdpt` are
 //! mostly below 5e-4), so that this is sharp.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::json;
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::Mode;
 use sunstone::internals::scene::World;
+use sunstone::internals::scene::world::{Bsdf, Geometry, Lens, Material, Transform};
 use sunstone::internals::spectrum::Color;
 
 use crate::support::gltf::Document;
@@ -299,6 +300,43 @@ fn stained_media_are_invisible_in_a_furnace() {
         });
         for integrator in [Integrator::Path, Integrator::Bdpt] {
             check_in::<3>(&world, Color::Rgb, integrator, 128, 128, 1.0);
+        }
+    }
+}
+
+/// Under a sky of mean radiance 1 and gradient g a plate of normal n receives pi (1 + 2/3 g . n).
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn plates_reflect_skies_with_a_gradient() {
+    const REFLECTANCE: f32 = 0.6;
+    let gradient = Vec3::new(0.3, -0.5, 0.6);
+    for (normal, up) in [(Vec3::Z, Vec3::Y), (-Vec3::Y, Vec3::Z)] {
+        let mut world = World::new("plate");
+        let paint = Material::from(Bsdf::diffuse(REFLECTANCE)).two_sided();
+        let paint = world.add_material("paint", paint).unwrap();
+        let side = up.cross(normal);
+        let plate = Geometry::quad(Vec3::ZERO, side, up);
+        world.add_mesh("plate", plate, paint, Transform::IDENTITY).unwrap();
+        let eye = 3.0 * normal.as_dvec3();
+        let place = Transform::looking(eye, DVec3::ZERO, up.as_dvec3());
+        let lens = Lens::Orthographic { half_width: 0.9, half_height: 0.9 };
+        world.set_camera("eye", lens, place).unwrap();
+        world.set_sky(1.0, gradient).unwrap();
+        let truth = REFLECTANCE * (1.0 + 2.0 / 3.0 * gradient.dot(normal));
+        for (integrator, iterations) in [
+            (Integrator::Path, 16),
+            (Integrator::Light, 64),
+            (Integrator::Bdpt, 16),
+            (Integrator::Ppm, 16),
+        ] {
+            check(&world, integrator, iterations, 3, truth.into());
+        }
+        // Past the plate the sky itself is seen.
+        let away = Transform::looking(eye, 2.0 * eye, up.as_dvec3());
+        world.set_camera("eye", lens, away).unwrap();
+        let truth = 1.0 + gradient.dot(normal);
+        for integrator in [Integrator::Path, Integrator::Bdpt] {
+            check(&world, integrator, 4, 3, truth.into());
         }
     }
 }

@@ -45,7 +45,7 @@ pub struct Subject {
 
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
-pub fn load_all(paths: &[PathBuf], reading: Reading) -> Result<Vec<Subject>, RenderError> {
+pub fn load_all(paths: &[PathBuf], reading: &Reading) -> Result<Vec<Subject>, RenderError> {
     let mut subjects: Vec<Subject> = match paths {
         [] => SHIPPED.iter().map(carried).collect::<Result<_, _>>()?,
         paths => paths.iter().map(|path| load(path, reading)).collect::<Result<_, _>>()?,
@@ -96,7 +96,7 @@ fn labels(names: &[&str]) -> Vec<String> {
 }
 
 /// Loads a scene.
-pub fn load(path: &Path, reading: Reading) -> Result<Subject, RenderError> {
+pub fn load(path: &Path, reading: &Reading) -> Result<Subject, RenderError> {
     let world = scene::load_with(path, reading)?;
     // A copy of a shipped scene is that scene.
     let bytes = std::fs::read(path).unwrap_or_default();

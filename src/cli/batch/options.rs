@@ -15,7 +15,7 @@ use crate::math::text::excerpt;
 use crate::render::Settings;
 
 use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, RenderArguments};
-use super::super::{CliError, job, numbers_may_be_negative};
+use super::super::{CliError, job, numbers_may_be_negative, view};
 
 /// Options that mean nothing for a job of many, and why.
 const REFUSED: [(&str, &str); 11] = [
@@ -98,13 +98,14 @@ impl Reader {
         }
         arguments.seed = seed.unwrap_or(arguments.seed);
         let settings = settings(&arguments).map_err(together)?;
+        let view = view::view(&arguments).map_err(|error| together(told(&error)))?;
         Ok(Order {
             index: job.index,
             name: job.name.clone(),
             values: job.values.clone(),
             scene: at(&arguments.scene),
             scene_name: arguments.scene,
-            camera: arguments.camera,
+            view,
             edits: job.edits.clone(),
             settings,
             output: arguments.output,
@@ -287,6 +288,8 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
         width: _,
         height: _,
         camera: _,
+        light: _,
+        time: _,
         threads: None,
         part: None,
         checkpoints: Checkpoints { checkpoint: None, checkpoint_every: None, resume: false },
@@ -296,12 +299,15 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
     else {
         return Err("asks for what jobs cannot have".to_owned());
     };
-    job::settings(arguments).map_err(|error| {
-        if let CliError::Usage(text) = &error {
-            return in_words_of_the_file(text);
-        }
-        error.to_string()
-    })
+    job::settings(arguments).map_err(|error| told(&error))
+}
+
+/// An error about options, which the file calls by other names.
+fn told(error: &CliError) -> String {
+    if let CliError::Usage(text) = error {
+        return in_words_of_the_file(text);
+    }
+    error.to_string()
 }
 
 /// The same text, with options as the file calls them.

@@ -22,20 +22,20 @@ const PHOTONS: u32 = 1_000_000;
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
 pub fn load_all(paths: &[PathBuf], files: &FileArguments) -> Result<Vec<Subject>, CliError> {
-    let subjects = subject::load_all(paths, reading(files))?;
+    let subjects = subject::load_all(paths, &reading(files))?;
     subjects.iter().for_each(say_warnings);
     Ok(subjects)
 }
 
 /// Loads a scene.
 pub fn load(path: &Path, files: &FileArguments) -> Result<Subject, CliError> {
-    let subject = subject::load(path, reading(files))?;
+    let subject = subject::load(path, &reading(files))?;
     say_warnings(&subject);
     Ok(subject)
 }
 
-fn reading(files: &FileArguments) -> Reading<'static> {
-    Reading { camera: None, allow_outside: files.allow_outside }
+fn reading(files: &FileArguments) -> Reading {
+    Reading { allow_outside: files.allow_outside, ..Reading::default() }
 }
 
 fn say_warnings(subject: &Subject) {

@@ -170,8 +170,9 @@ pub fn emitters(
         table.add(shapes, model, (lamp, brightness));
         lamp += 1;
     }
-    for () in world.in_order::<(&Name, &Environment), _>(|_| ()) {
-        table.environment = table.add(shapes, emitter::Environment, (lamp, brightness));
+    for gradient in world.in_order::<(&Name, &Environment), _>(|(_, sky)| sky.gradient) {
+        let sky = emitter::Environment { gradient };
+        table.environment = table.add(shapes, sky, (lamp, brightness));
         lamp += 1;
     }
     table.set_probabilities()?;

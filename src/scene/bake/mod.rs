@@ -34,7 +34,7 @@ use super::painting::Painting;
 use super::warnings::Warnings;
 use super::world::{
     Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Textures, Transform,
-    World,
+    Window, World,
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
@@ -432,12 +432,13 @@ fn bounds(lights: &[Vec3], primitives: &primitives::Primitives) -> Result<Bounds
 }
 
 fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
-    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>);
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
     type Components<'a> = (&'a Transform, &'a Lens, Film<'a>);
-    let cameras = world.in_order::<Components, _>(|(place, lens, (resolution, analyzer))| {
-        (*place, *lens, (resolution.copied(), analyzer.copied()))
-    });
-    let Some((place, lens, (resolution, analyzer))) = cameras.into_iter().next() else {
+    let cameras =
+        world.in_order::<Components, _>(|(place, lens, (resolution, analyzer, window))| {
+            (*place, *lens, (resolution.copied(), analyzer.copied(), window.copied()))
+        });
+    let Some((place, lens, (resolution, analyzer, window))) = cameras.into_iter().next() else {
         return Err(SceneError::new("bake", "the world has no camera", "add one"));
     };
     // Rounded from orthonormal double-precision axes, hence orthonormal to the last bit of f32.
@@ -446,7 +447,14 @@ fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
     let projection = match lens {
         Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
             let tan_half_y = tan(0.5 * yfov) as f32;
-            Projection::Perspective { tan_half_y, aspect, aperture_radius, focus_distance }
+            let tan_half_x_min = window.map_or(0.0, |window| window.tan_half_x);
+            Projection::Perspective {
+                tan_half_y,
+                tan_half_x_min,
+                aspect,
+                aperture_radius,
+                focus_distance,
+            }
         }
         Lens::Orthographic { half_width, half_height } => {
             Projection::Orthographic { half_width, half_height }

@@ -13,6 +13,10 @@ use crate::scene::error::SceneError;
 /// How to mend a file that contradicts itself.
 const AGAIN: &str = "export the scene again";
 
+/// Most elements of an accessor without bytes of its own: those of a mesh that is made of sparse
+/// ones alone.
+const ZEROS_MAX: u64 = 1 << 24;
+
 /// What an accessor must hold.
 struct Wanted {
     components: &'static [ComponentType],
@@ -20,10 +24,38 @@ struct Wanted {
     text: &'static str,
 }
 
+/// Components that are numbers: floats, and integers as `KHR_mesh_quantization` and animations have
+/// them.
+const NUMBERS: &[ComponentType] = &[
+    ComponentType::F32,
+    ComponentType::I8,
+    ComponentType::U8,
+    ComponentType::I16,
+    ComponentType::U16,
+];
+
 const VECTORS: Wanted = Wanted {
-    components: &[ComponentType::F32],
+    components: NUMBERS,
     shape: Type::Vec3,
-    text: "VEC3 of FLOAT (componentType 5126)",
+    text: "VEC3 of FLOAT, BYTE or SHORT (componentType 5126 or 5120 to 5123)",
+};
+
+const FOURS: Wanted = Wanted {
+    components: NUMBERS,
+    shape: Type::Vec4,
+    text: "VEC4 of FLOAT, BYTE or SHORT (componentType 5126 or 5120 to 5123)",
+};
+
+const SCALARS: Wanted = Wanted {
+    components: NUMBERS,
+    shape: Type::Scalar,
+    text: "SCALAR of FLOAT, BYTE or SHORT (componentType 5126 or 5120 to 5123)",
+};
+
+const MATRICES: Wanted = Wanted {
+    components: &[ComponentType::F32],
+    shape: Type::Mat4,
+    text: "MAT4 of FLOAT (componentType 5126)",
 };
 
 const INDICES: Wanted = Wanted {
@@ -80,16 +112,65 @@ pub fn vectors(
     accessor: usize,
     place: &str,
 ) -> Result<Vec<[f32; 3]>, SceneError> {
-    let component = |bytes: &[u8], at: usize| {
-        f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+    numbers(document, accessor, place, &VECTORS)
+}
+
+/// Four-component vectors, as [`vectors`].
+pub fn fours(
+    document: &Document,
+    accessor: usize,
+    place: &str,
+) -> Result<Vec<[f32; 4]>, SceneError> {
+    numbers(document, accessor, place, &FOURS)
+}
+
+/// Single numbers, as [`vectors`].
+pub fn scalars(document: &Document, accessor: usize, place: &str) -> Result<Vec<f32>, SceneError> {
+    let rows = numbers::<1>(document, accessor, place, &SCALARS)?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// Matrices of four by four, column by column, as [`vectors`].
+pub fn matrices(
+    document: &Document,
+    accessor: usize,
+    place: &str,
+) -> Result<Vec<[f32; 16]>, SceneError> {
+    numbers(document, accessor, place, &MATRICES)
+}
+
+/// Rows of numbers. Integers are what they are, or shares of the largest if they are normalized.
+fn numbers<const C: usize>(
+    document: &Document,
+    accessor: usize,
+    place: &str,
+    wanted: &Wanted,
+) -> Result<Vec<[f32; C]>, SceneError> {
+    let is_normalized = document.root.accessors[accessor].normalized;
+    let row = |bytes: &[u8], component: ComponentType| {
+        let size = component.size();
+        std::array::from_fn(|at| number(&bytes[at * size..], component, is_normalized))
     };
-    let vector = |b: &[u8], _| [component(b, 0), component(b, 4), component(b, 8)];
-    elements(document, accessor, place, (&VECTORS, vector))
+    elements(document, accessor, place, (wanted, [0.0; C], row))
+}
+
+fn number(bytes: &[u8], component: ComponentType, is_normalized: bool) -> f32 {
+    let two = || [bytes[0], bytes[1]];
+    let (value, largest) = match component {
+        ComponentType::I8 => (f32::from(i8::from_le_bytes([bytes[0]])), f32::from(i8::MAX)),
+        ComponentType::U8 => (f32::from(bytes[0]), f32::from(u8::MAX)),
+        ComponentType::I16 => (f32::from(i16::from_le_bytes(two())), f32::from(i16::MAX)),
+        ComponentType::U16 => (f32::from(u16::from_le_bytes(two())), f32::from(u16::MAX)),
+        ComponentType::U32 | ComponentType::F32 => {
+            return f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        }
+    };
+    if is_normalized { (value / largest).max(-1.0) } else { value }
 }
 
 /// Vertex indices; `place` is what errors say uses them.
 pub fn indices(document: &Document, accessor: usize, place: &str) -> Result<Vec<u32>, SceneError> {
-    elements(document, accessor, place, (&INDICES, index_of))
+    elements(document, accessor, place, (&INDICES, 0, index_of))
 }
 
 /// Texture coordinates; `place` is what errors say uses them. They may be infinite or NaN.
@@ -99,7 +180,7 @@ pub fn coordinates(
     place: &str,
 ) -> Result<Vec<Vec2>, SceneError> {
     let pair = |bytes: &[u8], of| Vec2::from_array([0, 1].map(|at| share(bytes, of, at)));
-    elements(document, accessor, place, (&COORDINATES, pair))
+    elements(document, accessor, place, (&COORDINATES, Vec2::ZERO, pair))
 }
 
 /// Colors of vertices with alpha, which is 1 where they have none; `place` is what errors say uses
@@ -108,10 +189,10 @@ pub fn colors(document: &Document, accessor: usize, place: &str) -> Result<Vec<V
     let of = |bytes: &[u8], of, at| share(bytes, of, at);
     if document.root.accessors[accessor].type_ == Checked::Valid(Type::Vec4) {
         let color = |b: &[u8], c| Vec4::from_array([0, 1, 2, 3].map(|at| of(b, c, at)));
-        return elements(document, accessor, place, (&COLORS, color));
+        return elements(document, accessor, place, (&COLORS, Vec4::ZERO, color));
     }
     let color = |b: &[u8], c| Vec3::from_array([0, 1, 2].map(|at| of(b, c, at))).extend(1.0);
-    elements(document, accessor, place, (&OPAQUE_COLORS, color))
+    elements(document, accessor, place, (&OPAQUE_COLORS, Vec4::W, color))
 }
 
 /// Tangents; `place` is what errors say uses them. They may be infinite or NaN.
@@ -121,7 +202,7 @@ pub fn tangents(
     place: &str,
 ) -> Result<Vec<Vec4>, SceneError> {
     let tangent = |b: &[u8], of| Vec4::from_array([0, 1, 2, 3].map(|at| share(b, of, at)));
-    elements(document, accessor, place, (&TANGENTS, tangent))
+    elements(document, accessor, place, (&TANGENTS, Vec4::ZERO, tangent))
 }
 
 /// One of the components of an element: a float, or an integer over the greatest of its type.
@@ -144,11 +225,11 @@ fn index_of(bytes: &[u8], component: ComponentType) -> u32 {
 
 /// The elements of an accessor: those of its buffer view, or zeros, and what its sparse part puts
 /// in their place.
-fn elements<T: Clone + Default>(
+fn elements<T: Clone>(
     document: &Document,
     index: usize,
     place: &str,
-    (wanted, decode): (&Wanted, impl Fn(&[u8], ComponentType) -> T),
+    (wanted, zero, decode): (&Wanted, T, impl Fn(&[u8], ComponentType) -> T),
 ) -> Result<Vec<T>, SceneError> {
     let accessor = &document.root.accessors[index];
     let place = format!("{place}, {}", document.label("accessors", index));
@@ -175,8 +256,11 @@ fn elements<T: Clone + Default>(
                 .map(decode)
                 .collect()
         }
-        (None, Some(_)) => vec![T::default(); accessor.count.0 as usize],
-        (None, None) => return Err(SceneError::new(&place, "has no bufferView", AGAIN)),
+        (None, _) if accessor.count.0 > ZEROS_MAX => {
+            let problem = format!("is of more than {ZEROS_MAX} zeros");
+            return Err(SceneError::new(&place, problem, "use a smaller mesh"));
+        }
+        (None, _) => vec![zero; accessor.count.0 as usize],
     };
     if let Some(sparse) = &accessor.sparse {
         let place = format!("{place}, sparse");

@@ -12,13 +12,15 @@ use super::places::number_of;
 use crate::math::text::{excerpt, listed};
 use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
+use crate::scene::view::AUTO;
 use crate::scene::world::{Lens, Name, Resolution};
 
 /// Most characters of a name in a list of cameras.
 const NAME: usize = 60;
 
 impl Import<'_> {
-    /// Adds the camera of the given name or number, or the first of the scene.
+    /// Adds the camera of the given name or number, or the first of the scene; or takes note that
+    /// one is to be put in.
     pub fn add_camera(
         &mut self,
         nodes: &[PlacedNode],
@@ -29,7 +31,15 @@ impl Import<'_> {
             .iter()
             .filter_map(|placed| Some((placed, root.nodes[placed.node].camera?.value())))
             .collect();
-        let &(placed, camera) = chosen(root, &cameras, wanted)?;
+        self.wants_frame = wanted == Some(AUTO) || wanted.is_none() && cameras.is_empty();
+        if self.wants_frame {
+            return Ok(());
+        }
+        let &(placed, camera) = match (wanted, &cameras[..]) {
+            (Some(wanted), _) => chosen(root, &cameras, wanted)?,
+            (None, [first, ..]) => first,
+            (None, []) => return Ok(()),
+        };
         let node = document.label("nodes", placed.node);
         let place = placed.to_world;
         Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
@@ -73,20 +83,18 @@ fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a
     names.into_iter().flatten().map(String::as_str).collect()
 }
 
-/// The camera of a name, its own or its node's, or the one of an index, as `#0` or `#00`, in the
-/// order of the file's cameras, if only one is meant; the first that is placed if none is wanted.
+/// The camera of a name, its own or its node's, or the one of an index, as `#0`, `#00` or `0`, in
+/// the order of the file's cameras, if only one is meant.
 fn chosen<'a, 'b>(
     root: &Root,
     cameras: &'a [(&'b PlacedNode, usize)],
-    wanted: Option<&str>,
+    wanted: &str,
 ) -> Result<&'a (&'b PlacedNode, usize), SceneError> {
-    let Some(wanted) = wanted else {
-        let none = || SceneError::new("nodes", "the scene has no camera", "add one");
-        return cameras.first().ok_or_else(none);
-    };
     let named: Vec<_> =
         cameras.iter().filter(|camera| names(root, camera).contains(&wanted)).collect();
-    let index = number_of(wanted);
+    // A name that is a number is a name first.
+    let plain = || named.is_empty().then(|| number_of(&format!("#{wanted}"))).flatten();
+    let index = number_of(wanted).or_else(plain);
     let numbered = cameras.iter().find(|(_, camera)| Some(*camera) == index);
     let known = cameras.iter().map(|camera| {
         let names = names(root, camera);
@@ -100,8 +108,8 @@ fn chosen<'a, 'b>(
         (_, _) => "several cameras are called",
     };
     let remedy = match cameras.is_empty() {
-        true => "the scene has none; add one".to_owned(),
-        false => format!("the cameras are {}", listed(known)),
+        true => format!("the scene has none; `{AUTO}` puts one in"),
+        false => format!("the cameras are {}, and `{AUTO}` puts one in", listed(known)),
     };
     Err(SceneError::new("nodes", format!("{problem} `{}`", excerpt(wanted, NAME)), remedy))
 }

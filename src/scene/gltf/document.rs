@@ -1,5 +1,6 @@
 //! From a file to its validated JSON and its buffers.
 
+use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::slice;
@@ -12,12 +13,14 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use super::animations;
 use super::edit::{self, Edit};
-use super::files::Files;
+use super::files::{Files, percent_decoded};
 use super::textures::Pictures;
 use super::validate;
 use crate::image::read_bytes;
 use crate::scene::error::{Findings, SceneError};
+use crate::scene::warnings::Warnings;
 
 /// A glTF file in memory.
 pub struct Document {
@@ -44,11 +47,23 @@ impl Document {
         files.note_scene(bytes);
         let (mut value, binary) = json_of(bytes)?;
         validate::check(&value)?;
+        show_all(&mut value);
         let root = typed(&value)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
+        let mut findings = Findings::default();
         for (index, buffer) in root.buffers.iter().enumerate() {
             let label = validate::label(&value, "buffers", index);
-            buffers.push(read_buffer(buffer, index, &label, &files, binary)?);
+            let read = match (validate::compression_of_buffer(&value, index), &buffer.uri) {
+                (Some(name), None) if index > 0 || binary.is_none() => {
+                    Err(validate::unsupported(&label, name))
+                }
+                _ => read_buffer(buffer, index, &label, &files, binary),
+            };
+            buffers.extend(findings.note(read));
+        }
+        if buffers.len() < root.buffers.len() {
+            findings.note(validate::check_required(&value));
+            findings.result()?;
         }
         forget_data(&mut value);
         let (buffers, pictures) = (Arc::new(buffers), Arc::default());
@@ -60,6 +75,14 @@ impl Document {
         let value = edit::applied(&self.value, edits)?;
         validate::check(&value)?;
         let root = typed(&value).map_err(|error| self.told_of_edits(edits, error))?;
+        let (buffers, pictures) = (Arc::clone(&self.buffers), Arc::clone(&self.pictures));
+        Ok(Self { value, root, buffers, files: self.files.again(), pictures })
+    }
+
+    /// The same document with the nodes where animations have them at a time in seconds.
+    pub fn moved(&self, time: f64, warnings: &mut Warnings) -> Result<Self, SceneError> {
+        let value = animations::moved(self, time, warnings)?;
+        let root = typed(&value)?;
         let (buffers, pictures) = (Arc::clone(&self.buffers), Arc::clone(&self.pictures));
         Ok(Self { value, root, buffers, files: self.files.again(), pictures })
     }
@@ -151,6 +174,20 @@ fn json_of(bytes: &[u8]) -> Result<(Value, Option<&[u8]>), SceneError> {
 /// Text without the mark that some editors put before UTF-8.
 fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
+/// Gives a file without scenes, which is a library of its nodes, one of all of them.
+fn show_all(value: &mut Value) {
+    let is_empty = |list: &Value| list.as_array().is_none_or(Vec::is_empty);
+    if !is_empty(&value["scenes"]) || is_empty(&value["nodes"]) {
+        return;
+    }
+    let nodes = value["nodes"].as_array().into_iter().flatten();
+    let children = nodes.filter_map(|node| node["children"].as_array()).flatten();
+    let children: BTreeSet<u64> = children.filter_map(Value::as_u64).collect();
+    let count = value["nodes"].as_array().map_or(0, Vec::len) as u64;
+    let roots: Vec<u64> = (0..count).filter(|node| !children.contains(node)).collect();
+    value["scenes"] = serde_json::json!([{ "nodes": roots }]);
 }
 
 /// Takes the contents of buffers out of the JSON, which edits copy: they have been read.
@@ -256,7 +293,11 @@ fn read_buffer(
 
 fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
     let Some((_, text)) = data.split_once(";base64,") else {
-        return Err(SceneError::new(place, "is a data URI without base64", "encode it as base64"));
+        let Some((_, text)) = data.split_once(',') else {
+            let problem = "is a data URI without a comma";
+            return Err(SceneError::new(place, problem, "encode it as base64"));
+        };
+        return Ok(percent_decoded(text));
     };
     // Padding is optional: not every exporter writes it.
     let engine = base64::engine::GeneralPurpose::new(

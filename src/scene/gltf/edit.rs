@@ -42,15 +42,15 @@ impl Edit {
     /// another.
     ///
     /// ```
-    /// use sunstone::{Edit, SceneFile};
+    /// use sunstone::{Edit, SceneFile, View};
     ///
     /// // A metal has a name, or else indices of its own.
     /// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
     /// let metal = Edit::away("materials/gold/metal");
     /// let [eta, k] = [("eta", 0.2), ("k", 3.9)]
     ///     .map(|(key, value)| Edit::new(format!("materials/gold/{key}"), value));
-    /// file.world(None, &[metal, eta.clone(), k])?;
-    /// assert!(file.world(None, &[eta]).is_err());
+    /// file.world(&View::default(), &[metal, eta.clone(), k])?;
+    /// assert!(file.world(&View::default(), &[eta]).is_err());
     /// # Ok::<(), sunstone::SceneError>(())
     /// ```
     pub fn away(target: impl Into<String>) -> Self {

@@ -11,6 +11,7 @@ use super::extension::{Keys, inner};
 use super::places::{KINDS, Kind, Place, at, number_of, objects_called, of_extension, places, put};
 use crate::math::text::{excerpt, listed};
 use crate::scene::error::SceneError;
+use crate::scene::view::View;
 use crate::scene::world::World;
 
 /// Most characters of a name in errors.
@@ -50,14 +51,14 @@ const DEFAULTS: [(&str, &str, &str); 23] = [
 ///
 /// ```
 /// use std::sync::Arc;
-/// use sunstone::{Edit, EditedFile, SceneFile};
+/// use sunstone::{Edit, EditedFile, SceneFile, View};
 ///
 /// let file = Arc::new(SceneFile::read("scenes/cornell.gltf".as_ref(), false)?);
 /// let first = EditedFile::new(file).edit(vec![Edit::new("materials/white/reflectance", 0.2)])?;
 /// let second = first.edit(vec![Edit::new("materials/white/reflectance", 0.3)])?;
 /// assert_eq!(first.value("materials/white/reflectance")?, Some(0.2.into()));
 /// assert_eq!(second.edits(), [Edit::new("materials/white/reflectance", 0.3)]);
-/// let world = second.world(None)?;
+/// let world = second.world(&View::default())?;
 /// # assert!(world.find("white").is_some());
 /// # Ok::<(), sunstone::SceneError>(())
 /// ```
@@ -202,13 +203,13 @@ impl EditedFile {
         list.map_or(&[], Vec::as_slice)
     }
 
-    /// The default scene after the edits, seen by the camera of this name or number, or by the
+    /// The default scene after the edits, as it is seen.
     /// first.
     ///
     /// # Errors
     /// As [`SceneFile::world`].
-    pub fn world(&self, camera: Option<&str>) -> Result<World, SceneError> {
-        self.file.world(camera, &self.edits)
+    pub fn world(&self, view: &View) -> Result<World, SceneError> {
+        self.file.world(view, &self.edits)
     }
 
     fn places(&self, target: &str) -> Result<Vec<Place>, SceneError> {
@@ -353,19 +354,19 @@ mod tests {
         let swap = [(&*metal, Value::Null), (&*eta, json!(0.2)), (&*k, json!(3.9))];
         let own = edited(&lab, &swap);
         check(&own);
-        assert!(own.world(None).is_ok());
+        assert!(own.world(&View::default()).is_ok());
         assert_eq!((own.value(&metal).unwrap(), own.edits().len()), (None, 3));
         // One of them is told when the scene is read.
         let half = own.take_back(&[&eta]).unwrap().unwrap();
-        assert!(half.world(None).is_err());
+        assert!(half.world(&View::default()).is_err());
         for targets in [vec![&*metal, &*eta, &*k], vec!["materials/gold"]] {
             let back = own.take_back(&targets).unwrap().unwrap();
-            assert!(back.edits().is_empty() && back.world(None).is_ok());
+            assert!(back.edits().is_empty() && back.world(&View::default()).is_ok());
         }
         let other = [(&*metal, json!("Cu")), (&*eta, Value::Null), (&*k, Value::Null)];
         let back = edited(&own, &other);
         assert_eq!(back.edits(), [Edit::new(&*metal, "Cu")]);
-        assert!(back.world(None).is_ok());
+        assert!(back.world(&View::default()).is_ok());
         // A key that was put into what was taken away.
         let film = "cameras/camera/film";
         let film = edited(&lab, &[(film, json!({"resolution": [8, 8]}))]);
@@ -374,7 +375,7 @@ mod tests {
         for file in [&film, &none, &again] {
             check(file);
         }
-        assert!(again.world(None).is_ok());
+        assert!(again.world(&View::default()).is_ok());
     }
 
     #[test]

@@ -115,7 +115,7 @@ pub const MATRIX: Keys = Keys {
 };
 /// Keys of the environment.
 pub const ENVIRONMENT: Keys =
-    Keys { definition: "environment", known: &["radiance"], planned: &["uri"] };
+    Keys { definition: "environment", known: &["gradient", "radiance"], planned: &["uri"] };
 /// Keys of a tabulated spectrum.
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };

@@ -66,7 +66,7 @@ impl Files {
     pub fn bytes(&self, uri: &str, place: &str, limit: u64) -> Result<Vec<u8>, SceneError> {
         let refuse = |problem: String, remedy: &str| SceneError::new(place, problem, remedy);
         let shown = excerpt(uri, URI);
-        let name = percent_decoded(uri);
+        let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
         if name.contains("://") || (!self.allow_outside && is_absolute(&name)) {
             let problem = format!("`{shown}` is not a path relative to the scene");
             return Err(refuse(problem, "put the file beside the scene"));
@@ -104,8 +104,8 @@ fn is_absolute(name: &str) -> bool {
     Path::new(name).is_absolute() || name.starts_with('/')
 }
 
-/// A URI's path with its %xx resolved; what is no valid escape stays as it is.
-fn percent_decoded(uri: &str) -> String {
+/// A URI's text with its %xx resolved; what is no valid escape stays as it is.
+pub fn percent_decoded(uri: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
@@ -122,5 +122,5 @@ fn percent_decoded(uri: &str) -> String {
             }
         }
     }
-    String::from_utf8_lossy(&bytes).into_owned()
+    bytes
 }

@@ -8,16 +8,19 @@ use crate::scene::error::SceneError;
 use crate::scene::warnings::Warnings;
 use crate::scene::world::Transform;
 
+/// The extension that hides nodes, with all below them.
+pub const VISIBILITY: &str = "KHR_node_visibility";
+
 /// A node of the scene.
 pub struct PlacedNode {
     /// Index in the file.
     pub node: usize,
-    /// From the node's space to world space; finite and invertible.
+    /// From the node's space to world space; finite, and not always invertible.
     pub to_world: Transform,
 }
 
-/// All nodes below a scene, parents before children, in the file's order. The hierarchy has been
-/// validated, so this ends, however deep it is.
+/// All nodes below a scene that are not hidden, parents before children, in the file's order. The
+/// hierarchy has been validated, so this ends, however deep it is.
 pub fn placed_nodes(
     document: &Document,
     scene: usize,
@@ -29,9 +32,15 @@ pub fn placed_nodes(
     let mut open = starts(document, scene, warnings)?;
     open.reverse();
     while let Some((node, parent)) = open.pop() {
+        if document.value["nodes"][node]["extensions"][VISIBILITY]["visible"] == false {
+            continue;
+        }
         let to_world = parent * local(node)?;
         let place = Transform(to_world);
-        place.check().map_err(|fault| SceneError::at(&document.label("nodes", node), fault))?;
+        if !to_world.is_finite() {
+            let label = document.label("nodes", node);
+            return Err(SceneError::new(label, "its transform is not finite", "export it again"));
+        }
         placed.push(PlacedNode { node, to_world: place });
         let children = root.nodes[node].children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), to_world)));
@@ -50,12 +59,7 @@ fn starts(
     let nodes = &document.root.nodes;
     let listed: Vec<usize> =
         document.root.scenes[scene].nodes.iter().map(|node| node.value()).collect();
-    let mut parents = vec![None; nodes.len()];
-    for (parent, node) in nodes.iter().enumerate() {
-        for child in node.children.iter().flatten() {
-            parents[child.value()] = Some(parent);
-        }
-    }
+    let parents = parents(document);
     let mut waits = vec![false; nodes.len()];
     listed.iter().for_each(|&node| waits[node] = true);
     let comes_with_another = below(document, &parents, &waits);
@@ -70,15 +74,37 @@ fn starts(
         if parents[node].is_some() {
             warnings.add(&label(), "is listed by the scene without its parent, which moves it");
         }
-        let mut to_world = DAffine3::IDENTITY;
-        let mut above = parents[node];
-        while let Some(parent) = above {
-            to_world = local_transform(document, parent)? * to_world;
-            above = parents[parent];
-        }
-        starts.push((node, to_world));
+        let above = parents[node].map(|parent| to_world(document, parent, &parents));
+        starts.push((node, above.transpose()?.unwrap_or(DAffine3::IDENTITY)));
     }
     Ok(starts)
+}
+
+/// The parent of every node that has one.
+pub fn parents(document: &Document) -> Vec<Option<usize>> {
+    let nodes = &document.root.nodes;
+    let mut parents = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            parents[child.value()] = Some(parent);
+        }
+    }
+    parents
+}
+
+/// From the space of a node to the world.
+pub fn to_world(
+    document: &Document,
+    node: usize,
+    parents: &[Option<usize>],
+) -> Result<DAffine3, SceneError> {
+    let mut to_world = DAffine3::IDENTITY;
+    let mut open = Some(node);
+    while let Some(node) = open {
+        to_world = local_transform(document, node)? * to_world;
+        open = parents[node];
+    }
+    Ok(to_world)
 }
 
 /// Which nodes are somewhere below one that the scene lists.

@@ -38,6 +38,10 @@ const KHR_IOR: &str = "KHR_materials_ior.ior";
 const KHR_DISPERSION: &str = "KHR_materials_dispersion";
 /// How glTF states what a coat reflects.
 const KHR_SPECULAR: &str = "KHR_materials_specular";
+/// How glTF states what looks the same in any light.
+const KHR_UNLIT: &str = "KHR_materials_unlit";
+/// How glTF once stated colors of gloss.
+const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
 
@@ -77,6 +81,10 @@ impl Import<'_> {
             return known.clone();
         }
         let material = self.read_material(index, user);
+        let extensions = index.map(|index| &self.document.value["materials"][index]["extensions"]);
+        if extensions.is_some_and(|extensions| extensions[KHR_UNLIT].is_object()) {
+            self.unlit.extend(&material);
+        }
         self.materials.insert(index, material.clone());
         material
     }
@@ -141,6 +149,17 @@ impl Import<'_> {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));
         }
+        if value["extensions"][KHR_UNLIT].is_object() {
+            self.warnings.add(label, "is unlit: emits its color, which shines on other things too");
+            return Ok(Bsdf::Absorber);
+        }
+        let glossy = &value["extensions"][KHR_GLOSSY];
+        if glossy.is_object() {
+            let text = "is of KHR_materials_pbrSpecularGlossiness: rendered as Lambertian of its \
+                        diffuse color";
+            self.warnings.add(label, text);
+            return Ok(Bsdf::diffuse(color_of(&glossy["diffuseFactor"], label)?));
+        }
         let volume = Volume::of(value, label)?;
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
@@ -160,7 +179,15 @@ impl Import<'_> {
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         let stated = body.emission(EMISSION, document)?;
         let color = if stated.is_some() { EMISSION } else { "emissiveFactor" };
-        let radiance = stated.unwrap_or(Spectrum::Rgb(material.emissive_factor.0)).scaled(strength);
+        let extensions = &document.value["materials"][index]["extensions"];
+        let own = match extensions[KHR_UNLIT].is_object() && body.word("bsdf")?.is_none() {
+            true => {
+                let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+                Spectrum::Rgb([red, green, blue])
+            }
+            false => Spectrum::Rgb(material.emissive_factor.0).scaled(strength),
+        };
+        let radiance = stated.map_or(own, |stated| stated.scaled(strength));
         let emission = Emission { radiance };
         let field = format!("{color} times emissiveStrength");
         emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
@@ -237,6 +264,23 @@ impl Import<'_> {
                 let field = format!("{label}, {KHR_SPECULAR}.specularFactor");
                 SceneError::new(field, "must be a number", "within [0, 1]")
             }),
+        }
+    }
+}
+
+/// Red, green and blue of a color with alpha that the typed document does not know; white if there
+/// is none.
+fn color_of(factor: &Value, label: &str) -> Result<[f32; 3], SceneError> {
+    let numbers: Option<Vec<f64>> = match factor.as_array() {
+        None => Some(vec![1.0; 3]),
+        Some(numbers) => numbers.iter().map(Value::as_f64).collect(),
+    };
+    match numbers.as_deref() {
+        Some([red, green, blue, ..]) => Ok([red, green, blue].map(|part| *part as f32)),
+        _ => {
+            let problem = "must be four numbers";
+            let place = format!("{label}, diffuseFactor");
+            Err(SceneError::new(place, problem, "export the scene again"))
         }
     }
 }

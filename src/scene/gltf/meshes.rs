@@ -9,9 +9,11 @@ use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
 
 use super::extension::{Body, MESH};
-use super::{Import, Part, accessors};
+use super::hierarchy::PlacedNode;
+use super::poses::{Pose, Vertices};
+use super::{Import, Part, accessors, instances, validate};
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Boundary, Geometry, Mesh, Name, Transform};
+use crate::scene::world::{Boundary, Geometry, Mesh, Name};
 
 /// Most vertices and corners that the meshes of a scene may have together: what a file of a few
 /// kilobytes can ask for must not fill the memory. (Copies of a mesh are counted where they are
@@ -29,6 +31,9 @@ pub struct ReadGeometry {
     /// Corners whose normal is on the back.
     behind: usize,
 }
+
+/// A primitive of a mesh, and how its vertices are moved.
+type Posed<'a> = (usize, usize, Option<&'a Pose>);
 
 /// What has been read of all meshes of a file, by mesh and primitive.
 #[derive(Default)]
@@ -53,27 +58,36 @@ impl Import<'_> {
         mesh: usize,
         node: &Body,
         boundary: Boundary,
-        place: Transform,
+        placed: &PlacedNode,
     ) -> Result<(), SceneError> {
         let object = &self.document.root.meshes[mesh];
         let label = self.document.label("meshes", mesh);
         Body::of(&self.document.value["meshes"][mesh], &label, &MESH)?;
-        if object.weights.is_some() {
-            self.warnings.add(&label, "morph targets are ignored");
+        let (pose, place) = Pose::of(self.document, placed, mesh)?;
+        let pose = pose.as_ref();
+        if pose.is_some_and(Pose::is_flat) {
+            self.warnings.add(node.label(), "has a scale of zero, which makes its mesh flat");
         }
+        let mut places = instances::places(self.document, placed, node, place)?;
+        let all = places.len();
+        places.retain(|(_, place)| place.check().is_ok());
+        let text = "of no size skipped";
+        self.warnings.add_counted(node.label(), all - places.len(), ["copy", "copies"], text);
         let mut findings = Findings::default();
         for (index, primitive) in object.primitives.iter().enumerate() {
             let part = format!("{label}, primitive {index}");
-            self.count_elements(ELEMENTS_OF_PART, &part)?;
-            let geometry = self.geometry((mesh, index), primitive, &part);
+            self.count_elements(ELEMENTS_OF_PART * places.len() as u64, &part)?;
+            let geometry = self.geometry((mesh, index, pose), primitive, &part);
             if let Ok(None) = geometry {
                 continue;
             }
             let skin = self.skin(primitive.material.map(|m| m.value()), boundary, &part);
             let (geometry, skin) = (findings.note(geometry), findings.note(skin));
-            if let (Some(Some(geometry)), Some(skin)) = (geometry, skin) {
-                let name = Name(format!("{}, {part}", node.label()));
-                let put = self.world.put_mesh(name, Mesh(geometry), skin, place);
+            let (Some(Some(geometry)), Some(skin)) = (geometry, skin) else { continue };
+            for (instance, place) in &places {
+                let name = Name(format!("{}{instance}, {part}", node.label()));
+                let mesh = Mesh(Arc::clone(&geometry));
+                let put = self.world.put_mesh(name, mesh, skin, *place);
                 findings.note(put.map_err(|fault| node.place(fault)));
             }
         }
@@ -83,16 +97,18 @@ impl Import<'_> {
     /// The triangles of a primitive, read once; nothing if there are none to be rendered.
     fn geometry(
         &mut self,
-        key: (usize, usize),
+        (mesh, index, pose): Posed,
         primitive: &Primitive,
         place: &str,
     ) -> Result<Part, SceneError> {
+        let key = (mesh, index, pose.map(|pose| pose.node));
         if let Some(known) = self.geometries.get(&key) {
             return known.clone();
         }
         let geometry = match is_of_triangles(primitive.mode, place) {
-            Ok(true) => self.read_geometry(key, primitive, place),
+            Ok(true) => self.read_geometry((mesh, index, pose), primitive, place),
             Ok(false) => {
+                self.has_lines = true;
                 self.warnings.add(place, "points and lines have no surface and are skipped");
                 Ok(None)
             }
@@ -119,7 +135,7 @@ impl Import<'_> {
 
     fn read_geometry(
         &mut self,
-        key: (usize, usize),
+        (mesh, index, pose): Posed,
         primitive: &Primitive,
         place: &str,
     ) -> Result<Part, SceneError> {
@@ -127,18 +143,30 @@ impl Import<'_> {
             let remedy = "export the mesh with vertex positions";
             return Err(SceneError::new(place, "has no POSITION", remedy));
         };
+        let value = &self.document.value;
+        let (mesh_value, accessor) =
+            (&value["meshes"][mesh], &value["accessors"][positions.value()]);
+        let compression = validate::compression(&mesh_value["primitives"][index]);
+        if let (Some(name), true) = (compression, accessor["bufferView"].is_null()) {
+            return Err(validate::unsupported(place, name));
+        }
         // Counted before anything is read.
         let corners = primitive.indices.unwrap_or(*positions).value();
         let claims = [positions.value(), corners].map(|a| accessors::count(self.document, a));
         self.count_elements(claims[0].saturating_add(claims[1]), place)?;
-        let shared = self.shared.at(key);
+        if pose.is_some() {
+            let read = self.cleaned(primitive, *positions, (pose, place))?;
+            self.warn_about(primitive, &read, place);
+            return Ok((!read.geometry.triangles.is_empty()).then_some(read.geometry));
+        }
+        let shared = self.shared.at((mesh, index));
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
         let read = match &*shared {
             Some(read) => {
                 self.world.keep_in_mind(&read.geometry);
                 read.clone()
             }
-            None => shared.insert(self.cleaned(primitive, *positions, place)?).clone(),
+            None => shared.insert(self.cleaned(primitive, *positions, (None, place))?).clone(),
         };
         drop(shared);
         self.warn_about(primitive, &read, place);
@@ -150,7 +178,7 @@ impl Import<'_> {
         &mut self,
         primitive: &Primitive,
         positions: Index<Accessor>,
-        place: &str,
+        (pose, place): (Option<&Pose>, &str),
     ) -> Result<ReadGeometry, SceneError> {
         let positions = self.vectors(positions.value(), &format!("{place}, POSITION"))?;
         let corners = match primitive.indices {
@@ -159,15 +187,28 @@ impl Import<'_> {
             }
             None => (0..positions.len() as u32).collect(),
         };
-        let mut geometry = Geometry::new(positions, triangles(primitive.mode, &corners, place)?);
+        let mut vertices = Vertices { positions, normals: Vec::new() };
         if let Some(accessor) = primitive.attributes.get(&Checked::Valid(Semantic::Normals)) {
             let at = format!("{place}, NORMAL");
             let claimed = accessors::count(self.document, accessor.value());
-            check_normals(claimed, geometry.positions.len(), &at)?;
+            check_normals(claimed, vertices.positions.len(), &at)?;
             let normals = self.vectors(accessor.value(), &at)?;
-            geometry.normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
+            vertices.normals = normals.into_iter().map(Vec3::normalize_or_zero).collect();
         }
+        if let Some(pose) = pose {
+            pose.apply(self.document, primitive, &mut vertices, place)?;
+        }
+        let mut triangles = triangles(primitive.mode, &corners, place)?;
+        if pose.is_some_and(Pose::mirrors) {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let Vertices { positions, normals } = vertices;
+        let mut geometry = Geometry { normals, ..Geometry::new(positions, triangles) };
         self.read_paint(&mut geometry, primitive, place)?;
+        if pose.is_some() {
+            // They are those at rest; what follows from coordinates moves with the triangles.
+            geometry.tangents.clear();
+        }
         let (geometry, dropped) =
             self.world.cleaned(geometry).map_err(|fault| match fault.field.as_str() {
                 "positions" => SceneError::at(place, fault.of("POSITION")),
@@ -231,8 +272,15 @@ impl Import<'_> {
         } else if primitive.mode == Checked::Valid(Mode::Triangles) {
             self.warnings.add_counted(at, dropped, TRIANGLES, "dropped");
         }
-        let text = "with a normal on the back of the triangle (or none): mirrored to the front";
-        self.warnings.add_counted(at, behind, CORNERS, text);
+        if behind > 0 && behind == 3 * geometry.triangles.len() {
+            let text = "all normals are on the backs of the triangles (or missing), and are \
+                        mirrored to the fronts: the mesh may be inside out, and a material of one \
+                        side is black from behind";
+            self.warnings.add(at, text);
+        } else {
+            let text = "with a normal on the back of the triangle (or none): mirrored to the front";
+            self.warnings.add_counted(at, behind, CORNERS, text);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 //! what was edited, and `unused` checks what is edited and not seen.
 
 mod accessors;
+mod animations;
 mod cameras;
 mod document;
 mod edit;
@@ -13,6 +14,7 @@ mod edited;
 mod extension;
 mod files;
 mod hierarchy;
+mod instances;
 mod lights;
 mod materials;
 mod media;
@@ -20,6 +22,7 @@ mod meshes;
 mod particles;
 mod phase_matrix;
 mod places;
+mod poses;
 mod spectra;
 mod textures;
 mod unused;
@@ -29,8 +32,9 @@ mod volume;
 use std::collections::BTreeMap;
 use std::mem;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use glam::{DVec3, Vec3};
 use hecs::Entity;
 
 use self::document::Document;
@@ -41,35 +45,36 @@ use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
 use super::error::{Findings, SceneError};
+use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
 use crate::math::text::listed;
 
 /// How a scene file is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Reading<'a> {
-    /// The camera (or camera node) that sees it: its name, or `#2` for the second of the scene. The
-    /// first by default.
-    pub camera: Option<&'a str>,
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// What is seen of it.
+    pub view: View,
     /// Whether it may read files outside its folder, as a stranger's scene should not.
     pub allow_outside: bool,
 }
 
-/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
+/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it; by one that is
+/// put in if it has none, and under a neutral sky if nothing emits ([`World::put_in`]).
 ///
 /// # Errors
 /// With the file's name, the object and field in it, and the remedy, whenever something in the
 /// scene is missing, invalid, unphysical, or would silently render as something else.
 pub fn load(path: &Path) -> Result<World, SceneError> {
-    load_with(path, Reading::default())
+    load_with(path, &Reading::default())
 }
 
 /// Like [`load`], with choices.
 ///
 /// # Errors
-/// As [`load`], and when there is no such camera.
-pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
-    SceneFile::read(path, reading.allow_outside)?.world(reading.camera, &[])
+/// As [`load`], and when there is no such camera, or nothing that moves in time.
+pub fn load_with(path: &Path, reading: &Reading) -> Result<World, SceneError> {
+    SceneFile::read(path, reading.allow_outside)?.world(&reading.view, &[])
 }
 
 /// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
@@ -79,20 +84,21 @@ pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
 /// As [`load`].
 pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
     let document = Document::parse(bytes, Files::of_scene(path, false));
-    SceneFile::of(path, document)?.world(None, &[])
+    SceneFile::of(path, document)?.world(&View::default(), &[])
 }
 
 /// A scene file that has been read, with its buffers: worlds are made of it, as it stands and after
 /// edits. They share the meshes.
 ///
 /// ```
-/// use sunstone::{Edit, SceneFile};
+/// use sunstone::{Edit, SceneFile, View};
 ///
 /// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
 /// let edits = [Edit::new("materials/white/reflectance", 0.2)];
-/// let world = file.world(None, &edits)?;
+/// let view = View::default();
+/// let world = file.world(&view, &edits)?;
 /// # assert!(world.find("white").is_some());
-/// let error = file.world(None, &[Edit::new("materials/snow/reflectance", 0.2)]);
+/// let error = file.world(&view, &[Edit::new("materials/snow/reflectance", 0.2)]);
 /// let error = error.map(|_| ()).unwrap_err().to_string();
 /// assert!(error.contains("materials/snow/reflectance: no material is called `snow`"), "{error}");
 /// # Ok::<(), sunstone::SceneError>(())
@@ -101,6 +107,8 @@ pub struct SceneFile {
     path: PathBuf,
     document: Document,
     geometries: ReadGeometries,
+    /// Whether the file as it stands, without edits, emits no light.
+    is_dark: OnceLock<bool>,
 }
 
 impl SceneFile {
@@ -115,31 +123,66 @@ impl SceneFile {
 
     fn of(path: &Path, document: Result<Document, SceneError>) -> Result<Self, SceneError> {
         let document = document.map_err(|error| error.in_file(path))?;
-        Ok(Self { path: path.to_owned(), document, geometries: ReadGeometries::default() })
+        Ok(Self {
+            path: path.to_owned(),
+            document,
+            geometries: ReadGeometries::default(),
+            is_dark: OnceLock::new(),
+        })
     }
 
-    /// The default scene after some edits, seen by the camera of this name or number, or by the
-    /// first.
+    /// The default scene after some edits, as it is seen.
     ///
     /// # Errors
     /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
-    pub fn world(&self, camera: Option<&str>, edits: &[Edit]) -> Result<World, SceneError> {
-        let import = || match edits {
-            [] => self.import(&self.document, camera, edits),
-            _ => self.import(&self.document.edited(edits)?, camera, edits),
+    pub fn world(&self, view: &View, edits: &[Edit]) -> Result<World, SceneError> {
+        let import = || {
+            view.check().map_err(|rule| SceneError::new("time", rule, "leave it out"))?;
+            let mut warnings = Warnings::default();
+            let moved = match view.time {
+                Some(time) => Some(self.document.moved(time, &mut warnings)?),
+                None if animations::has_any(&self.document) => {
+                    let text = "nothing moves: nodes and meshes are as the file states them \
+                                (--time SECONDS shows a moment)";
+                    warnings.add("animations", text);
+                    None
+                }
+                None => None,
+            };
+            let document = moved.as_ref().unwrap_or(&self.document);
+            let (mut world, is_dark) = match edits {
+                [] => self.import(document, view, edits)?,
+                _ => self.import(&document.edited(edits)?, view, edits)?,
+            };
+            // A lamp that an edit has turned off is off.
+            if view.light == LightChoice::Auto && is_dark && self.is_dark(edits) {
+                world.light_up()?;
+            }
+            world.warnings.splice(0..0, warnings.sentences());
+            Ok(world)
         };
-        import().map_err(|error| error.in_file(&self.path))
+        import().map_err(|error: SceneError| error.in_file(&self.path))
     }
 
+    /// Whether the file emits no light without the edits, or nobody can tell.
+    fn is_dark(&self, edits: &[Edit]) -> bool {
+        let is_dark = || {
+            let imported = self.import(&self.document, &View::default(), &[]);
+            imported.map_or(true, |(_, is_dark)| is_dark)
+        };
+        edits.is_empty() || *self.is_dark.get_or_init(is_dark)
+    }
+
+    /// A world, and whether nothing in it sheds light on other things.
     fn import(
         &self,
         document: &Document,
-        camera: Option<&str>,
+        view: &View,
         edits: &[Edit],
-    ) -> Result<World, SceneError> {
+    ) -> Result<(World, bool), SceneError> {
         let mut import = Import::new(document, &self.geometries);
         let scene = import.scene()?;
-        import.add_scene(scene, camera)?;
+        import.add_scene(scene, view)?;
         let stem = || self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = document.root.scenes[scene].name.clone();
         let mut world = mem::replace(&mut import.world, World::new(""));
@@ -149,13 +192,30 @@ impl SceneFile {
         (world.files, world.checksums) = read.map(|file| (file.path, file.checksum)).unzip();
         world.warnings = mem::take(&mut import.warnings).sentences();
         import.check_edited(edits)?;
-        Ok(world)
+        if import.wants_frame {
+            world.frame().map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
+        }
+        let is_dark = !import.has_sky && !world.emits(&import.unlit);
+        Ok((world, is_dark))
     }
 }
 
 /// Keys of the vendor extension, by the name of their definition in `sunstone.schema.json`.
 pub fn extension_keys() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
     extension::ALL.iter().map(|keys| (keys.definition, keys.known))
+}
+
+/// What makes a sky brighter on one side.
+fn gradient(environment: &Body) -> Result<Vec3, SceneError> {
+    let Some(numbers) = environment.numbers("gradient")? else { return Ok(Vec3::ZERO) };
+    match numbers[..] {
+        [x, y, z] => Ok(DVec3::new(x, y, z).as_vec3()),
+        _ => {
+            let problem = "must be three numbers";
+            let remedy = "a vector of length 1 at most, to where the sky is brighter";
+            Err(SceneError::new(environment.field("gradient"), problem, remedy))
+        }
+    }
 }
 
 /// The triangles of a primitive, if it has any that can be rendered.
@@ -175,12 +235,21 @@ struct Import<'a> {
     volumes: BTreeMap<usize, Filling>,
     /// What has been read for other worlds of the same file.
     shared: &'a ReadGeometries,
-    /// Triangles or what is wrong with them, by mesh and primitive.
-    geometries: BTreeMap<(usize, usize), Result<Part, SceneError>>,
+    /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves
+    /// their vertices, if one does.
+    geometries: BTreeMap<(usize, usize, Option<usize>), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
     /// Whether pictures have been decoded.
     has_pictures: bool,
+    /// Whether a camera is to be put in.
+    wants_frame: bool,
+    /// Materials that emit because they look the same in any light, and not to shed any.
+    unlit: Vec<Entity>,
+    /// Whether the file says what comes from outside, be it nothing.
+    has_sky: bool,
+    /// Whether points or lines were skipped.
+    has_lines: bool,
 }
 
 impl<'a> Import<'a> {
@@ -190,9 +259,6 @@ impl<'a> Import<'a> {
         if !unknown.is_empty() {
             let text = format!("extensions that are not known are ignored: {}", listed(unknown));
             warnings.add_like("extensions", "", &text);
-        }
-        if document.value["animations"].as_array().is_some_and(|all| !all.is_empty()) {
-            warnings.add("", "animations are ignored");
         }
         Self {
             document,
@@ -205,12 +271,31 @@ impl<'a> Import<'a> {
             geometries: BTreeMap::new(),
             elements: 0,
             has_pictures: false,
+            wants_frame: false,
+            unlit: Vec::new(),
+            has_sky: false,
+            has_lines: false,
         }
     }
 
+    /// Why there are no shapes to put a camera before, if there is more to say than that.
+    fn why_nothing_is_seen(&self) -> Option<SceneError> {
+        let problem = "has nothing that could be seen: points and lines have no surface";
+        let remedy = "export the mesh with triangles, for instance lines as thin tubes";
+        (self.has_lines && self.geometries.values().all(|part| matches!(part, Ok(None))))
+            .then(|| SceneError::new("scene", problem, remedy))
+    }
+
     /// The scene to load: the default one, else the first.
-    fn scene(&self) -> Result<usize, SceneError> {
+    fn scene(&mut self) -> Result<usize, SceneError> {
         let root = &self.document.root;
+        if root.scene.is_none() && root.scenes.len() > 1 {
+            let text = format!(
+                "the file has {} scenes and does not say which to show: the first is shown",
+                root.scenes.len()
+            );
+            self.warnings.add_like("scenes", "scene", &text);
+        }
         let scene = root.scene.map_or(0, |scene| scene.value());
         if scene < root.scenes.len() {
             return Ok(scene);
@@ -218,17 +303,18 @@ impl<'a> Import<'a> {
         Err(SceneError::new("scenes", "the file has no scene", "export the scene again"))
     }
 
-    fn add_scene(&mut self, scene: usize, camera: Option<&str>) -> Result<(), SceneError> {
+    fn add_scene(&mut self, scene: usize, view: &View) -> Result<(), SceneError> {
         let nodes = hierarchy::placed_nodes(self.document, scene, &mut self.warnings)?;
         self.add_media(scene)?;
         let mut findings = Findings::default();
+        findings.note(validate::check_required(&self.document.value));
         for node in &nodes {
             findings.note(self.add_node(node));
             if self.is_full() {
                 break;
             }
         }
-        findings.note(self.add_camera(&nodes, camera));
+        findings.note(self.add_camera(&nodes, view.camera.as_deref()));
         findings.note(self.add_environment(scene));
         findings.result()
     }
@@ -237,9 +323,6 @@ impl<'a> Import<'a> {
         let node = &self.document.root.nodes[placed.node];
         let label = self.document.label("nodes", placed.node);
         let body = Body::of(&self.document.value["nodes"][placed.node], &label, &NODE)?;
-        if node.skin.is_some() {
-            self.warnings.add(&label, "the skin is ignored, the mesh stays in its bind pose");
-        }
         let boundary = self.boundary(&body)?;
         if body.has("shape") || body.has("sphere_radius") {
             self.add_sphere(placed, &body, boundary)?;
@@ -247,7 +330,7 @@ impl<'a> Import<'a> {
             let remedy = "add `shape` or `sphere_radius`; meshes have materials of their own";
             return Err(SceneError::new(body.field("material"), "belongs to a sphere", remedy));
         } else if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh.value(), &body, boundary, placed.to_world)?;
+            self.add_mesh(mesh.value(), &body, boundary, placed)?;
         } else if let Some(key) =
             ["interior", "exterior", "priority"].into_iter().find(|key| body.has(key))
         {
@@ -342,13 +425,14 @@ impl<'a> Import<'a> {
                 let problem = format!("is described twice, by {other} too");
                 return Err(SceneError::new(field, problem, "keep one of them"));
             }
-            let sky = Environment { radiance };
+            let sky = Environment { radiance, gradient: gradient(&environment)? };
             let put = match sky.radiance.values().iter().all(|value| *value == 0.0) {
                 true => sky.check(),
                 false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
             };
             put.map_err(|fault| environment.place(fault))?;
             found = Some(field);
+            self.has_sky = true;
         }
         Ok(())
     }

@@ -8,44 +8,83 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::extension::EXTENSION;
-use crate::math::text::{excerpt, listed};
+use super::hierarchy::VISIBILITY;
+use super::instances::INSTANCING;
+use crate::math::text::excerpt;
 use crate::scene::error::{Findings, SceneError};
 
 /// Most characters of a value that an error quotes.
 const VALUE: usize = 60;
 
-/// Extensions that are read.
-const EXTENSIONS: [&str; 11] = [
+/// Extensions that are read, and those that show nothing: other materials to choose, and who made
+/// what.
+const EXTENSIONS: [&str; 18] = [
     EXTENSION,
+    INSTANCING,
     "EXT_texture_webp",
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_volume",
+    "KHR_materials_variants",
+    "KHR_mesh_quantization",
+    VISIBILITY,
     "KHR_texture_transform",
+    "KHR_xmp_json_ld",
 ];
 
-/// Checks version, required extensions, indices and the node hierarchy.
+/// What a file may require that nobody reads here, and what to do about it.
+const REMEDIES: [(&str, &str); 4] = [
+    ("KHR_draco_mesh_compression", "decompress the meshes: gltf-pipeline -i in.glb -o out.glb"),
+    ("EXT_meshopt_compression", "decompress the meshes: gltfpack -noq -i in.glb -o out.glb"),
+    ("KHR_meshopt_compression", "decompress the meshes: gltfpack -noq -i in.glb -o out.glb"),
+    ("KHR_texture_basisu", "export it with textures as PNG or JPEG"),
+];
+
+/// Refuses what the file requires and nobody reads, each with what to do about it.
+pub fn check_required(value: &Value) -> Result<(), SceneError> {
+    let mut findings = Findings::default();
+    let required = items(&value["extensionsRequired"]).filter_map(Value::as_str);
+    for name in required.filter(|name| !EXTENSIONS.contains(name)) {
+        findings.note::<()>(Err(unsupported("extensionsRequired", name)));
+    }
+    findings.result()
+}
+
+/// The error that something is in the form of an extension that nobody reads here.
+pub fn unsupported(place: &str, name: &str) -> SceneError {
+    let remedy = match REMEDIES.iter().find(|(known, _)| *known == name) {
+        Some((_, remedy)) => (*remedy).to_owned(),
+        None => format!("export without; known are {}", EXTENSIONS.join(", ")),
+    };
+    SceneError::new(place, format!("`{}` is not supported", excerpt(name, VALUE)), remedy)
+}
+
+/// The extension that a buffer's contents come from, if nobody reads it here: it stands with the
+/// buffer, or with what is seen of it.
+pub fn compression_of_buffer(value: &Value, buffer: usize) -> Option<&'static str> {
+    let views = items(&value["bufferViews"]).filter(|view| view["buffer"] == buffer);
+    std::iter::once(&value["buffers"][buffer]).chain(views).find_map(compression)
+}
+
+/// The extension that an object has its contents in, if nobody reads it here.
+pub fn compression(object: &Value) -> Option<&'static str> {
+    let extensions = &object["extensions"];
+    REMEDIES.iter().map(|(name, _)| *name).find(|name| extensions[*name].is_object())
+}
+
+/// Checks version, indices and the node hierarchy.
 pub fn check(value: &Value) -> Result<(), SceneError> {
     let version = value["asset"]["version"].as_str().unwrap_or("");
     if version.split('.').next() != Some("2") {
         let problem = format!("is `{}`", excerpt(version, VALUE));
         return Err(SceneError::new("asset.version", problem, "only glTF 2.0 is read"));
-    }
-    let required = items(&value["extensionsRequired"]).filter_map(Value::as_str);
-    let unknown: Vec<String> = required
-        .filter(|name| !EXTENSIONS.contains(name))
-        .map(|name| format!("`{}`", excerpt(name, VALUE)))
-        .collect();
-    if !unknown.is_empty() {
-        let verb = if unknown.len() == 1 { "is" } else { "are" };
-        let problem = format!("{} {verb} not supported", listed(unknown));
-        let remedy = format!("export without; known are {}", EXTENSIONS.join(", "));
-        return Err(SceneError::new("extensionsRequired", problem, remedy));
     }
     let mut findings = Findings::default();
     check_indices(value, &mut findings);
@@ -160,6 +199,9 @@ fn check_primitives(value: &Value, findings: &mut Findings) {
             check_index(findings, &primitive["material"], materials, || name("material"));
             for (attribute, accessor) in primitive["attributes"].as_object().into_iter().flatten() {
                 check_index(findings, accessor, accessors, || name(attribute));
+            }
+            for target in items(&primitive["targets"]).filter_map(Value::as_object).flatten() {
+                check_index(findings, target.1, accessors, || name("targets"));
             }
         }
     }

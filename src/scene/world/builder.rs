@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::Vec3;
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
@@ -53,6 +54,7 @@ impl World {
             files: Vec::new(),
             checksums: Vec::new(),
             warnings: Vec::new(),
+            put_in: Vec::new(),
             order: 0,
             checked: HashMap::new(),
         }
@@ -212,7 +214,20 @@ impl World {
     /// # Errors
     /// When the radiance is negative or not finite.
     pub fn set_environment(&mut self, radiance: impl Into<Spectrum>) -> Result<Entity, SceneError> {
-        let environment = Environment { radiance: radiance.into() };
+        self.set_sky(radiance, Vec3::ZERO)
+    }
+
+    /// The same for a sky that is brighter on one side: from the direction d of world space comes
+    /// the radiance times 1 + d . gradient.
+    ///
+    /// # Errors
+    /// As [`World::set_environment`], and when the gradient is longer than 1.
+    pub fn set_sky(
+        &mut self,
+        radiance: impl Into<Spectrum>,
+        gradient: Vec3,
+    ) -> Result<Entity, SceneError> {
+        let environment = Environment { radiance: radiance.into(), gradient };
         let name = Name("environment".to_owned());
         let added = self.put_environment(name, environment);
         let added = added.map_err(|fault| SceneError::at("environment", fault))?;
@@ -401,7 +416,7 @@ impl World {
         self.entities.spawn(entity.build())
     }
 
-    fn insert(&mut self, entity: Entity, component: impl hecs::Component) {
+    pub(super) fn insert(&mut self, entity: Entity, component: impl hecs::Component) {
         // Callers have just found it, so this cannot fail.
         let _ = self.entities.insert_one(entity, component);
     }

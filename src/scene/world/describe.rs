@@ -184,7 +184,11 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
         format!("  {}: {:?}, intensity {}", name.0, light.kind, spectrum(&light.intensity))
     });
     let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-        format!("  {}: radiance {}", name.0, spectrum(&sky.radiance))
+        let gradient = match sky.gradient.to_array() {
+            [0.0, 0.0, 0.0] => String::new(),
+            gradient => format!(", gradient {gradient:?}"),
+        };
+        format!("  {}: radiance {}{gradient}", name.0, spectrum(&sky.radiance))
     });
     lines(text, &[lights, skies].concat())
 }

@@ -11,7 +11,7 @@ use crate::polarization::Analyzer;
 
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Sides, Textures, Transform, World,
+    Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -31,7 +31,7 @@ macro_rules! columns {
 
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
-    Punctual, Lens, Resolution, Analyzer, Environment,
+    Punctual, Lens, Resolution, Analyzer, Window, Environment,
 }
 
 impl World {
@@ -123,6 +123,9 @@ mod tests {
         world.set_resolution([8, 8]).unwrap();
         world.set_analyzer(Some(Analyzer::RightCircular)).unwrap();
         world.set_environment(0.1).unwrap();
+        for (_, camera) in world.in_order::<(&Lens, Entity), _>(|(_, camera)| ((), camera)) {
+            world.insert(camera, Window { tan_half_x: 0.5 });
+        }
         world
     }
 

@@ -2,6 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use glam::Vec3;
+
 use crate::math::{Fault, Range};
 use crate::spectrum::Spectrum;
 
@@ -74,16 +76,28 @@ impl PunctualKind {
     }
 }
 
-/// Constant radiance from all directions.
+/// Radiance from all directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    /// Radiance in W/(m^2 sr); not negative. Zero throughout emits nothing.
+    /// Its mean in W/(m^2 sr); not negative. Zero throughout emits nothing.
     pub radiance: Spectrum,
+    /// A vector in world space, of length 1 at most: from the direction d comes the mean times
+    /// 1 + d . gradient.
+    pub gradient: Vec3,
 }
 
 impl Environment {
     /// Refuses what cannot shine.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        self.radiance.check("radiance", Range::NOT_NEGATIVE)
+        self.radiance.check("radiance", Range::NOT_NEGATIVE)?;
+        let length = self.gradient.length();
+        if length <= 1.0 + GRADIENT_TOLERANCE {
+            return Ok(());
+        }
+        let problem = format!("its length must be at most 1, not {length}");
+        Err(Fault::new("gradient", problem, "no sky is darker than black"))
     }
 }
+
+/// How much longer than 1 a gradient may come out of rounding.
+const GRADIENT_TOLERANCE: f32 = 1e-5;

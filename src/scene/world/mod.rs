@@ -10,7 +10,7 @@
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
-//! | | [`Analyzer`](crate::Analyzer) if it has one |
+//! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
 //! | environment | [`Order`], [`Name`], [`Environment`] |
 //!
 //! Each component knows what is wrong with it. Readers of files parse and add with the functions
@@ -23,6 +23,7 @@ mod camera;
 mod check;
 mod describe;
 mod digest;
+mod frame;
 mod light;
 mod material;
 mod medium;
@@ -41,6 +42,7 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::camera::{Lens, Resolution};
+pub use self::frame::{PutIn, Window};
 pub use self::light::{Environment, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
@@ -64,6 +66,7 @@ pub struct World {
     pub(super) files: Vec<PathBuf>,
     pub(super) checksums: Vec<u128>,
     pub(super) warnings: Vec<String>,
+    put_in: Vec<PutIn>,
     /// The [`Order`] of the last entity.
     order: u32,
     /// The geometries that have been checked, by address. Nobody can change them any more, as
