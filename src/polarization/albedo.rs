@@ -10,6 +10,7 @@
 //! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
 //! reflects just what is missing.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -59,8 +60,15 @@ impl Albedo {
             let new = || Arc::new(Table::new(Distribution::Ggx, Some(ior)));
             Arc::clone(coats.entry(ior.to_bits()).or_insert_with(new))
         };
+        thread_local! {
+            /// What this thread has asked for last: it asks again at every hit of a picture.
+            static LAST: RefCell<Option<(u32, Arc<Table>)>> = const { RefCell::new(None) };
+        }
+        let last = LAST.with_borrow(|last| last.clone().filter(|(of, _)| *of == ior.to_bits()));
+        let table = last.map_or_else(|| found(ior), |(_, table)| table);
+        LAST.set(Some((ior.to_bits(), Arc::clone(&table))));
         // No lock is held while it is computed.
-        found(ior).at(alpha)
+        table.at(alpha)
     }
 
     /// The same with a share of the reflectance.

@@ -39,9 +39,9 @@ const KHR_DISPERSION: &str = "KHR_materials_dispersion";
 /// How glTF states what a coat reflects.
 const KHR_SPECULAR: &str = "KHR_materials_specular";
 /// How glTF states what looks the same in any light.
-const KHR_UNLIT: &str = "KHR_materials_unlit";
+pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 /// How glTF once stated colors of gloss.
-const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
+pub const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
 

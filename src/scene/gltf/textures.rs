@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::document::Document;
+use super::materials::{KHR_GLOSSY, KHR_UNLIT};
 use crate::image::texels::{Coding, Texels};
 use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
@@ -83,11 +84,23 @@ impl Import<'_> {
         let mut findings = Findings::default();
         let slot =
             |info, key: &str, coding| Slot { info, label: format!("{label}, {key}"), coding };
-        let base = &material["pbrMetallicRoughness"]["baseColorTexture"];
-        let base = self.texture(&slot(base, "baseColorTexture", Coding::Srgb));
-        let base = findings.note(base).flatten();
+        let glossy = &material["extensions"][KHR_GLOSSY];
+        let (base, key) = match glossy.is_object() {
+            true => (&glossy["diffuseTexture"], "diffuseTexture"),
+            false => (&material["pbrMetallicRoughness"]["baseColorTexture"], "baseColorTexture"),
+        };
+        let base = findings.note(self.texture(&slot(base, key, Coding::Srgb))).flatten();
         let by_vertices = self.colors_of(index);
-        if base.is_some() || by_vertices.is_some() {
+        let is_unlit = material["extensions"][KHR_UNLIT].is_object();
+        if let (true, Bsdf::Absorber, Some(factor)) =
+            (is_unlit, bsdf, emission.and_then(|emission| rgb(&emission.radiance)))
+        {
+            let (texture, by_vertices) = (base.clone(), by_vertices.is_some());
+            if texture.is_some() || by_vertices {
+                let paint = Paint { factor, texture, reads: Reads::Color, by_vertices };
+                textures.emission = Some(paint);
+            }
+        } else if base.is_some() || by_vertices.is_some() {
             match color_of(bsdf) {
                 Some((parameter, factor)) => {
                     let (texture, by_vertices) = (base.clone(), by_vertices.is_some());
@@ -115,7 +128,7 @@ impl Import<'_> {
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
         let glow = findings.note(glow).flatten();
-        if let (Some(texture), Some(emission)) = (glow, emission) {
+        if let (false, Some(texture), Some(emission)) = (is_unlit, glow, emission) {
             textures.emission = findings.note(painted_emission(texture, emission, label));
         }
         let info = &material["normalTexture"];
@@ -255,12 +268,13 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 5] = [
+        const READ: [&str; 6] = [
             "baseColorTexture",
             "emissiveTexture",
             "metallicRoughnessTexture",
             "normalTexture",
             "occlusionTexture",
+            "diffuseTexture",
         ];
         let mut open = vec![material];
         let mut unread = BTreeSet::new();
