@@ -40,7 +40,7 @@ fn flint_and_point_light() -> World {
 }
 
 /// Light comes to the floor by two faces, or by a ball in which it may be totally reflected at some
-/// wavelengths and not at others. The bulb is as large as paths from the sensor need to find it that
+/// wavelengths and not at others. The bulb is as large as paths from the sensor need to find it so
 /// often that their spread tells their error.
 fn caustic() -> World {
     let mut scene = room(&[]);

@@ -193,7 +193,9 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
         [F32s::splat(1.0); N]
     }
 
-    #[inline(always)]
+    // Of some hundreds of instructions, which many stages want: calls cost nothing beside them, and
+    // copies would make a fifth of the program.
+    #[inline(never)]
     fn lanes(models: &ModelLanes<Self>) -> MetallicRoughnesses<N> {
         let alpha = models.field(|model| model.alpha);
         MetallicRoughnesses {
@@ -212,7 +214,7 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn shape(
         of: &MetallicRoughnesses<N>,
         facing: &Facing,
@@ -222,7 +224,7 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
         of.values(&of.reflect(facing, given, drawn))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn pdf(
         of: &MetallicRoughnesses<N>,
         facing: &Facing,
@@ -232,7 +234,7 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
         Rough::pdf(of, facing, given, drawn)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn draw(
         models: &ModelLanes<Self>,
         facing: &Facing,
@@ -242,7 +244,7 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
         Rough::draw(&Self::lanes(models), facing, given, u)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn kernels(
         of: &MetallicRoughnesses<N>,
         facing: &Facing,

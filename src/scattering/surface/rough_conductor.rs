@@ -117,7 +117,9 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
         [F32s::splat(1.0); N]
     }
 
-    #[inline(always)]
+    // Of some hundreds of instructions, which many stages want: calls cost nothing beside them, and
+    // copies would make a fifth of the program.
+    #[inline(never)]
     fn lanes(models: &ModelLanes<Self>) -> RoughConductors<N> {
         let alpha = models.field(|model| model.alpha);
         let beckmann = models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5));
@@ -132,7 +134,7 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn shape(
         of: &RoughConductors<N>,
         facing: &Facing,
@@ -142,7 +144,7 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
         of.values(&of.reflect(facing, given, drawn))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn pdf(
         of: &RoughConductors<N>,
         facing: &Facing,
@@ -152,7 +154,7 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
         Rough::pdf(of, facing, given, drawn)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn draw(
         models: &ModelLanes<Self>,
         facing: &Facing,
@@ -162,7 +164,7 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
         Rough::draw(&Self::lanes(models), facing, given, u)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn kernels(
         of: &RoughConductors<N>,
         facing: &Facing,

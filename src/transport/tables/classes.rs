@@ -10,10 +10,10 @@
 //! | | | | counts as one) |
 //! | sensor | [`SensorClass::Row`] | r, axis | a `Plain` row, polarizing events since; behind an |
 //! | | | | analyzer from the film on |
-//! | sensor | [`SensorClass::Once`] | a, c, s, a rotation, axis | one polarizing event, of the form |
-//! | | | | of a block, no depolarizer yet |
-//! | sensor | [`SensorClass::OnceCommon`] | the same once | such an event that told no wavelengths |
-//! | | | | apart |
+//! | sensor | [`SensorClass::Once`] | a, c, s, a rotation, axis | one polarizing event, of the |
+//! | | | | form of a block, no depolarizer yet |
+//! | sensor | [`SensorClass::OnceCommon`] | the same once | such an event that told no |
+//! | | | | wavelengths apart |
 //! | sensor | [`SensorClass::Full`] | T, axis | polarizing events, no depolarizer yet |
 //! | sensor | [`SensorClass::Common`] | T once, axis | the same, no event told wavelengths |
 //! | | | | apart |

@@ -5,8 +5,8 @@ use wide::f32x4;
 use crate::math::{F32s, LANES};
 use crate::polarization::Stokes;
 
-/// What sensor paths have measured, slot by slot. What belongs to a slot lies together, as slots are
-/// added to one at a time and in any order.
+/// What sensor paths have measured, slot by slot. What belongs to a slot lies together, as slots
+/// are added to one at a time and in any order.
 ///
 /// A path's first depolarizer fixes the state of all light that it measures behind: `T D` is
 /// `(T e0)(d e0^T)`, whose column `T e0` is the same for whatever comes. So behind it light is
