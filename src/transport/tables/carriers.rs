@@ -2,8 +2,8 @@
 //! the classes of [`super::classes`].
 //!
 //! The tables hold nothing but the carriers of the algebra ([`LightCarrier`], [`SensorEvent`],
-//! [`SensorMatrix`], [`SensorRow`]), one per row and wavelength with an axis per row: they load from
-//! the columns and store to them, and all that happens to them is theirs.
+//! [`SensorMatrix`], [`SensorRow`]), one per row and wavelength with an axis per row: they load
+//! from the columns and store to them, and all that happens to them is theirs.
 //!
 //! Depolarizers fold what scales the intensity (r0, or T00 and the light side's s0) into the
 //! throughput `beta`.
@@ -189,8 +189,8 @@ impl<const N: usize> SensorCarriers<N> {
         SensorEvent { kernel, departure: Departure::by(rotation, x) }
     }
 
-    /// Writes the one event in a channel of the rows from `row` to `end`, at most eight, without the
-    /// axis and the rotation, which all channels share.
+    /// Writes the one event in a channel of the rows from `row` to `end`, at most eight, without
+    /// the axis and the rotation, which all channels share.
     #[inline(always)]
     pub fn store_event(&mut self, channel: usize, row: usize, end: usize, kernel: Block<F32s>) {
         let [a, c, s] = &mut self.block;
