@@ -28,7 +28,8 @@ use super::{job, rescue};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
-    let settings = job::settings(arguments)?;
+    // What is wrong on the command line is told before the scene is read.
+    job::settings(arguments)?;
     let outputs = outputs_of(arguments)?;
     for output in &outputs {
         refuse_overwriting(output, &[&arguments.scene])?;
@@ -39,6 +40,11 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let tev = arguments.tev.as_deref().map(Tev::connect).transpose()?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let world = threads.run(|| placed_world(arguments, &outputs))?;
+    let (arguments, asked) = job::with_asked(arguments, world.asked());
+    let (arguments, settings) = (&arguments, job::settings(&arguments)?);
+    if let Some(asked) = asked.filter(|_| !arguments.quiet) {
+        say(format_args!("note: as the scene asks: {asked}"));
+    }
     let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
     checkpoints.resume(&mut renderer)?;
     if !arguments.quiet {
@@ -210,6 +216,7 @@ fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<Plac
     let reading = Reading {
         camera: arguments.camera.as_deref(),
         allow_outside: arguments.files.allow_outside,
+        definitions: &arguments.files.define,
     };
     let world = scene::load_with(&arguments.scene, reading)?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;

@@ -34,8 +34,9 @@ pub fn load(path: &Path, files: &FileArguments) -> Result<Subject, CliError> {
     Ok(subject)
 }
 
-fn reading(files: &FileArguments) -> Reading<'static> {
-    Reading { camera: None, allow_outside: files.allow_outside }
+fn reading(files: &FileArguments) -> Reading<'_> {
+    let FileArguments { allow_outside, define } = files;
+    Reading { camera: None, allow_outside: *allow_outside, definitions: define }
 }
 
 fn say_warnings(subject: &Subject) {

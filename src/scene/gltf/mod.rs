@@ -11,7 +11,7 @@ mod document;
 mod edit;
 mod edited;
 mod extension;
-mod files;
+pub(super) mod files;
 mod hierarchy;
 mod lights;
 mod materials;
@@ -44,65 +44,15 @@ use super::warnings::Warnings;
 use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
 use crate::math::text::listed;
 
-/// How a scene file is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Reading<'a> {
-    /// The camera (or camera node) that sees it: its name, or `#2` for the second of the scene. The
-    /// first by default.
-    pub camera: Option<&'a str>,
-    /// Whether it may read files outside its folder, as a stranger's scene should not.
-    pub allow_outside: bool,
-}
-
-/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it.
-///
-/// # Errors
-/// With the file's name, the object and field in it, and the remedy, whenever something in the
-/// scene is missing, invalid, unphysical, or would silently render as something else.
-pub fn load(path: &Path) -> Result<World, SceneError> {
-    load_with(path, Reading::default())
-}
-
-/// Like [`load`], with choices.
-///
-/// # Errors
-/// As [`load`], and when there is no such camera.
-pub fn load_with(path: &Path, reading: Reading) -> Result<World, SceneError> {
-    SceneFile::read(path, reading.allow_outside)?.world(reading.camera, &[])
-}
-
-/// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
-/// that.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
-    let document = Document::parse(bytes, Files::of_scene(path, false));
-    SceneFile::of(path, document)?.world(None, &[])
-}
-
-/// A scene file that has been read, with its buffers: worlds are made of it, as it stands and after
-/// edits. They share the meshes.
-///
-/// ```
-/// use sunstone::{Edit, SceneFile};
-///
-/// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
-/// let edits = [Edit::new("materials/white/reflectance", 0.2)];
-/// let world = file.world(None, &edits)?;
-/// # assert!(world.find("white").is_some());
-/// let error = file.world(None, &[Edit::new("materials/snow/reflectance", 0.2)]);
-/// let error = error.map(|_| ()).unwrap_err().to_string();
-/// assert!(error.contains("materials/snow/reflectance: no material is called `snow`"), "{error}");
-/// # Ok::<(), sunstone::SceneError>(())
-/// ```
-pub struct SceneFile {
-    path: PathBuf,
+/// A .gltf or .glb file that has been read, with its buffers: worlds are made of it, as it stands
+/// and after edits. They share the meshes.
+pub struct GltfFile {
+    pub(in crate::scene) path: PathBuf,
     document: Document,
     geometries: ReadGeometries,
 }
 
-impl SceneFile {
+impl GltfFile {
     /// Reads a .gltf or .glb file with its buffers, if need be (`allow_outside`) from outside its
     /// folder.
     ///
@@ -110,6 +60,14 @@ impl SceneFile {
     /// When a file cannot be read, or is not glTF 2.0.
     pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
         Self::of(path, Document::read(path, allow_outside))
+    }
+
+    /// The same from the contents of the file, which refers to nothing outside its folder.
+    ///
+    /// # Errors
+    /// As [`GltfFile::read`].
+    pub fn from_memory(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
+        Self::of(path, Document::parse(bytes, Files::of_scene(path, false)))
     }
 
     fn of(path: &Path, document: Result<Document, SceneError>) -> Result<Self, SceneError> {
@@ -121,7 +79,7 @@ impl SceneFile {
     /// first.
     ///
     /// # Errors
-    /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
+    /// As `load`, when there is no such camera, and when an edit is about nothing that is there.
     pub fn world(&self, camera: Option<&str>, edits: &[Edit]) -> Result<World, SceneError> {
         let import = || match edits {
             [] => self.import(&self.document, camera, edits),
