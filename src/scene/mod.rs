@@ -1,9 +1,9 @@
 //! Floor 4: what the user describes, and the tables it is baked into.
 //!
 //! [`World`] is a hecs world of meshes, spheres, materials, media, lights and a camera, made in
-//! code or by [`load`] from a file of glTF or Mitsuba; its components know what is wrong with them. [`bake`]
-//! checks all of that and queries it into the dense tables of [`baked`], in world space and at the
-//! wavelengths of the render.
+//! code or by [`load`] from a file of glTF or Mitsuba; its components know what is wrong with them.
+//! [`bake`] checks all of that and queries it into the dense tables of [`baked`], in world space
+//! and at the wavelengths of the render.
 
 mod bake;
 pub mod baked;

@@ -1,4 +1,4 @@
-//! The scene floor: what glTF files mean, what is refused, and the shipped scenes.
+//! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
 mod built;
 mod common;
@@ -8,6 +8,8 @@ mod fuzz;
 mod meaning;
 mod media;
 mod mended;
+mod mitsuba;
+mod mitsuba_errors;
 mod reference;
 mod refused;
 mod room;

@@ -74,7 +74,7 @@ impl Edit {
 pub struct Editable(Option<Value>);
 
 impl Editable {
-    /// Reads the JSON of a .gltf or .glb file, and nothing that it refers to, and nothing of others.
+    /// Reads the JSON of a .gltf or .glb file, and nothing that it refers to; of others nothing.
     ///
     /// # Errors
     /// When the file cannot be read, or is not JSON.

@@ -2,7 +2,7 @@
 
 use super::fields::{Fields, Given};
 use super::spectra::Kind;
-use super::tree::{NAME, Tag, Value};
+use super::tree::{Curve, NAME, Tag, Value};
 use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
@@ -164,9 +164,14 @@ fn angle_deg(fields: &Fields, name: &str, default: f64) -> Result<f64, SceneErro
     match fields.given(name) {
         // As they stand: spectra have half of the digits.
         Some(Given::Property(property)) => match &property.value {
-            Value::Float(value) | Value::Spectrum(super::tree::Curve::Uniform(value)) => Ok(*value),
+            Value::Float(value) | Value::Spectrum(Curve::Uniform(value)) => Ok(*value),
             Value::Integer(value) => Ok(*value as f64),
-            other => Err(fields.of_kind(name, other, "one number")),
+            other @ (Value::Boolean(_)
+            | Value::Text(_)
+            | Value::Vector(_)
+            | Value::Rgb(_)
+            | Value::Spectrum(Curve::Table(_))
+            | Value::Transform(_)) => Err(fields.of_kind(name, other, "one number")),
         },
         Some(Given::Object(_)) => Err(fields.wrong(name, "must be one number", "")),
         None => Ok(default),

@@ -196,29 +196,34 @@ fn of_pairs(fields: &Fields, pairs: Vec<[f64; 2]>, kind: Kind) -> Result<Spectru
     spectrum.ok_or_else(|| fields.refuse("has values that are not finite", ""))
 }
 
-/// What two spectra are multiplied with each other; tables at the wavelengths of both.
+/// What is made of two spectra, number by number; of tables at the wavelengths of both. None if one
+/// is a color and the other a table.
 pub fn product(a: &Spectrum, b: &Spectrum, f: impl Fn(f32, f32) -> f32) -> Option<Spectrum> {
-    match (a, b) {
-        (Spectrum::Constant(a), Spectrum::Constant(b)) => Some(Spectrum::Constant(f(*a, *b))),
-        (Spectrum::Constant(_) | Spectrum::Rgb(_), Spectrum::Constant(_) | Spectrum::Rgb(_)) => {
-            let rgb =
-                |of: &Spectrum, index: usize| *of.values().get(index).unwrap_or(&of.values()[0]);
-            Some(Spectrum::Rgb(std::array::from_fn(|index| f(rgb(a, index), rgb(b, index)))))
-        }
-        (_, _) if matches!(a, Spectrum::Rgb(_)) || matches!(b, Spectrum::Rgb(_)) => None,
-        (_, _) => {
-            let mut nm = [a.knots_nm(), b.knots_nm()].concat();
-            nm.sort_by(f32::total_cmp);
-            nm.dedup();
-            let within = |of: &Spectrum, nm: f32| {
-                of.ends_nm().is_none_or(|[first, last]| (first..=last).contains(&nm))
-            };
-            nm.retain(|nm| within(a, *nm) && within(b, *nm));
-            let at = |nm: &f32| Some(f(a.at(*nm).ok()?, b.at(*nm).ok()?));
-            let values: Option<Vec<f32>> = nm.iter().map(at).collect();
-            Spectrum::table(&nm, &values?).ok()
-        }
+    if let (Spectrum::Constant(a), Spectrum::Constant(b)) = (a, b) {
+        return Some(Spectrum::Constant(f(*a, *b)));
     }
+    let is_table = |of: &Spectrum| of.ends_nm().is_some();
+    if !is_table(a) && !is_table(b) {
+        let channel = |of: &Spectrum, index: usize| {
+            let values = of.values();
+            values.get(index).copied().unwrap_or(values[0])
+        };
+        let rgb = std::array::from_fn(|index| f(channel(a, index), channel(b, index)));
+        return Some(Spectrum::Rgb(rgb));
+    }
+    if [a, b].into_iter().any(|of| matches!(of, Spectrum::Rgb(_))) {
+        return None;
+    }
+    let mut nm = [a.knots_nm(), b.knots_nm()].concat();
+    nm.sort_by(f32::total_cmp);
+    nm.dedup();
+    let is_within = |of: &Spectrum, nm: f32| {
+        of.ends_nm().is_none_or(|[first, last]| (first..=last).contains(&nm))
+    };
+    nm.retain(|nm| is_within(a, *nm) && is_within(b, *nm));
+    let at = |nm: &f32| Some(f(a.at(*nm).ok()?, b.at(*nm).ok()?));
+    let values: Option<Vec<f32>> = nm.iter().map(at).collect();
+    Spectrum::table(&nm, &values?).ok()
 }
 
 /// Refuses a spectrum with values outside of a range.
