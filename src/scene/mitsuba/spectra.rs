@@ -7,7 +7,8 @@ use crate::math::Range;
 use crate::math::elementary::exp_m1;
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
-use crate::spectrum::Spectrum;
+use crate::spectrum::color_space::RgbResponse;
+use crate::spectrum::{Spectrum, SpectrumTable, White};
 
 /// What a spectrum is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,9 +71,15 @@ fn spectrum(value: &Value, kind: Kind) -> Option<Spectrum> {
 }
 
 fn of_curve(curve: &Curve, kind: Kind) -> Option<Spectrum> {
-    /// Where tables end that are zero outside.
+    /// Where tables end that are zero outside, and those that are not.
     const OUTSIDE_NM: [f32; 2] = [1.0, 1e5];
     let pairs = match curve {
+        // Light that is the same at all wavelengths is not white.
+        Curve::Uniform(value) if kind == Kind::Emission => {
+            let values = vec![*value as f32; 2];
+            let table = SpectrumTable::new(OUTSIDE_NM.to_vec(), values).ok()?;
+            return Some(seen(table, kind));
+        }
         Curve::Uniform(value) => return Some(Spectrum::Constant(*value as f32)),
         Curve::Table(pairs) => pairs,
     };
@@ -86,7 +93,31 @@ fn of_curve(curve: &Curve, kind: Kind) -> Option<Spectrum> {
         values.splice(0..0, [0.0; 2]);
         values.extend([0.0; 2]);
     }
-    Spectrum::table(&nm, &values).ok()
+    let table = SpectrumTable::new(nm, values).ok()?;
+    Some(match kind {
+        Kind::Emission | Kind::Share => seen(table, kind),
+        Kind::Index => Spectrum::Table(table),
+    })
+}
+
+/// The same, which in RGB has the color that is seen: of light, or of what daylight leaves of it.
+fn seen(table: SpectrumTable, kind: Kind) -> Spectrum {
+    let spectrum = Spectrum::Table(table.clone());
+    let white = |nm: f64| match kind {
+        Kind::Emission => 1.0,
+        Kind::Share | Kind::Index => White::D65.at(nm),
+    };
+    let value = |nm: f64| f64::from(spectrum.at(nm as f32).unwrap_or(0.0));
+    let rgb = RgbResponse::new().rgb(|nm| value(nm) * white(nm));
+    // What is outside of the colors of a screen is taken as what is next to it. Of a share no
+    // channel has more than there is at any wavelength, up to all of it.
+    let most = match kind {
+        Kind::Emission => f64::INFINITY,
+        Kind::Share | Kind::Index => {
+            f64::from(spectrum.values().iter().fold(1.0_f32, |a, b| a.max(*b)))
+        }
+    };
+    Spectrum::Table(table.seen_as(rgb.map(|value| value.clamp(0.0, most) as f32)))
 }
 
 /// What reads an object.
@@ -94,8 +125,8 @@ type Read = fn(&Fields, Kind) -> Result<Spectrum, SceneError>;
 
 /// The objects that are spectra, by type.
 const TYPES: [(&str, Read); 7] = [
-    ("uniform", |fields, _| flat(fields)),
-    ("rawconstant", |fields, _| flat(fields)),
+    ("uniform", flat),
+    ("rawconstant", flat),
     ("srgb", |fields, _| color(fields, 1.0)),
     ("d65", |fields, _| daylight(fields)),
     ("blackbody", |fields, _| blackbody(fields)),
@@ -120,9 +151,9 @@ fn texture(fields: &Fields, kind: Kind) -> Result<Spectrum, SceneError> {
     Ok(spectrum)
 }
 
-fn flat(fields: &Fields) -> Result<Spectrum, SceneError> {
-    // Flat, of light too.
-    Ok(Spectrum::Constant(fields.number("value")?.unwrap_or(1.0) as f32))
+fn flat(fields: &Fields, kind: Kind) -> Result<Spectrum, SceneError> {
+    let curve = Curve::Uniform(fields.number("value")?.unwrap_or(1.0));
+    of_curve(&curve, kind).ok_or_else(|| fields.refuse("has a value that is not finite", ""))
 }
 
 fn color(fields: &Fields, scale: f64) -> Result<Spectrum, SceneError> {

@@ -47,9 +47,12 @@ fn step(element: &str, attributes: &Attributes) -> Result<DAffine3, String> {
     }
 }
 
-/// About an axis, counter-clockwise for who looks against it, by an angle in degrees.
+/// About an axis, counter-clockwise for who looks against it, by an angle in degrees. An axis that
+/// is not of unit length gives more than a turn, as in Mitsuba: scenes were made to look so.
 fn rotation(axis: DVec3, degrees: f64) -> Result<DAffine3, String> {
-    let Some(axis) = axis.try_normalize() else { return Err("the axis is zero".to_owned()) };
+    if axis == DVec3::ZERO {
+        return Err("the axis is zero".to_owned());
+    }
     let (sine, cosine) = sin_cos(degrees.to_radians());
     // O. Rodrigues' formula, column by column.
     let turned = |v: DVec3| v * cosine + axis.cross(v) * sine + axis * axis.dot(v) * (1.0 - cosine);
