@@ -9,6 +9,8 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
+use super::convert::ConvertArguments;
+use super::files::definition;
 use super::images::{ChannelArguments, PixelText};
 use crate::image::analyzed::ANALYZERS;
 use crate::image::format::FORMATS;
@@ -60,6 +62,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Say in words what is in a scene or an image
     Inspect(InspectArguments),
+    /// Write a scene as glTF
+    Convert(ConvertArguments),
     /// Render all that a job file asks for: sweeps, data sets
     Batch(BatchArguments),
     /// Make a page of a batch: its images, times and errors, with filters and plots
@@ -303,14 +307,6 @@ pub struct FileArguments {
     #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
     #[arg(action = ArgAction::Append, help_heading = RUN)]
     pub define: Vec<(String, String)>,
-}
-
-/// A name and a value.
-fn definition(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
-        Some(_) | None => Err("write it as name=value".to_owned()),
-    }
 }
 
 /// Options of photon mapping.

@@ -22,5 +22,5 @@ pub use self::bake::{
 };
 pub use self::error::SceneError;
 pub use self::file::{Reading, SceneFile, load, load_from_memory, load_with};
-pub use self::gltf::{Edit, Editable, EditedFile, extension_keys, keys_of_kind};
+pub use self::gltf::{Edit, Editable, EditedFile, Written, extension_keys, keys_of_kind};
 pub use self::world::World;

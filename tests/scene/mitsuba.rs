@@ -8,7 +8,7 @@ use glam::Vec3;
 use sunstone::internals::scene::baked::{BakedScene, NONE, Phase, Projection};
 use sunstone::internals::scene::emitter::EmitterModel;
 use sunstone::internals::scene::world::{Asked, Bsdf, Lens, SurfaceModel, Walk, World};
-use sunstone::internals::scene::{Reading, SceneFile, bake, load, load_with};
+use sunstone::internals::scene::{Reading, SceneFile, Written, bake, load, load_with};
 use sunstone::internals::spectrum::{Carried, Spectrum};
 
 use crate::common::{load_bytes, scratch};
@@ -60,6 +60,37 @@ fn reference_scenes_are_those_of_gltf() {
     }
 }
 
+#[test]
+fn what_is_written_as_gltf_is_the_same_scene() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut lit = loaded(
+        "<emitter type='point'><rgb name='intensity' value='4 5 6'/></emitter>\
+         <emitter type='spot'><transform name='to_world'><lookat origin='0,5,0' target='1,0,0' \
+         up='0,0,1'/></transform></emitter><shape type='cylinder'><bsdf type='thindielectric'/>\
+         </shape><shape type='disk'><bsdf type='twosided'><bsdf type='conductor'>\
+         <string name='material' value='Ag'/></bsdf></bsdf></shape>\
+         <medium type='homogeneous' id='fog'><rgb name='albedo' value='0.2 0.3 0.4'/></medium>\
+         <shape type='sphere'><bsdf type='null'/><ref name='interior' id='fog'/></shape>",
+    );
+    lit.set_analyzer(Some(sunstone::Analyzer::Linear { axis_deg: 30.0 })).unwrap();
+    let mut worlds = vec![("lit", lit)];
+    for name in ["brewster", "cornell", "mirror", "polarizers", "rayleigh"] {
+        let path = root.join(format!("tests/data/images/{name}/scene.xml"));
+        worlds.push((name, load(&path).unwrap_or_else(|error| panic!("{error}"))));
+    }
+    for (name, world) in worlds {
+        let written = Written::of(&world).unwrap_or_else(|error| panic!("{error}"));
+        let path = scratch("written.gltf");
+        written.save(&path).unwrap();
+        let again = load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        fs::remove_file(&path).unwrap();
+        let own: BakedScene<1> = bake(&world, &GREEN).unwrap();
+        let other: BakedScene<1> = bake(&again, &GREEN).unwrap();
+        compare(&own, &other, name);
+        assert_eq!(own.camera.analyzer, other.camera.analyzer, "{name}");
+    }
+}
+
 /// Whether two scenes are the same, but for the order of their materials and some last bits.
 fn compare(a: &BakedScene<1>, b: &BakedScene<1>, name: &str) {
     let (shapes, others) = (&a.shapes, &b.shapes);
@@ -73,7 +104,11 @@ fn compare(a: &BakedScene<1>, b: &BakedScene<1>, name: &str) {
         }
         own.into_iter().zip(other).for_each(|(own, other)| assert_near(own, other));
     }
-    assert_eq!(shapes.shading_normals, others.shading_normals, "{name}");
+    assert_eq!(shapes.shading_normals.len(), others.shading_normals.len(), "{name}");
+    let normals = shapes.shading_normals.iter().zip(&others.shading_normals);
+    for (own, other) in normals.flat_map(|(own, other)| own.iter().zip(other)) {
+        assert_near(*own, *other);
+    }
     for (own, other) in shapes.spheres.iter().zip(&others.spheres) {
         assert_near(center(shapes.origin, own.center), center(others.origin, other.center));
         assert!((own.radius - other.radius).abs() < 1e-6, "{name}");

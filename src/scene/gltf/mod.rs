@@ -24,6 +24,7 @@ mod spectra;
 mod unused;
 mod validate;
 mod volume;
+mod write;
 
 use std::collections::BTreeMap;
 use std::mem;
@@ -39,6 +40,7 @@ use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
+pub use self::write::Written;
 use super::error::{Findings, SceneError};
 use super::warnings::Warnings;
 use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
