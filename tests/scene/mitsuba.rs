@@ -328,6 +328,36 @@ fn media_stand_on_the_sides_that_are_named() {
 }
 
 #[test]
+fn spectra_are_seen_in_rgb_as_the_observer_sees_them() {
+    let world = loaded(
+        "<shape type='rectangle'><bsdf type='diffuse'><spectrum name='reflectance' \
+         value='300:0.5, 900:0.5'/></bsdf></shape>\
+         <shape type='rectangle'><emitter type='area'><spectrum name='radiance' value='2'/>\
+         </emitter></shape><shape type='rectangle'><emitter type='area'>\
+         <spectrum name='radiance' type='d65'><float name='scale' value='3'/></spectrum>\
+         </emitter></shape>",
+    );
+    let scene: BakedScene<3> = bake(&world, &Carried::RGB).unwrap();
+    let SurfaceModel::Diffuse { reflectance } = scene.optics.materials[0].model else {
+        panic!("it is diffuse")
+    };
+    let near = |a: [f32; 3], b: [f64; 3]| {
+        let is = a.into_iter().zip(b).all(|(a, b)| (f64::from(a) - b).abs() < 2e-3 * b);
+        assert!(is, "{a:?} is not {b:?}");
+    };
+    near(reflectance, [0.5; 3]);
+    // Sums of the rows of the matrix from XYZ to linear sRGB, IEC 61966-2-1, for equal energy.
+    let flat = [3.2406 - 1.5372 - 0.4986, -0.9689 + 1.8758 + 0.0415, 0.0557 - 0.2040 + 1.0570];
+    let radiance = |index| scene.optics.radiance_of(index);
+    let lamps: Vec<[f32; 3]> = (0..scene.optics.emitters.len()).map(radiance).collect();
+    near(*lamps.iter().find(|rgb| rgb[0] > 2.1 && rgb[0] < 2.9).unwrap(), flat.map(|x| 2.0 * x));
+    assert!(lamps.contains(&[3.0; 3]), "{lamps:?}");
+    let mono: BakedScene<1> = bake(&world, &GREEN).unwrap();
+    let lamps = (0..mono.optics.emitters.len()).map(|index| mono.optics.radiance_of(index));
+    assert!(lamps.into_iter().any(|lamp| lamp == [2.0]));
+}
+
+#[test]
 fn instances_put_groups_in_places() {
     let scene = baked(
         "<shape type='shapegroup' id='pair'><shape type='sphere'/><shape type='sphere'>\

@@ -1,7 +1,7 @@
 //! What surfaces do to light: the types of `<bsdf>`.
 
 use super::fields::{Fields, Given};
-use super::spectra::Kind;
+use super::spectra::{Kind, index_of_name};
 use super::tree::{Curve, NAME, Tag, Value};
 use crate::math::Range;
 use crate::math::text::excerpt;
@@ -156,6 +156,7 @@ fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
         let remedy = format!("use one of {}, or give `eta` and `k`", metal_names().join(", "));
         fields.wrong("material", problem, remedy)
     })?;
+    let [eta, k] = [eta, k].map(index_of_name);
     Ok(Bsdf::Conductor { eta, k })
 }
 

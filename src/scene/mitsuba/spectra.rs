@@ -94,30 +94,47 @@ fn of_curve(curve: &Curve, kind: Kind) -> Option<Spectrum> {
         values.extend([0.0; 2]);
     }
     let table = SpectrumTable::new(nm, values).ok()?;
-    Some(match kind {
-        Kind::Emission | Kind::Share => seen(table, kind),
-        Kind::Index => Spectrum::Table(table),
-    })
+    Some(seen(table, kind))
 }
 
 /// The same, which in RGB has the color that is seen: of light, or of what daylight leaves of it.
 fn seen(table: SpectrumTable, kind: Kind) -> Spectrum {
-    let spectrum = Spectrum::Table(table.clone());
-    let white = |nm: f64| match kind {
-        Kind::Emission => 1.0,
-        Kind::Share | Kind::Index => White::D65.at(nm),
+    let white = match kind {
+        Kind::Emission => White::E,
+        Kind::Share | Kind::Index => White::D65,
     };
-    let value = |nm: f64| f64::from(spectrum.at(nm as f32).unwrap_or(0.0));
-    let rgb = RgbResponse::new().rgb(|nm| value(nm) * white(nm));
+    let whole = Spectrum::Table(table.clone());
+    let rgb = color_of(&whole, white);
     // What is outside of the colors of a screen is taken as what is next to it. Of a share no
     // channel has more than there is at any wavelength, up to all of it.
-    let most = match kind {
-        Kind::Emission => f64::INFINITY,
-        Kind::Share | Kind::Index => {
-            f64::from(spectrum.values().iter().fold(1.0_f32, |a, b| a.max(*b)))
-        }
+    let greatest = whole.values().iter().fold(1.0_f32, |a, b| a.max(*b)).into();
+    let [least, most] = match kind {
+        Kind::Emission => [0.0, f64::INFINITY],
+        Kind::Share => [0.0, greatest],
+        Kind::Index => [INDEX_MIN, f64::INFINITY],
     };
-    Spectrum::Table(table.seen_as(rgb.map(|value| value.clamp(0.0, most) as f32)))
+    Spectrum::Table(table.seen_as(rgb.map(|value| value.clamp(least, most) as f32)))
+}
+
+/// An index of refraction out of tables by name, which in RGB has the color of its curve.
+pub fn index_of_name(spectrum: Spectrum) -> Spectrum {
+    let rgb = color_of(&spectrum, White::E);
+    match spectrum {
+        Spectrum::Table(table) => {
+            Spectrum::Table(table.seen_as(rgb.map(|value| value.max(INDEX_MIN) as f32)))
+        }
+        other @ (Spectrum::Constant(_) | Spectrum::Rgb(_) | Spectrum::Formula(_)) => other,
+    }
+}
+
+/// Least index of refraction in a channel, where the color of a curve would be outside of those of
+/// a screen.
+const INDEX_MIN: f64 = 1e-3;
+
+/// The color of a spectrum under a white, linear sRGB; nothing is where it says nothing.
+fn color_of(spectrum: &Spectrum, white: White) -> [f64; 3] {
+    let value = |nm: f64| f64::from(spectrum.at(nm as f32).unwrap_or(0.0));
+    RgbResponse::new().rgb(|nm| value(nm) * white.at(nm))
 }
 
 /// What reads an object.
