@@ -328,6 +328,16 @@ fn media_stand_on_the_sides_that_are_named() {
 }
 
 #[test]
+fn media_of_opaque_surfaces_are_ignored_with_a_word() {
+    let world = loaded(
+        "<medium type='homogeneous' id='fog'/><shape type='sphere'><bsdf type='diffuse'/>\
+         <ref name='exterior' id='fog'/></shape>",
+    );
+    assert!(world.warnings()[0].contains("media of opaque surfaces are ignored"));
+    assert!(bake::<1>(&world, &GREEN).is_ok());
+}
+
+#[test]
 fn spectra_are_seen_in_rgb_as_the_observer_sees_them() {
     let world = loaded(
         "<shape type='rectangle'><bsdf type='diffuse'><spectrum name='reflectance' \

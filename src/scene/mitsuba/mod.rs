@@ -183,6 +183,12 @@ impl Import<'_> {
         let bsdf = self.world.entities().get::<&Bsdf>(material).map(|bsdf| (*bsdf).clone());
         if let Ok(bsdf) = bsdf {
             self.check_sheet(fields, &bsdf, &form)?;
+            if !bsdf.transmits() && (boundary.interior, boundary.exterior) != (None, None) {
+                let text = "the media of opaque surfaces are ignored: boundaries that light \
+                            passes say where it is";
+                self.warnings.add(&fields.label(), text);
+                boundary = Boundary::default();
+            }
             if bsdf == Bsdf::Null && boundary.interior.is_none() {
                 if boundary.exterior.is_none() {
                     // It is not there at all.
