@@ -68,8 +68,8 @@ fn scatter<M: LightModel<N>>(
 
 fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
     let scene = cornell();
-    let mut paths = PathTable::<N, M::Sensor>::new(ROWS, false);
-    let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, false);
+    let mut paths = PathTable::<N, M::Sensor>::new(ROWS, (false, true));
+    let mut sorted = PathTable::<N, M::Sensor>::new(ROWS, (false, true));
     let mut scratch = TraceScratch::default();
     let (mut hits, mut sorted_hits) = (HitColumns::new(ROWS), HitColumns::new(ROWS));
     paths.odds.fill(1.0);

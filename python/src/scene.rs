@@ -81,7 +81,7 @@ struct Rendered {
     doubts: Vec<String>,
 }
 
-/// Loads a .gltf or .glb file, with edits.
+/// Loads a .gltf or .glb file, with edits, or an .xml file.
 #[pyfunction]
 pub fn load(
     py: Python,

@@ -28,7 +28,7 @@ def load(
     light: Light = "auto",
     time: float | None = None,
 ) -> Scene:
-    """Loads a scene: glTF 2.0, .gltf or .glb.
+    """Loads a scene: glTF 2.0, .gltf or .glb, or of Mitsuba 3, .xml.
 
     Args:
         path: the file.

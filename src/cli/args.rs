@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
+use super::convert::ConvertArguments;
+use super::files::definition;
 use super::images::{ChannelArguments, PixelText};
 use super::view::LightName;
 use crate::image::analyzed::ANALYZERS;
@@ -17,9 +19,10 @@ use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::settings::AUTO;
 use crate::render::{Mode, Part};
+use crate::scene::{Reading, View};
 use crate::transport::Sampling;
 
-/// Polarized, bidirectional light transport: a glTF scene in, a Stokes image out.
+/// Polarized, bidirectional light transport: a scene of glTF or Mitsuba in, a Stokes image out.
 #[derive(Debug, Parser)]
 #[command(name = "sunstone", version, arg_required_else_help = true)]
 #[command(after_help = EXAMPLES)]
@@ -48,7 +51,7 @@ SUNSTONE_CACHE is the path of another folder; SUNSTONE_CACHE=off keeps none.";
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render a glTF scene to a Stokes image
+    /// Render a scene to a Stokes image
     Render(RenderArguments),
     /// Make an image of its parts, which `render --part` has rendered
     Merge(MergeArguments),
@@ -61,6 +64,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Say in words what is in a scene or an image
     Inspect(InspectArguments),
+    /// Write a scene as glTF
+    Convert(ConvertArguments),
     /// Render all that a job file asks for: sweeps, data sets
     Batch(BatchArguments),
     /// Make a page of a batch: its images, times and errors, with filters and plots
@@ -180,7 +185,7 @@ static OUTPUT_HELP: LazyLock<String> = LazyLock::new(|| {
 #[derive(Clone, Debug, Args)]
 #[command(after_long_help = RENDER_NOTES, args_override_self = true)]
 pub struct RenderArguments {
-    /// The scene: .gltf or .glb
+    /// The scene: .gltf, .glb, or .xml of Mitsuba 3
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// What the scene may read.
@@ -196,27 +201,28 @@ pub struct RenderArguments {
     )]
     pub output: PathBuf,
 
-    /// How light is found
-    #[arg(long, value_enum, default_value = AUTO, value_name = "NAME", help_heading = LIGHT)]
-    pub integrator: IntegratorChoice,
+    /// How light is found [default: the scene's, or auto]
+    #[arg(long, value_enum, value_name = "NAME", help_heading = LIGHT)]
+    pub integrator: Option<IntegratorChoice>,
     /// Without polarization, or with it: on a film of intensities or of Stokes vectors
     #[arg(long, value_enum, default_value = "polarized", help_heading = LIGHT)]
     pub mode: ModeName,
     /// What light is made of.
     #[command(flatten)]
     pub color: ColorArguments,
-    /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: no limit]
+    /// Most segments of a path: 1 shows emitters only, 2 adds direct light [default: the
+    /// scene's, or no limit]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub max_path_length: Option<u32>,
-    /// Segments after which roulette may end a path; it adds noise and no error [default: 5, or 3
-    /// by bdpt, and 1 for paths from the emitters]
+    /// Segments after which roulette may end a path; it adds noise and no error [default: the
+    /// scene's, or 5, or 3 by bdpt, and 1 for paths from the emitters]
     #[arg(long, value_name = "SEGMENTS", help_heading = LIGHT)]
     pub roulette_after: Option<u32>,
     /// What directions are drawn by where light is polarized; it changes noise and no mean
     #[arg(long, value_enum, default_value = "stokes", value_name = "LIGHT", help_heading = LIGHT)]
     pub sampling: SamplingName,
 
-    /// Samples per pixel [default: 64]
+    /// Samples per pixel [default: the scene's, or 64]
     #[arg(long, value_name = "N", conflicts_with = "iterations", help_heading = SAMPLES)]
     pub spp: Option<u32>,
     /// Iterations: one sample in every pixel, or, with ppm, one pass of photons and the samples
@@ -238,9 +244,9 @@ pub struct RenderArguments {
     /// --update
     #[arg(long, value_name = "HOST:PORT", help_heading = SAMPLES)]
     pub tev: Option<String>,
-    /// Seed of all randomness
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = SAMPLES)]
-    pub seed: u32,
+    /// Seed of all randomness [default: the scene's, or 0]
+    #[arg(long, value_name = "N", help_heading = SAMPLES)]
+    pub seed: Option<u32>,
     /// Also store the variance of every value (not in every format): from blocks of the samples,
     /// which costs the image nothing and overestimates it where pixels are smooth, or from
     /// --replicates
@@ -267,7 +273,7 @@ pub struct RenderArguments {
     /// What shines where nothing in the scene does
     #[arg(long, value_enum, default_value = "auto", value_name = "NAME", help_heading = FILM)]
     pub light: LightName,
-    /// Seconds into the animations of the file [default: nothing moves: nodes and meshes are as
+    /// Seconds into the animations of a glTF file [default: nothing moves: nodes and meshes are as
     /// they are stated]
     #[arg(long, value_name = "SECONDS", help_heading = FILM)]
     pub time: Option<f64>,
@@ -307,6 +313,18 @@ pub struct FileArguments {
     /// Let scenes read files outside their folders: only for scenes that you trust
     #[arg(long, help_heading = RUN)]
     pub allow_outside: bool,
+    /// The value of a parameter of an .xml scene, in place of its default; once for each
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
+    #[arg(action = ArgAction::Append, help_heading = RUN)]
+    pub define: Vec<(String, String)>,
+}
+
+impl FileArguments {
+    /// How the scenes are read, of which so much is seen.
+    pub(super) fn reading(&self, view: View) -> Reading {
+        let Self { allow_outside, define } = self;
+        Reading { view, allow_outside: *allow_outside, definitions: define.clone() }
+    }
 }
 
 /// Options of photon mapping.
@@ -581,7 +599,7 @@ pub struct CompareArguments {
 /// `inspect` as typed.
 #[derive(Debug, Args)]
 pub struct InspectArguments {
-    /// A scene (.gltf, .glb), an image (.exr, .hdr, ...), or a part of one or a checkpoint by
+    /// A scene (.gltf, .glb, .xml), an image (.exr, .hdr, ...), or a part of one or a checkpoint by
     /// whatever name
     pub file: PathBuf,
     /// Of an image the Stokes vector of every channel in a pixel, as comma-separated values; pixels

@@ -10,6 +10,14 @@ use super::CliError;
 use crate::image::extension;
 use crate::math::text::{acts, printable};
 
+/// A name and its value, as typed.
+pub(super) fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        Some(_) | None => Err("write it as name=value".to_owned()),
+    }
+}
+
 /// Refuses to draw a picture into anything but PNG.
 pub(super) fn require_png(path: &Path) -> Result<(), CliError> {
     require(path, "png", "pictures are PNG files")
@@ -18,6 +26,11 @@ pub(super) fn require_png(path: &Path) -> Result<(), CliError> {
 /// Refuses to write a page into anything but HTML.
 pub(super) fn require_html(path: &Path) -> Result<(), CliError> {
     require(path, "html", "pages are HTML files")
+}
+
+/// Refuses to write a scene into anything but glTF.
+pub(super) fn require_gltf(path: &Path) -> Result<(), CliError> {
+    require(path, "gltf", "scenes are written as glTF files")
 }
 
 fn require(path: &Path, wanted: &str, why: &str) -> Result<(), CliError> {

@@ -9,7 +9,7 @@ use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, StokesImage, extension};
 use crate::render::{PlacedWorld, describe_part, is_part};
-use crate::scene::{self, Reading, World};
+use crate::scene::{self, View, World};
 
 use super::CliError;
 use super::args::{CompareArguments, InspectArguments, ViewArguments};
@@ -107,7 +107,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
 /// The same error, where a scene would do too.
 fn or_scenes(error: OutputError) -> OutputError {
     if let OutputError::Extension { path, known } = error {
-        return OutputError::Extension { path, known: known + ", .gltf, .glb" };
+        return OutputError::Extension { path, known: known + ", .gltf, .glb, .xml" };
     }
     error
 }
@@ -124,7 +124,8 @@ fn inspect_scene(world: World) -> String {
 
 /// Prints what a pixel of an image has.
 fn inspect_pixel(path: &Path, PixelText(pixel): PixelText) -> Result<(), CliError> {
-    let is_no_image = ["gltf", "glb", PART].contains(&extension(path).as_str()) || is_part(path);
+    let is_no_image =
+        ["gltf", "glb", "xml", PART].contains(&extension(path).as_str()) || is_part(path);
     if is_no_image {
         let text = format!("--pixel goes with images, and {} is none", path.display());
         return Err(CliError::Usage(text));
@@ -142,9 +143,8 @@ pub(super) fn inspect(arguments: &InspectArguments) -> Result<(), CliError> {
         return print(describe_part(&arguments.file)?.trim_end());
     }
     match extension(&arguments.file).as_str() {
-        "gltf" | "glb" => {
-            let reading =
-                Reading { allow_outside: arguments.files.allow_outside, ..Reading::default() };
+        "gltf" | "glb" | "xml" => {
+            let reading = arguments.files.reading(View::default());
             print(inspect_scene(scene::load_with(&arguments.file, &reading)?).trim_end())
         }
         _ => print(image_inspection::inspect_image(&arguments.file).map_err(or_scenes)?.trim_end()),

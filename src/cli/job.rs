@@ -4,12 +4,14 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use crate::image::format::{Format, extension, extensions, named_by};
+use crate::integrators::Integrator;
 use crate::render::settings::{PATH_LENGTH_MAX, SAMPLES_MAX, check_photons};
 use crate::render::threads::THREADS_MAX;
 use crate::render::{Options, Photons, Settings};
+use crate::scene::world::{Asked, Walk};
 
 use super::CliError;
-use super::args::{PhotonArguments, RenderArguments};
+use super::args::{IntegratorChoice, PhotonArguments, RenderArguments};
 use super::color::light;
 
 /// What the files of parts end with.
@@ -50,7 +52,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         )));
     }
     let options = Options {
-        integrator: arguments.integrator.0,
+        integrator: integrator(arguments),
         mode: arguments.mode.0,
         width: arguments.width,
         height: arguments.height,
@@ -61,13 +63,53 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
         sampling: arguments.sampling.0,
-        seed: arguments.seed,
+        seed: arguments.seed.unwrap_or(0),
         photons,
         time_limit: seconds("--time-limit", arguments.time_limit)?,
         part: arguments.part,
         ..light
     };
     Ok(Settings::new(options)?)
+}
+
+/// The integrator that is named, or none: what suits the scene.
+fn integrator(arguments: &RenderArguments) -> Option<Integrator> {
+    arguments.integrator.and_then(|choice| choice.0)
+}
+
+/// The same with what the scene asks for where nothing was typed; and that in words, if there is
+/// any.
+pub(super) fn with_asked(
+    arguments: &RenderArguments,
+    asked: &Asked,
+) -> (RenderArguments, Option<String>) {
+    let mut filled = arguments.clone();
+    let mut words = Vec::new();
+    let mut fill = |option: &mut Option<u32>, name: &str, asked: Option<u32>| {
+        if let (None, Some(value)) = (&option, asked) {
+            words.push(format!("{name} {value}"));
+            *option = asked;
+        }
+    };
+    if arguments.iterations.is_none() {
+        fill(&mut filled.spp, "--spp", asked.samples);
+    }
+    fill(&mut filled.seed, "--seed", asked.seed);
+    fill(&mut filled.max_path_length, "--max-path-length", asked.path_length_max);
+    fill(&mut filled.roulette_after, "--roulette-after", asked.roulette_after);
+    let PhotonArguments { photons, samples_per_iteration, radius, alpha } = &arguments.photons;
+    let shoots =
+        photons.is_some() || samples_per_iteration.is_some() || radius.is_some() || alpha.is_some();
+    if let (None, false, Some(walk)) = (arguments.integrator, shoots, asked.walk) {
+        let integrator = match walk {
+            Walk::FromSensor => Integrator::Path,
+            Walk::FromEmitters => Integrator::Light,
+        };
+        words.push(format!("--integrator {}", integrator.name()));
+        filled.integrator = Some(IntegratorChoice(Some(integrator)));
+    }
+    let words = (!words.is_empty()).then(|| words.join(" "));
+    (filled, words)
 }
 
 /// Checks that the output's name says what is asked for: a part, or an image in some format.
@@ -173,7 +215,7 @@ fn photons(arguments: &RenderArguments) -> Result<Photons, CliError> {
         ("--alpha", alpha.is_some()),
     ];
     let typed = typed.into_iter().find(|(_, is)| *is);
-    let shoots_none = arguments.integrator.0.is_some_and(|it| !it.shoots_photons());
+    let shoots_none = integrator(arguments).is_some_and(|it| !it.shoots_photons());
     if let (Some((name, _)), true) = (typed, shoots_none) {
         return Err(CliError::Usage(format!("{name} goes with --integrator ppm")));
     }

@@ -5,6 +5,7 @@ pub mod batch;
 mod bench;
 mod checkpoint;
 pub mod color;
+mod convert;
 mod files;
 mod images;
 mod interrupt;
@@ -149,6 +150,7 @@ fn run_command() -> ExitCode {
         Command::View(arguments) => images::view(&arguments),
         Command::Compare(arguments) => images::compare(&arguments),
         Command::Inspect(arguments) => images::inspect(&arguments),
+        Command::Convert(arguments) => convert::convert(&arguments),
         Command::Batch(arguments) => batch::batch(&arguments),
         Command::Report(arguments) => report::report(&arguments),
         Command::Farm(arguments) => batch::farm::farm(&arguments),

@@ -17,7 +17,7 @@ use crate::render::doubts::doubts;
 use crate::render::statistics::{RenderStatistics, SAMPLES, peak_memory_bytes};
 use crate::render::threads::Threads;
 use crate::render::{PartError, PlacedWorld, Progress as SoFar, Renderer, system};
-use crate::scene::{self, Reading};
+use crate::scene;
 
 use super::CliError;
 use super::args::{RenderArguments, StatsFormat};
@@ -30,7 +30,8 @@ use super::{job, rescue, view};
 
 /// Renders a scene to a file.
 pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
-    let settings = job::settings(arguments)?;
+    // What is wrong on the command line is told before the scene is read.
+    job::settings(arguments)?;
     let outputs = outputs_of(arguments)?;
     for output in &outputs {
         refuse_overwriting(output, &[&arguments.scene])?;
@@ -41,6 +42,11 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     let tev = arguments.tev.as_deref().map(Tev::connect).transpose()?;
     let threads = Arc::new(Threads::start(arguments.threads)?);
     let world = threads.run(|| placed_world(arguments, &outputs))?;
+    let (arguments, asked) = job::with_asked(arguments, world.asked());
+    let (arguments, settings) = (&arguments, job::settings(&arguments)?);
+    if let Some(asked) = asked.filter(|_| !arguments.quiet) {
+        say(format_args!("note: as the scene asks: {asked}"));
+    }
     let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
     checkpoints.resume(&mut renderer)?;
     if !arguments.quiet {
@@ -220,8 +226,7 @@ fn why_no_variances(replicates: u32) -> &'static str {
 /// The world of the scene, of which there are warnings to be said, in its place; none of these
 /// outputs is among its files.
 fn placed_world(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<PlacedWorld, CliError> {
-    let reading =
-        Reading { view: view::view(arguments)?, allow_outside: arguments.files.allow_outside };
+    let reading = arguments.files.reading(view::view(arguments)?);
     let world = scene::load_with(&arguments.scene, &reading)?;
     outputs.iter().try_for_each(|output| refuse_overwriting(output, world.files()))?;
     let said = world.warnings().len();

@@ -34,6 +34,13 @@ pub fn counted(count: usize, [one, several]: [&str; 2]) -> String {
     format!("{count} {}", if count == 1 { one } else { several })
 }
 
+/// The index that a word as `#3` stands for; zeros before it change nothing.
+pub fn number_of(word: &str) -> Option<usize> {
+    let digits = word.strip_prefix('#')?;
+    let is_number = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
+    digits.parse().ok().filter(|_| is_number)
+}
+
 fn escaped(text: impl Iterator<Item = char>, is_escaped: impl Fn(char) -> bool) -> String {
     let mut safe = String::new();
     for c in text {

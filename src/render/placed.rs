@@ -12,6 +12,7 @@ use crate::scattering::shut_in::Wanderer;
 use crate::scattering::{Looks, Scene};
 use crate::scene::baked::{Camera, Optics, Shapes};
 use crate::scene::warnings::Warnings;
+use crate::scene::world::Asked;
 use crate::scene::{Plan, SceneError, World, bake_camera, bake_optics, bake_shapes, plan_shapes};
 use crate::spectrum::{Beyond, Carried, Responses, White};
 
@@ -132,6 +133,11 @@ impl PlacedWorld {
     pub fn warnings(&self) -> impl Iterator<Item = &str> {
         let Placed { world, ground, .. } = &*self.0;
         world.warnings().iter().chain(&ground.shapes.warnings).map(String::as_str)
+    }
+
+    /// How the scene asks to be rendered where nothing else is said.
+    pub fn asked(&self) -> &Asked {
+        self.0.world.asked()
     }
 
     /// The radius of a ball about all that has a place, in scene units.

@@ -40,6 +40,7 @@ pub enum Role {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumTable {
     wavelengths_nm: Vec<f32>,
+    /// As many, and then red, green and blue if it has a color of its own.
     values: Vec<f32>,
 }
 
@@ -92,6 +93,20 @@ impl SpectrumTable {
         Ok(Self { wavelengths_nm, values })
     }
 
+    /// The same with a color of its own, linear sRGB, which renders in RGB take in place of the
+    /// values at the wavelengths that stand for the channels.
+    #[must_use]
+    pub fn seen_as(mut self, rgb: [f32; 3]) -> Self {
+        self.values.truncate(self.wavelengths_nm.len());
+        self.values.extend(rgb);
+        self
+    }
+
+    /// Its own color, if it has one.
+    pub fn color(&self) -> Option<[f32; 3]> {
+        self.values[self.wavelengths_nm.len()..].try_into().ok()
+    }
+
     /// The value at a vacuum wavelength in nanometers between its ends.
     fn at(&self, wavelength_nm: f32) -> f32 {
         let nm = &self.wavelengths_nm;
@@ -117,7 +132,8 @@ impl Spectrum {
         SpectrumTable::new(wavelengths_nm.to_vec(), values.to_vec()).map(Self::Table)
     }
 
-    /// The numbers it was made of, whatever wavelength they belong to, or of a formula two bounds.
+    /// The numbers it was made of, whatever wavelength or channel they belong to, or of a formula
+    /// two bounds.
     /// All values that it takes lie between the least and the greatest of them.
     pub fn values(&self) -> &[f32] {
         match self {
@@ -202,6 +218,10 @@ impl Spectrum {
                 std::array::from_fn(|column| rgb[column % rgb.len()])
             }
             Self::Rgb(rgb) => rgb_at(*rgb, carried.wavelengths_nm(), role, carried.white())?,
+            Self::Table(table) if carried.is_rgb() && table.color().is_some() => {
+                let rgb = table.color().unwrap_or_default();
+                std::array::from_fn(|column| rgb[column % rgb.len()])
+            }
             Self::Table(table) => carried.within(table.ends_nm())?.map(|nm| table.at(nm)),
             Self::Formula(formula) => carried.within(formula.ends_nm())?.map(|nm| formula.at(nm)),
         };
@@ -252,8 +272,11 @@ fn linear(rgb: [f32; 3], wavelength_nm: f32) -> f32 {
     }
 }
 
-/// `from` for a share of 0, `to` for 1, both exactly; never outside the two.
+/// `from` for a share of 0, `to` for 1, both exactly, and what is the same for both.
 fn mix(from: f32, to: f32, share: f32) -> f32 {
+    if from == to {
+        return from;
+    }
     from * (1.0 - share) + to * share
 }
 
@@ -339,6 +362,19 @@ mod tests {
         let outside = spectrum.sample(&mono(701.0), Role::Index).unwrap_err();
         assert_eq!((outside.first_nm, outside.last_nm), (400.0, 700.0));
         assert_eq!(spectrum.sample(&Carried::RGB, Role::Index), Ok([3.5, 2.5, 1.5]));
+    }
+
+    #[test]
+    fn tables_with_a_color_have_it_in_rgb_alone() {
+        let table = SpectrumTable::new(vec![400.0, 700.0], vec![1.0, 1.0]).unwrap();
+        let seen = Spectrum::Table(table.clone().seen_as([0.5, 0.25, 2.0]));
+        assert_eq!(seen.sample(&Carried::RGB, Role::Index), Ok([0.5, 0.25, 2.0]));
+        assert_eq!(seen.sample(&mono(500.0), Role::Index), Ok([1.0]));
+        assert_eq!(seen.ends_nm(), Some([400.0, 700.0]));
+        assert!(seen.check("k", Range::UNIT).is_err(), "its color is checked, too");
+        let twice = seen.clone().scaled(2.0);
+        assert_eq!(twice.sample(&Carried::RGB, Role::Index), Ok([1.0, 0.5, 4.0]));
+        assert_eq!(table.color(), None);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod errors;
 mod farm;
 mod films;
 mod images;
+mod mitsuba;
 mod program;
 mod readme;
 mod render;

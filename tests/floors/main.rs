@@ -37,9 +37,10 @@ const OUTSIDE: [&str; 4] = ["trace_closest", "resolve_surfaces", "the photon map
 const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 /// Outside crates that only some modules may know.
-const CONFINED: [(&str, &[&str]); 11] = [
+const CONFINED: [(&str, &[&str]); 12] = [
     ("hecs", &["scene"]),
     ("gltf", &["scene"]),
+    ("roxmltree", &["scene"]),
     ("obvhs", &["geometry", "scene"]),
     ("memmap2", &["geometry"]),
     ("exr", &["image"]),

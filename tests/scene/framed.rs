@@ -8,7 +8,9 @@ use serde_json::{Value, json};
 use sunstone::internals::math::F32s;
 use sunstone::internals::scattering::Sensor;
 use sunstone::internals::scene::world::{Bsdf, Geometry, Material, Transform};
-use sunstone::internals::scene::{LightChoice, Reading, View, World, bake, load_with};
+use sunstone::internals::scene::{
+    LightChoice, Reading, SceneError, View, World, Written, bake, load, load_with,
+};
 use sunstone::internals::spectrum::Carried;
 
 /// Films as wide as they are high, wider, and higher.
@@ -167,6 +169,73 @@ fn what_is_asked_for_is_put_in_or_left_out() {
     assert!(error.remedy().contains("add a light"));
     let error = load(&bare(), View::by("nose")).unwrap_err().to_string();
     assert!(error.contains("the scene has none; `auto` puts one in"), "{error}");
+}
+
+/// A scene of Mitsuba, as it is seen.
+fn of_mitsuba(body: &str, view: View) -> Result<World, SceneError> {
+    let path = scratch("framed.xml");
+    fs::write(&path, format!("<scene version='3.0.0'>{body}</scene>")).unwrap();
+    load_with(&path, &Reading { view, ..Reading::default() })
+}
+
+#[test]
+fn scenes_of_mitsuba_get_what_they_leave_open_too() {
+    let told = |world: &World| -> Vec<(&'static str, String)> {
+        world.put_in().iter().map(|it| (it.what, it.text.clone())).collect()
+    };
+    let body = "<shape type='rectangle'/><shape type='sphere'><point name='center' x='1' y='2' \
+                z='3'/></shape>";
+    let world = of_mitsuba(body, View::default()).unwrap();
+    world.check().unwrap();
+    let put_in = told(&world);
+    assert_eq!(put_in.iter().map(|it| it.0).collect::<Vec<_>>(), ["camera", "light"]);
+    let notes: String = world.put_in().iter().map(|it| it.note.as_str()).collect();
+    for words in ["add a <sensor>", "add an <emitter>", "--light none"] {
+        assert!(notes.contains(words), "{words}: {notes}");
+    }
+    // Written as glTF it leaves the same open, and gets the same.
+    let dark = View { light: LightChoice::None, ..View::default() };
+    let path = scratch("framed.gltf");
+    Written::of(&of_mitsuba(body, dark).unwrap()).unwrap().save(&path).unwrap();
+    assert!(!fs::read_to_string(&path).unwrap().contains("\"cameras\""));
+    assert_eq!(told(&load(&path).unwrap()), put_in);
+
+    let seen = format!("{body}<sensor type='perspective' id='eye'/>");
+    let what = |body: &str, view: View| {
+        let world = of_mitsuba(body, view).unwrap_or_else(|error| panic!("{error}"));
+        told(&world).into_iter().map(|it| it.0).collect::<Vec<_>>()
+    };
+    assert_eq!(what(&seen, View::default()), ["light"]);
+    assert_eq!(what(&seen, View::by("auto")), ["camera", "light"]);
+    // A lamp of no power is stated, as by a parameter.
+    let off = format!("{seen}<emitter type='point'><float name='intensity' value='0'/></emitter>");
+    assert_eq!(what(&off, View::by("eye")), [""; 0]);
+    let timed = View { time: Some(1.0), ..View::default() };
+    let error = of_mitsuba(&seen, timed).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("scenes of Mitsuba have none: leave out --time"), "{error}");
+}
+
+#[test]
+fn fog_about_a_sensor_fills_the_scene_whoever_sees_it() {
+    let fog = "<sensor type='perspective'><medium type='homogeneous' id='fog'/></sensor>";
+    let body = format!("<shape type='sphere'/><emitter type='constant'/>{fog}");
+    let medium = |view: View| {
+        let baked = bake(&of_mitsuba(&body, view).unwrap(), &Carried::RGB).unwrap();
+        (baked.shapes.scene_medium, baked.optics.media.len())
+    };
+    assert_eq!(medium(View::by("auto")), medium(View::default()));
+    assert_eq!(medium(View::default()).1, 1);
+}
+
+#[test]
+fn skies_with_a_gradient_are_written() {
+    let mut world = framed(Geometry::cuboid(Vec3::NEG_ONE, Vec3::ONE), DAffine3::IDENTITY, true);
+    world.set_sky([0.5, 0.25, 1.0], Vec3::new(0.25, -0.5, 0.125)).unwrap();
+    let path = scratch("gradient.gltf");
+    Written::of(&world).unwrap().save(&path).unwrap();
+    let again = load(&path).unwrap().describe();
+    let line = "radiance [0.5, 0.25, 1], gradient [0.25, -0.5, 0.125]";
+    assert!(world.describe().contains(line) && again.contains(line), "{again}");
 }
 
 #[test]

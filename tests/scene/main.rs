@@ -1,4 +1,4 @@
-//! The scene floor: what glTF files mean, what is refused, and the shipped scenes.
+//! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
 mod built;
 mod common;
@@ -9,6 +9,8 @@ mod fuzz;
 mod meaning;
 mod media;
 mod mended;
+mod mitsuba;
+mod mitsuba_errors;
 mod moving;
 mod reference;
 mod refused;

@@ -18,10 +18,11 @@ use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, Rend
 use super::super::{CliError, job, numbers_may_be_negative, view};
 
 /// Options that mean nothing for a job of many, and why.
-const REFUSED: [(&str, &str); 11] = [
+const REFUSED: [(&str, &str); 12] = [
     ("allow_outside", "only who starts the batch can say so: sunstone batch --allow-outside"),
     ("checkpoint", "a batch that was stopped does what is left when it is started again"),
     ("checkpoint_every", "a batch that was stopped does what is left when it is started again"),
+    ("define", "scenes of Mitsuba have their parameters' defaults in a batch"),
     ("help", "try `sunstone help batch`"),
     ("part", "the job file has `parts` in [farm], for `sunstone batch --task`"),
     ("quiet", "it is an option of the batch"),
@@ -96,7 +97,7 @@ impl Reader {
             self.check_place(file, folder).map_err(together)?;
             *file = at(file.as_ref()).to_string_lossy().into_owned();
         }
-        arguments.seed = seed.unwrap_or(arguments.seed);
+        arguments.seed = seed.or(arguments.seed);
         let settings = settings(&arguments).map_err(together)?;
         let view = view::view(&arguments).map_err(|error| together(told(&error)))?;
         Ok(Order {
@@ -268,7 +269,7 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
     // A new option of `render` has to be thought of here.
     let RenderArguments {
         scene: _,
-        files: FileArguments { allow_outside: _ },
+        files: FileArguments { allow_outside: _, define: _ },
         output: _,
         integrator: _,
         mode: _,

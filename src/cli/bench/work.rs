@@ -11,7 +11,7 @@ use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
 use crate::render::{Options, Photons, Settings};
-use crate::scene::Reading;
+use crate::scene::View;
 
 /// Edge of the film where none is typed, in pixels.
 const EDGE: u32 = 256;
@@ -22,20 +22,16 @@ const PHOTONS: u32 = 1_000_000;
 /// Loads scenes, all before the first is measured; those that the program carries, if none are
 /// named.
 pub fn load_all(paths: &[PathBuf], files: &FileArguments) -> Result<Vec<Subject>, CliError> {
-    let subjects = subject::load_all(paths, &reading(files))?;
+    let subjects = subject::load_all(paths, &files.reading(View::default()))?;
     subjects.iter().for_each(say_warnings);
     Ok(subjects)
 }
 
 /// Loads a scene.
 pub fn load(path: &Path, files: &FileArguments) -> Result<Subject, CliError> {
-    let subject = subject::load(path, &reading(files))?;
+    let subject = subject::load(path, &files.reading(View::default()))?;
     say_warnings(&subject);
     Ok(subject)
-}
-
-fn reading(files: &FileArguments) -> Reading {
-    Reading { allow_outside: files.allow_outside, ..Reading::default() }
 }
 
 fn say_warnings(subject: &Subject) {

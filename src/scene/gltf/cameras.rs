@@ -8,38 +8,31 @@ use super::Import;
 use super::document::Document;
 use super::extension::{ANALYZER, Body, CAMERA, FILM};
 use super::hierarchy::PlacedNode;
-use super::places::number_of;
-use crate::math::text::{excerpt, listed};
+use crate::math::text::excerpt;
 use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
-use crate::scene::view::AUTO;
+use crate::scene::view::{Seer, View};
 use crate::scene::world::{Lens, Name, Resolution};
 
-/// Most characters of a name in a list of cameras.
+/// Most characters of a name in errors.
 const NAME: usize = 60;
 
 impl Import<'_> {
-    /// Adds the camera of the given name or number, or the first of the scene; or takes note that
-    /// one is to be put in.
-    pub fn add_camera(
-        &mut self,
-        nodes: &[PlacedNode],
-        wanted: Option<&str>,
-    ) -> Result<(), SceneError> {
+    /// Adds the camera that is wanted, or takes note that one is to be put in.
+    pub fn add_camera(&mut self, nodes: &[PlacedNode], view: &View) -> Result<(), SceneError> {
         let (document, root) = (self.document, &self.document.root);
         let cameras: Vec<(&PlacedNode, usize)> = nodes
             .iter()
             .filter_map(|placed| Some((placed, root.nodes[placed.node].camera?.value())))
             .collect();
-        self.wants_frame = wanted == Some(AUTO) || wanted.is_none() && cameras.is_empty();
-        if self.wants_frame {
+        let seer = |camera: &_| Seer { names: names(root, camera), number: camera.1 };
+        let seers: Vec<Seer> = cameras.iter().map(seer).collect();
+        let refuse = |(problem, remedy)| SceneError::new("nodes", problem, remedy);
+        let Some(place) = view.camera_of(&seers).map_err(refuse)? else {
+            self.wants_frame = true;
             return Ok(());
-        }
-        let &(placed, camera) = match (wanted, &cameras[..]) {
-            (Some(wanted), _) => chosen(root, &cameras, wanted)?,
-            (None, [first, ..]) => first,
-            (None, []) => return Ok(()),
         };
+        let (placed, camera) = cameras[place];
         let node = document.label("nodes", placed.node);
         let place = placed.to_world;
         Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
@@ -81,37 +74,6 @@ pub fn read_camera<'a>(
 fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a str> {
     let names = [&root.nodes[placed.node].name, &root.cameras[*camera].name];
     names.into_iter().flatten().map(String::as_str).collect()
-}
-
-/// The camera of a name, its own or its node's, or the one of an index, as `#0`, `#00` or `0`, in
-/// the order of the file's cameras, if only one is meant.
-fn chosen<'a, 'b>(
-    root: &Root,
-    cameras: &'a [(&'b PlacedNode, usize)],
-    wanted: &str,
-) -> Result<&'a (&'b PlacedNode, usize), SceneError> {
-    let named: Vec<_> =
-        cameras.iter().filter(|camera| names(root, camera).contains(&wanted)).collect();
-    // A name that is a number is a name first.
-    let plain = || named.is_empty().then(|| number_of(&format!("#{wanted}"))).flatten();
-    let index = number_of(wanted).or_else(plain);
-    let numbered = cameras.iter().find(|(_, camera)| Some(*camera) == index);
-    let known = cameras.iter().map(|camera| {
-        let names = names(root, camera);
-        format!("#{} {}", camera.1, excerpt(&names.join(" or "), NAME)).trim_end().to_owned()
-    });
-    let problem = match (&named[..], numbered) {
-        (&[camera], other) if other.is_none_or(|other| other.1 == camera.1) => return Ok(camera),
-        (&[_], _) => "one camera is called, and another has the index",
-        ([], Some(camera)) => return Ok(camera),
-        ([], None) => "no camera is called",
-        (_, _) => "several cameras are called",
-    };
-    let remedy = match cameras.is_empty() {
-        true => format!("the scene has none; `{AUTO}` puts one in"),
-        false => format!("the cameras are {}, and `{AUTO}` puts one in", listed(known)),
-    };
-    Err(SceneError::new("nodes", format!("{problem} `{}`", excerpt(wanted, NAME)), remedy))
 }
 
 fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {

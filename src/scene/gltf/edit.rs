@@ -16,6 +16,7 @@ use super::document;
 use super::places::{Place, Step, Wrong, at, forms, places, put};
 use crate::math::text::excerpt;
 use crate::scene::error::{Findings, SceneError};
+use crate::scene::file::{is_of_mitsuba, not_edited};
 
 /// Most characters of a name in errors.
 const NAME: usize = 60;
@@ -69,20 +70,23 @@ impl Edit {
     }
 }
 
-/// The JSON of a scene file alone: what there is to be edited.
-pub struct Editable(Value);
+/// The JSON of a scene file alone: what there is to be edited; none of other formats.
+pub struct Editable(Option<Value>);
 
 impl Editable {
-    /// Reads the JSON of a .gltf or .glb file, and nothing that it refers to.
+    /// Reads the JSON of a .gltf or .glb file, and nothing that it refers to; of others nothing.
     ///
     /// # Errors
     /// When the file cannot be read, or is not JSON.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
+        if is_of_mitsuba(path) {
+            return Ok(Self(None));
+        }
         let mut value = document::read_json(path).map_err(|error| error.in_file(path))?;
         if let Some(root) = value.as_object_mut() {
             UNEDITED.iter().for_each(|name| drop(root.remove(*name)));
         }
-        Ok(Self(value))
+        Ok(Self(Some(value)))
     }
 
     /// Checks that an edit would be of something that is there; its value is not looked at.
@@ -91,7 +95,10 @@ impl Editable {
     /// When the kind, the name or the key is unknown, or the name is that of several; with what
     /// there is.
     pub fn check(&self, target: &str) -> Result<(), SceneError> {
-        places(&self.0, target).map(drop)
+        match &self.0 {
+            Some(value) => places(value, target).map(drop),
+            None => Err(not_edited(target)),
+        }
     }
 
     /// Checks that edits do not contradict each other, and that none is without effect. Of values
@@ -100,7 +107,11 @@ impl Editable {
     /// # Errors
     /// When two are of one place, or a key means nothing beside others.
     pub fn check_together(&self, edits: &[Edit]) -> Result<(), SceneError> {
-        applied(&self.0, edits).map(drop)
+        match (&self.0, edits.first()) {
+            (Some(value), _) => applied(value, edits).map(drop),
+            (None, Some(edit)) => Err(not_edited(&edit.target)),
+            (None, None) => Ok(()),
+        }
     }
 }
 

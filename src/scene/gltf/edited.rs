@@ -5,12 +5,12 @@ use std::sync::{Arc, LazyLock};
 
 use serde_json::Value;
 
-use super::SceneFile;
 use super::edit::{Edit, applied, found, refuse_overruled};
 use super::extension::{Keys, inner};
-use super::places::{KINDS, Kind, Place, at, number_of, objects_called, of_extension, places, put};
-use crate::math::text::{excerpt, listed};
+use super::places::{KINDS, Kind, Place, at, objects_called, of_extension, places, put};
+use crate::math::text::{excerpt, listed, number_of};
 use crate::scene::error::SceneError;
+use crate::scene::file::{SceneFile, not_edited};
 use crate::scene::view::View;
 use crate::scene::world::World;
 
@@ -74,7 +74,7 @@ pub struct EditedFile {
 impl EditedFile {
     /// The file as it stands.
     pub fn new(file: Arc<SceneFile>) -> Self {
-        let value = Arc::new(file.document.value.clone());
+        let value = Arc::new(json_of(&file).clone());
         Self { file, edits: Arc::default(), value }
     }
 
@@ -85,6 +85,11 @@ impl EditedFile {
     /// When one is about nothing that is there, or two are of one place, or one has no effect
     /// beside the others.
     pub fn edit(&self, edits: Vec<Edit>) -> Result<Self, SceneError> {
+        if self.file.gltf().is_none()
+            && let Some(edit) = edits.first()
+        {
+            return Err(self.told(not_edited(&edit.target)));
+        }
         let mut kept = (*self.edits).clone();
         for (places, edit) in found(&self.value, &edits).map_err(|error| self.told(error))? {
             if !self.add_within(&mut kept, edit, &places)? {
@@ -118,7 +123,7 @@ impl EditedFile {
 
     /// The same file with these edits, which are of a place each.
     fn with(&self, mut kept: Vec<Edit>) -> Result<Self, SceneError> {
-        let original = &self.file.document.value;
+        let original = json_of(&self.file);
         // What the file does not state need not be taken away.
         let is_stated = |edit: &Edit| {
             let places = places(original, &edit.target);
@@ -136,7 +141,7 @@ impl EditedFile {
 
     /// The file.
     pub fn path(&self) -> &Path {
-        &self.file.path
+        self.file.path()
     }
 
     /// The value of a place, by the names of edits; none if the file does not state it.
@@ -171,6 +176,9 @@ impl EditedFile {
     /// # Errors
     /// When there are none.
     pub fn objects(&self, name: &str) -> Result<Vec<String>, SceneError> {
+        if self.file.gltf().is_none() {
+            return Err(self.told(not_edited(name)));
+        }
         let is_called = |kind: &Kind, name: &str| {
             let objects = self.list(kind);
             let index = number_of(name);
@@ -204,7 +212,6 @@ impl EditedFile {
     }
 
     /// The default scene after the edits, as it is seen.
-    /// first.
     ///
     /// # Errors
     /// As [`SceneFile::world`].
@@ -213,6 +220,9 @@ impl EditedFile {
     }
 
     fn places(&self, target: &str) -> Result<Vec<Place>, SceneError> {
+        if self.file.gltf().is_none() {
+            return Err(self.told(not_edited(target)));
+        }
         places(&self.value, target).map_err(|error| self.told(error))
     }
 
@@ -255,6 +265,11 @@ impl EditedFile {
     }
 }
 
+/// The JSON of a file that is edited by name; nothing of one that is not.
+fn json_of(file: &SceneFile) -> &Value {
+    file.gltf().map_or(&Value::Null, |file| &file.document.value)
+}
+
 /// The keys that edits of a kind of objects may have; none of an unknown kind.
 pub fn keys_of_kind(kind: &str) -> impl Iterator<Item = &'static str> {
     let kind = KINDS.iter().find(|known| known.name == kind);
@@ -289,8 +304,8 @@ fn default_in_schema(keys: &'static Keys, name: &str, rest: &[&str]) -> Option<S
 mod tests {
     use serde_json::json;
 
-    use super::super::load_from_memory;
     use super::*;
+    use crate::scene::load_from_memory;
 
     fn lab() -> EditedFile {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tank.gltf"));
@@ -402,11 +417,8 @@ mod tests {
             "materials": [{"name": "a"}, {"name": "a/b"}], "nodes": [{"name": "a"}]}"#;
         let path = Path::new("names.gltf");
         assert!(load_from_memory(path, text.as_bytes()).is_err(), "there is no camera");
-        let document = super::super::Document::parse(
-            text.as_bytes(),
-            super::super::Files::of_scene(path, false),
-        );
-        let file = SceneFile::of(path, document).unwrap_or_else(|error| panic!("{error}"));
+        let file = super::super::GltfFile::from_memory(path, text.as_bytes());
+        let file = SceneFile::from(file.unwrap_or_else(|error| panic!("{error}")));
         let file = EditedFile::new(Arc::new(file));
         assert_eq!(file.objects("a").unwrap(), ["materials/a", "nodes/a"]);
         assert_eq!(file.objects("materials/a").unwrap(), ["materials/a"]);

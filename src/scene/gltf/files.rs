@@ -64,20 +64,32 @@ impl Files {
 
     /// The first bytes of what a URI refers to, `limit` at most; `place` is where it stands.
     pub fn bytes(&self, uri: &str, place: &str, limit: u64) -> Result<Vec<u8>, SceneError> {
-        let refuse = |problem: String, remedy: &str| SceneError::new(place, problem, remedy);
-        let shown = excerpt(uri, URI);
         let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
-        if name.contains("://") || (!self.allow_outside && is_absolute(&name)) {
-            let problem = format!("`{shown}` is not a path relative to the scene");
-            return Err(refuse(problem, "put the file beside the scene"));
+        match name.contains("://") {
+            true => Err(not_relative(uri, place)),
+            false => self.named(&name, place, limit),
+        }
+    }
+
+    /// Whether there is a file or folder of a path relative to that of the scene.
+    pub fn has(&self, path: &Path) -> bool {
+        self.folder.join(path).exists()
+    }
+
+    /// The first bytes of the file of a name, `limit` at most; `place` is where it stands.
+    pub fn named(&self, name: &str, place: &str, limit: u64) -> Result<Vec<u8>, SceneError> {
+        let refuse = |problem: String, remedy: &str| SceneError::new(place, problem, remedy);
+        let shown = excerpt(name, URI);
+        if !self.allow_outside && is_absolute(name) {
+            return Err(not_relative(name, place));
         }
         let failed = |error: io::Error| {
-            let path = excerpt(&self.folder.join(&name).display().to_string(), URI);
+            let path = excerpt(&self.folder.join(name).display().to_string(), URI);
             let refused =
                 refuse(format!("cannot read {path}: {error}"), "put the file beside the scene");
             refused.of_system(error.kind())
         };
-        let path = fs::canonicalize(self.folder.join(&name)).map_err(failed)?;
+        let path = fs::canonicalize(self.folder.join(name)).map_err(failed)?;
         let folder = fs::canonicalize(&self.folder).map_err(failed)?;
         if !self.allow_outside && !path.starts_with(folder) {
             let problem = format!("`{shown}` lies outside the folder of the scene");
@@ -98,6 +110,12 @@ impl Files {
 fn digest(bytes: &[u8]) -> u128 {
     let whole = blake3::hash(bytes);
     whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
+}
+
+/// The error that a name is no path to be read.
+fn not_relative(name: &str, place: &str) -> SceneError {
+    let problem = format!("`{}` is not a path relative to the scene", excerpt(name, URI));
+    SceneError::new(place, problem, "put the file beside the scene")
 }
 
 fn is_absolute(name: &str) -> bool {

@@ -12,7 +12,7 @@ mod document;
 mod edit;
 mod edited;
 mod extension;
-mod files;
+pub(super) mod files;
 mod hierarchy;
 mod instances;
 mod lights;
@@ -28,6 +28,7 @@ mod textures;
 mod unused;
 mod validate;
 mod volume;
+mod write;
 
 use std::collections::BTreeMap;
 use std::mem;
@@ -44,74 +45,30 @@ use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
+pub use self::write::Written;
 use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
-use super::world::{Ball, Boundary, Environment, Filling, Geometry, Name, World};
+use super::world::{
+    Ball, Boundary, Environment, Filling, Geometry, Name, SKY, SKY_GRADIENT, World,
+};
 use crate::math::text::listed;
 
-/// How a scene file is read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reading {
-    /// What is seen of it.
-    pub view: View,
-    /// Whether it may read files outside its folder, as a stranger's scene should not.
-    pub allow_outside: bool,
-}
+/// How a camera is stated.
+const STATE_CAMERA: &str =
+    "add a node with a camera, and choose it with --camera NAME if there are several";
 
-/// Loads a .gltf or .glb file: its default scene, seen by the first camera in it; by one that is
-/// put in if it has none, and under a neutral sky if nothing emits ([`World::put_in`]).
-///
-/// # Errors
-/// With the file's name, the object and field in it, and the remedy, whenever something in the
-/// scene is missing, invalid, unphysical, or would silently render as something else.
-pub fn load(path: &Path) -> Result<World, SceneError> {
-    load_with(path, &Reading::default())
-}
-
-/// Like [`load`], with choices.
-///
-/// # Errors
-/// As [`load`], and when there is no such camera, or nothing that moves in time.
-pub fn load_with(path: &Path, reading: &Reading) -> Result<World, SceneError> {
-    SceneFile::read(path, reading.allow_outside)?.world(&reading.view, &[])
-}
-
-/// Like [`load`], from the contents of a file; `path` names it, and what it refers to lies beside
-/// that.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_from_memory(path: &Path, bytes: &[u8]) -> Result<World, SceneError> {
-    let document = Document::parse(bytes, Files::of_scene(path, false));
-    SceneFile::of(path, document)?.world(&View::default(), &[])
-}
-
-/// A scene file that has been read, with its buffers: worlds are made of it, as it stands and after
-/// edits. They share the meshes.
-///
-/// ```
-/// use sunstone::{Edit, SceneFile, View};
-///
-/// let file = SceneFile::read("scenes/cornell.gltf".as_ref(), false)?;
-/// let edits = [Edit::new("materials/white/reflectance", 0.2)];
-/// let view = View::default();
-/// let world = file.world(&view, &edits)?;
-/// # assert!(world.find("white").is_some());
-/// let error = file.world(&view, &[Edit::new("materials/snow/reflectance", 0.2)]);
-/// let error = error.map(|_| ()).unwrap_err().to_string();
-/// assert!(error.contains("materials/snow/reflectance: no material is called `snow`"), "{error}");
-/// # Ok::<(), sunstone::SceneError>(())
-/// ```
-pub struct SceneFile {
-    path: PathBuf,
+/// A .gltf or .glb file that has been read, with its buffers: worlds are made of it, as it stands
+/// and after edits. They share the meshes.
+pub struct GltfFile {
+    pub(in crate::scene) path: PathBuf,
     document: Document,
     geometries: ReadGeometries,
     /// Whether the file as it stands, without edits, emits no light.
     is_dark: OnceLock<bool>,
 }
 
-impl SceneFile {
+impl GltfFile {
     /// Reads a .gltf or .glb file with its buffers, if need be (`allow_outside`) from outside its
     /// folder.
     ///
@@ -119,6 +76,14 @@ impl SceneFile {
     /// When a file cannot be read, or is not glTF 2.0.
     pub fn read(path: &Path, allow_outside: bool) -> Result<Self, SceneError> {
         Self::of(path, Document::read(path, allow_outside))
+    }
+
+    /// The same from the contents of the file, which refers to nothing outside its folder.
+    ///
+    /// # Errors
+    /// As [`GltfFile::read`].
+    pub fn from_memory(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
+        Self::of(path, Document::parse(bytes, Files::of_scene(path, false)))
     }
 
     fn of(path: &Path, document: Result<Document, SceneError>) -> Result<Self, SceneError> {
@@ -134,10 +99,9 @@ impl SceneFile {
     /// The default scene after some edits, as it is seen.
     ///
     /// # Errors
-    /// As [`load`], when there is no such camera, and when an edit is about nothing that is there.
+    /// As `load`, when there is no such camera, and when an edit is about nothing that is there.
     pub fn world(&self, view: &View, edits: &[Edit]) -> Result<World, SceneError> {
         let import = || {
-            view.check().map_err(|rule| SceneError::new("time", rule, "leave it out"))?;
             let mut warnings = Warnings::default();
             let moved = match view.time {
                 Some(time) => Some(self.document.moved(time, &mut warnings)?),
@@ -156,7 +120,7 @@ impl SceneFile {
             };
             // A lamp that an edit has turned off is off.
             if view.light == LightChoice::Auto && is_dark && self.is_dark(edits) {
-                world.light_up()?;
+                world.light_up(&how_to_light())?;
             }
             world.warnings.splice(0..0, warnings.sentences());
             Ok(world)
@@ -193,7 +157,8 @@ impl SceneFile {
         world.warnings = mem::take(&mut import.warnings).sentences();
         import.check_edited(edits)?;
         if import.wants_frame {
-            world.frame().map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
+            let framed = world.frame_or(STATE_CAMERA);
+            framed.map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
         }
         let is_dark = !import.has_sky && !world.emits(&import.unlit);
         Ok((world, is_dark))
@@ -203,6 +168,15 @@ impl SceneFile {
 /// Keys of the vendor extension, by the name of their definition in `sunstone.schema.json`.
 pub fn extension_keys() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
     extension::ALL.iter().map(|keys| (keys.definition, keys.known))
+}
+
+/// How the sky that is put in is stated.
+fn how_to_light() -> String {
+    let gradient = SKY_GRADIENT.to_array();
+    format!(
+        "give the scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
+         {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights"
+    )
 }
 
 /// What makes a sky brighter on one side.
@@ -314,7 +288,7 @@ impl<'a> Import<'a> {
                 break;
             }
         }
-        findings.note(self.add_camera(&nodes, view.camera.as_deref()));
+        findings.note(self.add_camera(&nodes, view));
         findings.note(self.add_environment(scene));
         findings.result()
     }

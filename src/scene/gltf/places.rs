@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::extension::{CAMERA, EXTENSION, Keys, LIGHT, MATERIAL, MEDIUM, NODE, inner};
-use crate::math::text::{excerpt, listed};
+use crate::math::text::{excerpt, listed, number_of};
 use crate::scene::error::SceneError;
 
 /// Most characters of a name in errors.
@@ -273,13 +273,6 @@ fn index_of(objects: &[Value], kind: &Kind, name: &str) -> Result<usize, Wrong> 
         format!("#{index} {}", excerpt(name, NAME))
     });
     Err((problem, format!("the {} are {}", kind.name, listed(names))))
-}
-
-/// The index that a word as `#3` stands for; zeros before it change nothing.
-pub fn number_of(word: &str) -> Option<usize> {
-    let digits = word.strip_prefix('#')?;
-    let is_number = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
-    digits.parse().ok().filter(|_| is_number)
 }
 
 /// The words that stand for an index: `#3`, `#03` and so on.

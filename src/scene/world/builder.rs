@@ -9,8 +9,8 @@ use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name,
-    Order, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh,
+    Name, Order, Punctual, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -55,6 +55,7 @@ impl World {
             checksums: Vec::new(),
             warnings: Vec::new(),
             put_in: Vec::new(),
+            asked: Asked::default(),
             order: 0,
             checked: HashMap::new(),
         }

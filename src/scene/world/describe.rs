@@ -174,7 +174,7 @@ fn spectrum(spectrum: &Spectrum) -> String {
     match spectrum {
         Spectrum::Constant(value) => format!("{value}"),
         Spectrum::Rgb([red, green, blue]) => format!("[{red}, {green}, {blue}]"),
-        Spectrum::Table(_) => format!("table of {} wavelengths", spectrum.values().len()),
+        Spectrum::Table(_) => format!("table of {} wavelengths", spectrum.knots_nm().len()),
         Spectrum::Formula(formula) => format!("{formula}"),
     }
 }

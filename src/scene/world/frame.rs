@@ -48,10 +48,10 @@ const SIDES_DEG: [[f64; 2]; 14] = [
 const GOOD_ENOUGH: f64 = 0.6;
 /// Mean radiance of the sky that is put in: a white surface that faces where it is brightest is not
 /// clipped in a picture.
-const SKY: f32 = 0.8;
+pub(in crate::scene) const SKY: f32 = 0.8;
 /// It is brighter above, in front (+z) and to the left, so that faces of one color are told apart,
 /// mirrors have something to show, and what is seen from the front stands before something darker.
-const SKY_GRADIENT: Vec3 = Vec3::new(-0.4, 0.65, 0.4);
+pub(in crate::scene) const SKY_GRADIENT: Vec3 = Vec3::new(-0.4, 0.65, 0.4);
 
 /// How much of what is before the camera has to be in the picture from left to right, whatever the
 /// shape of the film: a camera with this sees more than its angle from top to bottom on a film that
@@ -102,6 +102,11 @@ impl World {
     /// # Errors
     /// When there are no shapes, or they reach too far to be seen.
     pub fn frame(&mut self) -> Result<Entity, SceneError> {
+        self.frame_or("set one by World::set_camera")
+    }
+
+    /// The same, where notes say `how` to state a camera instead.
+    pub(in crate::scene) fn frame_or(&mut self, how: &str) -> Result<Entity, SceneError> {
         let parts = Parts::of(self);
         let points = parts.points();
         let Some([low, high]) = bounds(&points) else {
@@ -129,24 +134,19 @@ impl World {
             (2.0 * atan2(frame.tan_half[0], 1.0)).to_degrees(),
             yfov.to_degrees()
         );
-        let note = format!(
-            "a camera that sees all of the scene is {text}; to state one, add a node with a \
-             camera, and choose it with --camera NAME if there are several"
-        );
+        let note = format!("a camera that sees all of the scene is {text}; to state one, {how}");
         self.put_in.push(PutIn { what: "camera", text, note });
         self.warnings.extend(parts.stray(&points));
         Ok(camera)
     }
 
-    /// Puts in a neutral sky.
-    pub(in crate::scene) fn light_up(&mut self) -> Result<(), SceneError> {
+    /// Puts in a neutral sky; notes say `how` to state light instead.
+    pub(in crate::scene) fn light_up(&mut self, how: &str) -> Result<(), SceneError> {
         self.set_sky(SKY, SKY_GRADIENT)?;
         let gradient = SKY_GRADIENT.to_array();
         let text = format!("put in: a sky of radiance {SKY}, gradient {gradient:?}");
         let note = format!(
-            "nothing in the scene emits: a sky is put in, brighter above; to state it, give the \
-             scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
-             {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights; \
+            "nothing in the scene emits: a sky is put in, brighter above; to state it, {how}; \
              --light none puts in nothing"
         );
         self.put_in.push(PutIn { what: "light", text, note });

@@ -18,6 +18,7 @@
 //! before it is baked, as a program may have edited it. `bake` adds what depends on the wavelengths
 //! and on world space.
 
+mod asked;
 mod builder;
 mod camera;
 mod check;
@@ -41,8 +42,10 @@ use std::sync::Weak;
 
 use hecs::Entity;
 
+pub use self::asked::{Asked, Walk};
 pub use self::camera::{Lens, Resolution};
 pub use self::frame::{PutIn, Window};
+pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::light::{Environment, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
@@ -67,6 +70,7 @@ pub struct World {
     pub(super) checksums: Vec<u128>,
     pub(super) warnings: Vec<String>,
     put_in: Vec<PutIn>,
+    pub(super) asked: Asked,
     /// The [`Order`] of the last entity.
     order: u32,
     /// The geometries that have been checked, by address. Nobody can change them any more, as
@@ -134,6 +138,11 @@ impl World {
     /// What the scene asks for and the renderer ignores, one sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// How the scene asks to be rendered where nothing else is said; a program's asks for nothing.
+    pub fn asked(&self) -> &Asked {
+        &self.asked
     }
 
     /// The names of what becomes the surfaces of the tables, in their order.

@@ -1,0 +1,280 @@
+//! What surfaces do to light: the types of `<bsdf>`.
+
+use super::fields::{Fields, Given};
+use super::spectra::{Kind, index_of_name};
+use super::tree::{Curve, NAME, Tag, Value};
+use crate::math::Range;
+use crate::math::text::excerpt;
+use crate::polarization::Distribution;
+use crate::scene::error::SceneError;
+use crate::scene::world::Bsdf;
+use crate::spectrum::{Spectrum, metal, metal_names};
+
+/// A surface as read.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// How it scatters.
+    pub bsdf: Bsdf,
+    /// Whether both sides do.
+    pub two_sided: bool,
+}
+
+/// What reads a type.
+type Read = fn(&Fields) -> Result<Surface, SceneError>;
+
+/// The types that are known.
+const TYPES: [(&str, Read); 10] = [
+    ("conductor", |fields| conductor(fields).map(one_sided)),
+    ("dielectric", |fields| dielectric(fields).map(one_sided)),
+    ("diffuse", |fields| diffuse(fields).map(one_sided)),
+    ("mask", mask),
+    ("null", |_| Ok(one_sided(Bsdf::Null))),
+    ("polarizer", |fields| polarizer(fields).map(one_sided)),
+    ("retarder", |fields| retarder(fields).map(one_sided)),
+    ("roughconductor", |fields| rough_conductor(fields).map(one_sided)),
+    ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
+    ("twosided", two_sided),
+];
+
+/// Indices of refraction by name, at the line d (E. Hecht, "Optics").
+const INDICES: [(&str, f64); 23] = [
+    ("vacuum", 1.0),
+    ("helium", 1.000_036),
+    ("hydrogen", 1.000_132),
+    ("air", 1.000_277),
+    ("carbon dioxide", 1.000_45),
+    ("water", 1.333),
+    ("acetone", 1.36),
+    ("ethanol", 1.361),
+    ("carbon tetrachloride", 1.461),
+    ("glycerol", 1.4729),
+    ("benzene", 1.501),
+    ("silicone oil", 1.52045),
+    ("bromine", 1.661),
+    ("water ice", 1.31),
+    ("fused quartz", 1.458),
+    ("pyrex", 1.47),
+    ("acrylic glass", 1.49),
+    ("polypropylene", 1.49),
+    ("bk7", 1.5046),
+    ("sodium chloride", 1.544),
+    ("amber", 1.55),
+    ("pet", 1.575),
+    ("diamond", 2.419),
+];
+
+/// Reads a surface.
+pub fn read(fields: &Fields) -> Result<Surface, SceneError> {
+    let plugin = fields.object.plugin.as_str();
+    let Some((_, read)) = TYPES.iter().find(|(name, _)| *name == plugin) else {
+        let problem = format!("`{}` is not supported", excerpt(plugin, NAME));
+        let names: Vec<&str> = TYPES.iter().map(|(name, _)| *name).collect();
+        return Err(fields.refuse(problem, format!("the types are {}", names.join(", "))));
+    };
+    let surface = read(fields)?;
+    surface.bsdf.check().map_err(|fault| fields.fault(fault, &NAMES))?;
+    fields.finish()?;
+    Ok(surface)
+}
+
+/// What fields of models are called here.
+const NAMES: [(&str, &str); 5] = [
+    ("ior", "int_ior"),
+    ("exterior_ior", "ext_ior"),
+    ("ior over exterior_ior", "int_ior"),
+    ("axis_deg", "theta"),
+    ("retardance_deg", "delta"),
+];
+
+fn one_sided(bsdf: Bsdf) -> Surface {
+    Surface { bsdf, two_sided: false }
+}
+
+fn diffuse(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let reflectance = fields.spectrum_or("reflectance", Kind::Share, 0.5)?;
+    Ok(diffuse_or_black(reflectance))
+}
+
+/// What reflects nothing absorbs everything.
+pub fn diffuse_or_black(reflectance: Spectrum) -> Bsdf {
+    match reflectance.values().iter().all(|value| *value == 0.0) {
+        true => Bsdf::Absorber,
+        false => Bsdf::Diffuse { reflectance },
+    }
+}
+
+/// An index of refraction: a number, or that of a substance.
+fn index(fields: &Fields, name: &str, default: &str) -> Result<f32, SceneError> {
+    let of_name = |wanted: &str| {
+        let found = INDICES.iter().find(|(known, _)| known.eq_ignore_ascii_case(wanted));
+        found.map(|(_, index)| *index as f32).ok_or_else(|| {
+            let problem = format!("`{}` is not known", excerpt(wanted, NAME));
+            let names: Vec<&str> = INDICES.iter().map(|(name, _)| *name).collect();
+            fields.wrong(name, problem, format!("give a number, or one of {}", names.join(", ")))
+        })
+    };
+    match fields.property(name).map(|property| &property.value) {
+        None => of_name(default),
+        Some(Value::Text(text)) => of_name(text),
+        Some(Value::Float(value)) => Ok(*value as f32),
+        Some(Value::Integer(value)) => Ok(*value as f32),
+        Some(other) => Err(fields.of_kind(name, other, "a float or the name of a substance")),
+    }
+}
+
+fn dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let ior = index(fields, "int_ior", "bk7")?;
+    let exterior_ior = index(fields, "ext_ior", "air")?;
+    fields.factor_of_one("specular_reflectance")?;
+    fields.factor_of_one("specular_transmittance")?;
+    Ok(Bsdf::Dielectric { ior, exterior_ior })
+}
+
+fn thin_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
+    let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
+    fields.factor_of_one("specular_reflectance")?;
+    fields.factor_of_one("specular_transmittance")?;
+    Ok(Bsdf::ThinDielectric { ior, exterior_ior })
+}
+
+fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
+    metal_index(fields).map(|[eta, k]| Bsdf::Conductor { eta, k })
+}
+
+/// Facets reflect once, as Mitsuba has it.
+fn rough_conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let [eta, k] = metal_index(fields)?;
+    let distribution = match fields.text("distribution")? {
+        None => Distribution::Beckmann,
+        Some(name) => Distribution::named(name).ok_or_else(|| {
+            let problem = format!("`{}` is not a distribution of facets", excerpt(name, NAME));
+            let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
+            fields.wrong("distribution", problem, remedy)
+        })?,
+    };
+    // How facets are drawn changes no image.
+    fields.boolean("sample_visible")?;
+    let alpha = match (number(fields, "alpha_u")?, number(fields, "alpha_v")?) {
+        (None, None) => number(fields, "alpha")?.unwrap_or(0.1),
+        (Some(along), Some(across)) if along == across => along,
+        (_, _) => {
+            let problem = "facets that differ along u and v are not supported";
+            return Err(fields.wrong("alpha_u", problem, "use `alpha`"));
+        }
+    };
+    Ok(Bsdf::RoughConductor {
+        eta,
+        k,
+        alpha: alpha as f32,
+        distribution,
+        multiple_scattering: false,
+    })
+}
+
+/// A number, if there is one.
+fn number(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
+    fields.has(name).then(|| angle_deg(fields, name, 0.0)).transpose()
+}
+
+/// The index of refraction of a metal, and its extinction coefficient.
+fn metal_index(fields: &Fields) -> Result<[Spectrum; 2], SceneError> {
+    /// An index whose reflectance differs from 1 by 4e-9, where that of 0 does not.
+    const NOTHING: f64 = 1e-9;
+    fields.factor_of_one("specular_reflectance")?;
+    let material = fields.text("material")?.unwrap_or("none");
+    if fields.has("eta") || material == "none" {
+        // Nothing said is a perfect mirror.
+        let mut eta = fields.spectrum_or("eta", Kind::Index, 0.0)?;
+        if eta == Spectrum::Constant(0.0) {
+            eta = Spectrum::Constant(NOTHING as f32);
+        }
+        let k = fields.spectrum_or("k", Kind::Index, 1.0)?;
+        return Ok([eta, k]);
+    }
+    let symbol = material.strip_suffix("_palik").unwrap_or(material);
+    let (eta, k) = metal(symbol).ok_or_else(|| {
+        let problem = format!("`{}` is not tabulated", excerpt(material, NAME));
+        let remedy = format!("use one of {}, or give `eta` and `k`", metal_names().join(", "));
+        fields.wrong("material", problem, remedy)
+    })?;
+    Ok([eta, k].map(index_of_name))
+}
+
+/// An angle in degrees, the same at all wavelengths.
+fn angle_deg(fields: &Fields, name: &str, default: f64) -> Result<f64, SceneError> {
+    match fields.given(name) {
+        // As they stand: spectra have half of the digits.
+        Some(Given::Property(property)) => match &property.value {
+            Value::Float(value) | Value::Spectrum(Curve::Uniform(value)) => Ok(*value),
+            Value::Integer(value) => Ok(*value as f64),
+            other @ (Value::Boolean(_)
+            | Value::Text(_)
+            | Value::Vector(_)
+            | Value::Rgb(_)
+            | Value::Spectrum(Curve::Table(_))
+            | Value::Transform(_)) => Err(fields.of_kind(name, other, "one number")),
+        },
+        Some(Given::Object(_)) => Err(fields.wrong(name, "must be one number", "")),
+        None => Ok(default),
+    }
+}
+
+fn polarizer(fields: &Fields) -> Result<Bsdf, SceneError> {
+    fields.factor_of_one("transmittance")?;
+    if fields.boolean("polarizing")? == Some(false) {
+        let problem = "a sheet that takes half of the light and polarizes nothing is not supported";
+        return Err(fields.wrong("polarizing", problem, "remove it"));
+    }
+    // It turns clockwise, seen from the front.
+    let axis_deg = 0.0 - angle_deg(fields, "theta", 0.0)?;
+    Ok(Bsdf::Polarizer { axis_deg, extinction_ratio: f64::INFINITY })
+}
+
+fn retarder(fields: &Fields) -> Result<Bsdf, SceneError> {
+    fields.factor_of_one("transmittance")?;
+    let axis_deg = angle_deg(fields, "theta", 0.0)?;
+    let retardance_deg = angle_deg(fields, "delta", 90.0)?;
+    Ok(Bsdf::Retarder { axis_deg, retardance_deg })
+}
+
+/// The surface within another.
+fn inner(fields: &Fields) -> Result<Surface, SceneError> {
+    match fields.objects(Tag::Bsdf)[..] {
+        [(_, only)] => read(&Fields::of(fields.tree, only)),
+        [] => Err(fields.refuse("has no bsdf in it", "add one")),
+        [_, ..] => {
+            let problem = "has several in it, and only one is supported";
+            Err(fields.refuse(problem, "keep one: both sides are like it"))
+        }
+    }
+}
+
+fn two_sided(fields: &Fields) -> Result<Surface, SceneError> {
+    let surface = inner(fields)?;
+    let may_transmit = fields.boolean("allow_transmission")?.unwrap_or(false);
+    if surface.bsdf.transmits() {
+        let remedy = "what transmits has two sides of its own: use it alone";
+        let problem = match may_transmit {
+            true => "`allow_transmission` is not supported",
+            false => "its bsdf transmits",
+        };
+        return Err(fields.refuse(problem, remedy));
+    }
+    Ok(Surface { two_sided: true, ..surface })
+}
+
+/// A surface that is there, or is not.
+fn mask(fields: &Fields) -> Result<Surface, SceneError> {
+    let surface = inner(fields)?;
+    let opacity = fields.spectrum_or("opacity", Kind::Share, 0.5)?;
+    super::spectra::check(fields, "opacity", &opacity, Range::UNIT)?;
+    let all = |wanted: f32| opacity.values().iter().all(|value| *value == wanted);
+    match (all(1.0), all(0.0)) {
+        (true, _) => Ok(surface),
+        (false, true) => Ok(one_sided(Bsdf::Null)),
+        (false, false) => {
+            Err(fields.wrong("opacity", "only 0 and 1 are supported", "use one of them"))
+        }
+    }
+}
