@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 
-use super::rows;
+use super::{RELATIVE_WIDTH_MIN, rows};
 use crate::math::text::excerpt;
 use crate::math::{Fault, Range};
 
@@ -45,6 +45,12 @@ impl Band {
     pub fn ends_nm(&self) -> [f64; 2] {
         let (center, half) = (f64::from(self.center_nm), 0.5 * f64::from(self.width_nm));
         [center - half, center + half]
+    }
+
+    /// The width in nanometers from which on a render measures it: an image of another program may
+    /// have narrower ones.
+    pub fn least_width_nm(&self) -> f64 {
+        f64::from(self.center_nm) * RELATIVE_WIDTH_MIN
     }
 
     fn check(&self) -> Result<(), Fault> {

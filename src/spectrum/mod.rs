@@ -46,6 +46,10 @@ use std::sync::Arc;
 /// stand when an index in RGB is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
+/// Least width of a line or a band over its wavelength: wavelengths are numbers of single
+/// precision, of which 100 to 200 are in so much, and rounding takes a share of what is narrower.
+pub const RELATIVE_WIDTH_MIN: f64 = 2e-5;
+
 /// What the channels of an image stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Color {
