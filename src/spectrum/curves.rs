@@ -77,9 +77,10 @@ impl Curves {
         Ok(curves)
     }
 
-    /// Those of a film by name: the names are [`Curves::names`]. None if there is none of this
-    /// name.
+    /// Those of a film by name, in capitals or not: the names are [`Curves::names`]. None if there
+    /// is none of this name.
     pub fn named(name: &str) -> Option<Self> {
+        let name = data::known(Self::names(), name)?;
         let observer = |channels: &[(&str, usize)]| {
             let [first, last] = VISIBLE_NM.map(|nm| nm as u32);
             let values = |index: usize| {
@@ -425,7 +426,12 @@ mod tests {
             }
             assert_eq!(Curves::from_text(&normal.to_text()), Some(normal), "{name}");
         }
-        assert_eq!(Curves::named("XYZ"), None);
+        for unknown in ["", "xy", "xyz ", "nikon"] {
+            assert_eq!(Curves::named(unknown), None);
+        }
+        // In capitals or not, with the name as it is listed.
+        assert_eq!(Curves::named("XYZ"), Curves::named("xyz"));
+        assert_eq!(Curves::named("Nikon-D5100"), Curves::named("nikon-d5100"));
         // The camera sees its colors where they are.
         let camera = Curves::named("nikon-d5100").unwrap();
         let centers = [0, 1, 2].map(|channel| camera.center_nm(channel).unwrap());
@@ -443,6 +449,7 @@ mod tests {
             let found = response.integral([0.0, 1000.0], &[], light);
             assert!((found / expected - 1.0).abs() < 1e-5, "{found} and not {expected}");
         }
+            assert_eq!(name, name.to_lowercase(), "two must not differ in capitals alone");
     }
 
     #[test]
