@@ -157,13 +157,15 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
     for image in [first, second] {
         check_shape(image).map_err(|reason| OutputError::Image { reason })?;
     }
-    let mismatch =
-        |reason| OutputError::Mismatch { first: in_words(first), second: in_words(second), reason };
+    let mismatch = |reason: &str| {
+        let reason = reason.to_owned();
+        OutputError::Mismatch { first: in_words(first), second: in_words(second), reason }
+    };
     if (first.width, first.height) != (second.width, second.height) {
         return Err(mismatch("their sizes differ"));
     }
-    if [first, second].iter().any(|image| image.color.is_of_many()) && first.color != second.color {
-        return Err(mismatch("their channels are of other wavelengths or responses"));
+    if let Some(difference) = first.color.difference(&second.color) {
+        return Err(mismatch(&difference));
     }
     let channels = first.color.channels().min(second.color.channels());
     for image in [first, second] {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cie::{VISIBLE_NM, color_matching};
 use super::{Response, Responses, WhiteBalance, data, rows};
-use crate::math::text::{excerpt, listed};
+use crate::math::text::{counted, excerpt, listed};
 use crate::math::{Fault, Range};
 
 /// Most channels of a film.
@@ -103,6 +103,31 @@ impl Curves {
         let mut names = vec![XYZ, LUMINANCE];
         names.extend(data::names(CAMERAS));
         names
+    }
+
+    /// How others that do not respond alike differ, in words: by their number, or by the first that
+    /// is of another curve. None if all are the same; names do not count.
+    pub fn difference(&self, second: &Self) -> Option<String> {
+        let counts = [self, second].map(|it| it.channels.len());
+        if counts[0] != counts[1] {
+            let [first, second] = counts.map(|count| counted(count, ["response", "responses"]));
+            return Some(format!("the first has {first} and the second {second}"));
+        }
+        let mut pairs = self.channels.iter().zip(&second.channels);
+        if let Some((first, _)) = pairs
+            .clone()
+            .find(|(first, other)| self.nm != second.nm || first.values != other.values)
+        {
+            return Some(format!("their responses are other curves: {} is the first", first.name));
+        }
+        let scaled = pairs.find(|(first, second)| first.factor != second.factor);
+        scaled.map(|(first, _)| {
+            format!(
+                "their responses are normalized otherwise: {} is the first (see --range, \
+                 --white-balance and --raw-response)",
+                first.name
+            )
+        })
     }
 
     /// Reads a table of comma-separated values: a line of names, the first that of the column of
@@ -419,6 +444,7 @@ mod tests {
     #[test]
     fn every_name_is_a_film_that_can_be_normalized() {
         for name in Curves::names() {
+            assert_eq!(name, name.to_lowercase(), "two must not differ in capitals alone");
             let curves = Curves::named(name).unwrap();
             let normal = curves.normalized(curves.ends_nm(), None).unwrap();
             for channel in 0..curves.channels.len() {
@@ -441,6 +467,23 @@ mod tests {
     }
 
     #[test]
+    fn other_responses_differ_in_words() {
+        let of = |text: &str| Curves::from_csv("a.csv", text).unwrap();
+        let curves = of("nm,red,nir\n400,1,0\n500,1,2");
+        let renamed = Curves::from_csv("b.csv", "nm,r,n\n400,1,0\n500,1,2").unwrap();
+        assert_eq!(curves.difference(&renamed), None);
+        for (other, words) in [
+            (of("nm,red\n400,1\n500,1"), "the first has 2 responses and the second 1 response"),
+            (of("nm,red,nir\n400,1,0\n500,1,3"), "other curves: nir"),
+            (of("nm,red,nir\n400,1,0\n501,1,2"), "other curves: red"),
+            (curves.normalized([400.0, 500.0], None).unwrap(), "normalized otherwise: red"),
+        ] {
+            let difference = curves.difference(&other).unwrap();
+            assert!(difference.contains(words), "{difference}");
+        }
+    }
+
+    #[test]
     fn the_observer_is_that_of_the_cie() {
         let xyz = Curves::named("xyz").unwrap().responses();
         let light = |nm: f64| 1.0 + 0.5 * (nm / 30.0).sin();
@@ -449,7 +492,6 @@ mod tests {
             let found = response.integral([0.0, 1000.0], &[], light);
             assert!((found / expected - 1.0).abs() < 1e-5, "{found} and not {expected}");
         }
-            assert_eq!(name, name.to_lowercase(), "two must not differ in capitals alone");
     }
 
     #[test]

@@ -119,6 +119,31 @@ impl Color {
         }
     }
 
+    /// How the channels of two images with bands or responses measure other light, in words; none
+    /// if they do not, whatever they are called, or neither has any.
+    pub fn difference(&self, second: &Self) -> Option<String> {
+        match (self, second) {
+            (Color::Bands(first), Color::Bands(second)) => first.difference(second),
+            (Color::Responses(first), Color::Responses(second)) => first.difference(second),
+            (Color::Bands(_) | Color::Responses(_), _)
+            | (_, Color::Bands(_) | Color::Responses(_)) => {
+                let [first, second] = [self, second].map(Color::kind);
+                Some(format!("the first has {first} and the second {second}"))
+            }
+            (Color::Rgb | Color::Mono { .. }, Color::Rgb | Color::Mono { .. }) => None,
+        }
+    }
+
+    /// What the channels are, in a word.
+    fn kind(&self) -> &'static str {
+        match self {
+            Color::Rgb => "red, green and blue",
+            Color::Mono { .. } => "one wavelength",
+            Color::Bands(_) => "bands",
+            Color::Responses(_) => "responses",
+        }
+    }
+
     /// What one of its channels is called in words.
     pub fn channel_name(&self, channel: usize) -> String {
         match self {
