@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::check_shape;
 use super::error::OutputError;
-use super::legend::{arrange, with_legend};
+use super::legend::{arrange, with_legend_of};
 use super::palette::{BLUE_WHITE_RED, NO_LIGHT, sample};
 use super::picture::Picture;
 use super::visualize::{luminance_at, range_of, signed_legend};
@@ -113,7 +113,7 @@ pub fn difference_picture(
         let pixels = plane.iter().map(color).collect();
         let picture = Picture { width: first.width, height: first.height, pixels };
         let title = format!("difference of S{component}");
-        with_legend(&picture, &signed_legend(title, range, "not finite"))
+        with_legend_of(first, &picture, signed_legend(title, range, "not finite"))
     };
     let pictures: Vec<Picture> = differences.iter().enumerate().map(draw).collect();
     Ok(arrange(&pictures, 2))

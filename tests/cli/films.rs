@@ -82,6 +82,7 @@ fn responses_are_films() {
         sunstone(&here, arguments).done();
         assert!(here.join(file).exists(), "{file}");
     }
+    assert!(fs::read_to_string(here.join("nir.html")).unwrap().contains("a.exr, nir"));
     let same = sunstone(&here, &["compare", "a.exr", "a.exr", "--channel", "vis"]).done().stdout;
     assert!(same.contains("one channel"), "{same}");
     for (arguments, words) in [
