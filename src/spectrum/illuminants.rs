@@ -31,7 +31,8 @@ impl Spectrum {
     /// An illuminant of the CIE by its name, in capitals or not: A, D50, D65, E (flat), F1 to F12,
     /// LED-B1 to LED-B5, LED-BH1, LED-RGB1, LED-V1, LED-V2 (CIE 15:2018). As bright as a flat
     /// spectrum of 1: its mean under the luminous efficiency y of the CIE 1931 observer is 1. D65
-    /// is tabulated from 300 to 830 nm, D50 to 780 nm, F and LED from 380 to 780 nm, linear between.
+    /// is tabulated from 300 to 830 nm, D50 to 780 nm, F and LED from 380 to 780 nm, linear
+    /// between.
     ///
     /// None if there is none of this name.
     pub fn illuminant(name: &str) -> Option<Self> {
