@@ -363,14 +363,21 @@ class Scene:
     def point_light(self, name, position, intensity):
         """`intensity` is red, green and blue in W/sr."""
         strength = max(intensity)
-        light = {"name": name, "type": "point", "intensity": strength,
-                 "color": [x / strength for x in intensity],
-                 "extensions": {EXTENSION: {"units": "radiometric"}}}
+        self.lamp({"name": name, "type": "point", "intensity": strength,
+                   "color": [x / strength for x in intensity]}, translate(*position))
+
+    def lamp(self, light, transform):
         lights = self.gltf.setdefault("extensions", {}).setdefault(
             "KHR_lights_punctual", {"lights": []})["lights"]
-        lights.append(light)
-        self.node(name, translate(*position),
+        lights.append({**light, "extensions": {EXTENSION: {"units": "radiometric"}}})
+        self.node(light["name"], transform,
                   extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
+
+    def spot(self, name, transform, intensity, half_degrees):
+        """A point that shines along -z into an even cone; `intensity` is in W/sr."""
+        self.lamp({"name": name, "type": "spot", "intensity": intensity,
+                   "spot": {"innerConeAngle": math.radians(half_degrees * 0.9),
+                            "outerConeAngle": math.radians(half_degrees)}}, transform)
 
     def sphere(self, name, material, center, radius):
         """An analytic sphere with a tessellated stand-in for viewers that know none."""
@@ -639,6 +646,38 @@ def caustic_glass():
     return scene
 
 
+def dispersion():
+    """A sheet of white light that rakes a table, and what a prism of dense flint makes of it.
+
+    The lamp is a point, 6 m before the prism, behind a slit. Its sheet meets the prism at the least
+    deviation, 60 degrees, and the table before and behind it. A panel above shows the rest.
+    """
+    scene = Scene("prism")
+    white = scene.material("table", diffuse(0.75))
+    black = scene.material("slit", extended({"bsdf": "absorber"}, (0.0, 0.0, 0.0),
+                                            doubleSided=True))
+    flint = scene.material("flint", glass(1.728))
+    scene.gltf["materials"][flint]["extensions"][EXTENSION]["ior"] = "SF10"
+    scene.shape("table", "rectangle", white, scale(4, 3, 1), rotate("x", -90), translate(x=0.6))
+    scene.shape("prism", "prism", flint, scale(0.5, 0.5, 0.2), rotate("x", -90),
+                translate(y=0.201))
+    # Within the prism light goes along x; before it 29.8 degrees away from the base.
+    entry = (-0.21, 0.0, -0.1)
+    turn = math.radians(29.8)
+    at = lambda distance, height: (entry[0] - distance * math.cos(turn), height,
+                                   entry[2] + distance * math.sin(turn))
+    lamp = at(6.0, 0.36)
+    scene.spot("lamp", camera_look_at(lamp, entry), 2000.0, 1.8)
+    for side in (-1, 1):
+        scene.shape(f"slit, side {side}", "rectangle", black, scale(0.05, 0.1, 1),
+                    translate(x=side * 0.0535), look_at(at(5.0, 0.30), at(4.0, 0.30)))
+    scene.shape("panel", "rectangle", scene.material("panel", light(0.8)),
+                scale(0.9, 0.6, 1), look_at((-0.4, 3.4, -3.4), (0, 0, 0)))
+    scene.camera({"yfov": math.radians(34), "aspectRatio": 1.5},
+                 camera_look_at((0.25, 3.3, 2.75), (0.25, 0.0, 0.34)), [540, 360])
+    return scene
+
+
 def mirror():
     """After figure 3 of the paper: a room in a large sphere of aluminum.
 
@@ -719,6 +758,7 @@ SCENES = {
     "cornell.gltf": cornell,
     "caustic_glass.gltf": caustic_glass,
     "mirror.gltf": mirror,
+    "prism.gltf": dispersion,
     "tank.gltf": tank,
 }
 

@@ -250,7 +250,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (dict(color="spectral", white_balance="blue"), r"^white_balance: "),
     (
         dict(color="spectral", bands=(400, 700, 31), range=(400, 700)),
-        r"^bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
+        r"^bands must be within range 400:700, and 400 nm reaches from 395 to 405 nm",
     ),
     (dict(integrator="path", photons=10), r"photons goes with integrator=\"ppm\""),
     (dict(integrator="ppm", alpha=0), r"alpha must be greater than 0 and at most 1, not 0"),

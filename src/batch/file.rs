@@ -281,9 +281,11 @@ fn unfolded(
             values: Values::default(),
             is_whole: wrong.is_empty(),
         };
+        let mut in_names = Values::default();
         for (axis, &at) in axes.iter().zip(indices) {
             job.set(&axis.key, axis.values[at].clone());
             job.values.insert(axis.name.clone(), axis.values[at].clone());
+            in_names.insert(axis.name.clone(), axis.in_names(at));
         }
         let own = Value::from(index);
         if job.options.get("seed").and_then(Value::as_str) == Some("job") {
@@ -295,7 +297,7 @@ fn unfolded(
                 "name" => Some(&name),
                 "index" => Some(&own),
                 "seed" => Some(job.options.get("seed").unwrap_or(&zero)),
-                axis => job.values.get(axis),
+                axis => in_names.get(axis),
             })
         });
         job.output = filled.unwrap_or_default();

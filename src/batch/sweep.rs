@@ -58,6 +58,19 @@ impl Axis {
             _ => Err(wrong),
         }
     }
+
+    /// What stands for one of its values in the names of files: itself, or, of tables and of lists
+    /// that are long or have lists in them, its place among the values, from 0.
+    pub fn in_names(&self, at: usize) -> Value {
+        const ITEMS_MAX: usize = 4;
+        let is_plain = |value: &Value| !value.is_array() && !value.is_object();
+        let value = &self.values[at];
+        let is_short = match value {
+            Value::Array(items) => items.len() <= ITEMS_MAX && items.iter().all(is_plain),
+            other => is_plain(other),
+        };
+        if is_short { value.clone() } else { at.into() }
+    }
 }
 
 /// The values that an axis lists, or that lie evenly between two.
@@ -164,6 +177,17 @@ mod tests {
         let expected = [[0, 0, 0], [0, 1, 0], [0, 2, 0], [1, 0, 1], [1, 1, 1], [1, 2, 1]];
         assert_eq!(jobs, expected);
         assert_eq!(unfold(&[]).unwrap(), [Vec::<usize>::new()]);
+    }
+
+    #[test]
+    fn tables_have_numbers_in_names() {
+        let table = json!({"nm": [400, 700], "value": [0.1, 0.9]});
+        let color = json!([0.5, 0.25, 1]);
+        let long = json!([1, 2, 3, 4, 5]);
+        let values = json!([table, "gold", color, [[1, 2]], long, {}, null, 0.5, [table]]);
+        let axis = axis(json!({"name": "a", "key": "k", "values": values}));
+        let names: Vec<Value> = (0..9).map(|at| axis.in_names(at)).collect();
+        assert_eq!(json!(names), json!([0, "gold", color, 3, 4, 5, null, 0.5, 8]));
     }
 
     #[test]

@@ -366,7 +366,8 @@ A job file is TOML with defaults and jobs, or has the table of a job in every li
 
 An option of a job goes before the default of that name, and before a default that it excludes \
 (iterations and spp). Jobs are counted from 0 in the order of the file, each of a sweep for \
-itself: in messages, in results.jsonl and in {index}.
+itself: in messages, in results.jsonl and in {index}. In names of files a table, or a list of more \
+than 4 items or of lists, is its number on its axis, from 0.
 
 Edits are KIND/NAME/KEY: materials, nodes, lights, cameras or media, a name or #0, #1, ... by the \
 order in the file, and a key of the scene file (dots lead inwards). Those of a job are checked \

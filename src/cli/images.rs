@@ -54,7 +54,12 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<(), CliError> {
     if arguments.no_variance {
         images.iter_mut().for_each(|image| image.variance = None);
     }
-    let names = names_of(&paths);
+    let mut names = names_of(&paths);
+    for (name, image) in names.iter_mut().zip(&images) {
+        if let Some(channel) = image.channel() {
+            *name += &format!(", {channel}");
+        }
+    }
     let named: Vec<Named> =
         names.iter().zip(&images).map(|(name, image)| Named { name, image }).collect();
     let bytes = pages::write(&named, &arguments.output)?;

@@ -61,7 +61,7 @@ pub fn picture(
 ) -> Result<Picture, OutputError> {
     let title = format!("behind an analyzer: {analyzer}");
     let (picture, legend) = intensity(&behind(image, analyzer)?, exposure_ev, title);
-    Ok(legend::with_legend(&picture, &legend))
+    Ok(legend::with_legend_of(image, &picture, legend))
 }
 
 /// All of [`ANALYZERS`] side by side.

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::check_shape;
 use super::error::OutputError;
-use super::legend::{arrange, with_legend};
+use super::legend::{arrange, with_legend_of};
 use super::palette::{BLUE_WHITE_RED, NO_LIGHT, sample};
 use super::picture::Picture;
 use super::visualize::{luminance_at, range_of, signed_legend};
@@ -113,7 +113,7 @@ pub fn difference_picture(
         let pixels = plane.iter().map(color).collect();
         let picture = Picture { width: first.width, height: first.height, pixels };
         let title = format!("difference of S{component}");
-        with_legend(&picture, &signed_legend(title, range, "not finite"))
+        with_legend_of(first, &picture, signed_legend(title, range, "not finite"))
     };
     let pictures: Vec<Picture> = differences.iter().enumerate().map(draw).collect();
     Ok(arrange(&pictures, 2))
@@ -157,13 +157,15 @@ fn check_pair(first: &StokesImage, second: &StokesImage) -> Result<usize, Output
     for image in [first, second] {
         check_shape(image).map_err(|reason| OutputError::Image { reason })?;
     }
-    let mismatch =
-        |reason| OutputError::Mismatch { first: in_words(first), second: in_words(second), reason };
+    let mismatch = |reason: &str| {
+        let reason = reason.to_owned();
+        OutputError::Mismatch { first: in_words(first), second: in_words(second), reason }
+    };
     if (first.width, first.height) != (second.width, second.height) {
         return Err(mismatch("their sizes differ"));
     }
-    if [first, second].iter().any(|image| image.color.is_of_many()) && first.color != second.color {
-        return Err(mismatch("their channels are of other wavelengths or responses"));
+    if let Some(difference) = first.color.difference(&second.color) {
+        return Err(mismatch(&difference));
     }
     let channels = first.color.channels().min(second.color.channels());
     for image in [first, second] {

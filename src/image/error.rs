@@ -134,7 +134,7 @@ pub enum OutputError {
         /// What the second image is.
         second: String,
         /// Which property differs.
-        reason: &'static str,
+        reason: String,
     },
 }
 

@@ -1,8 +1,10 @@
 //! Legends: the strip beneath a map that says what its colors mean.
 
+use super::StokesImage;
 use super::font::{self, draw_text, text_width};
 use super::picture::Picture;
 use crate::math::elementary::{atan2, hypot};
+use crate::math::text::excerpt;
 
 /// What a strip shows.
 pub struct Legend {
@@ -42,8 +44,8 @@ const WIDTH_MIN: usize = 250;
 /// Width of a picture per pixel of its letters' strokes.
 const WIDTH_PER_STROKE: usize = 420;
 
-/// The picture, enlarged by a whole number if it is small, with the legend beneath.
-pub fn with_legend(picture: &Picture, legend: &Legend) -> Picture {
+/// The picture with the legend beneath.
+fn with_legend(picture: &Picture, legend: &Legend) -> Picture {
     let enlarged = enlarge(picture, WIDTH_MIN.div_ceil(picture.width.max(1)));
     let size = enlarged.width.div_ceil(WIDTH_PER_STROKE);
     let strip = draw_strip(legend, enlarged.width, size);
@@ -51,6 +53,16 @@ pub fn with_legend(picture: &Picture, legend: &Legend) -> Picture {
     whole.paste(&enlarged, 0, 0);
     whole.paste(&strip, 0, enlarged.height);
     whole
+}
+
+/// The picture of an image, enlarged by a whole number if it is small, with the legend beneath. If
+/// it is a channel of another image, its name stands behind the title.
+pub fn with_legend_of(image: &StokesImage, picture: &Picture, mut legend: Legend) -> Picture {
+    const NAME: usize = 20;
+    if let Some(channel) = image.channel() {
+        legend.title += &format!(", {}", excerpt(channel, NAME));
+    }
+    with_legend(picture, &legend)
 }
 
 /// Pictures of one size in rows of `columns`, with gaps between.

@@ -76,7 +76,16 @@ impl StokesImage {
         let Some((channel, center_nm)) = self.color.channel_at(wavelength_nm) else {
             return Err(OutputError::NoBand { what: self.color.to_string(), wavelength_nm });
         };
-        Ok(self.of_channel(channel, center_nm))
+        let image = self.of_channel(channel, center_nm);
+        Ok(match self.color.is_of_many() {
+            true => image.called(&self.channel_names()[channel]),
+            false => image,
+        })
+    }
+
+    /// What it is called as a channel of another image, if it is one.
+    pub fn channel(&self) -> Option<&str> {
+        self.metadata.iter().find(|(key, _)| key == CHANNEL).map(|(_, name)| name.as_str())
     }
 
     /// The image of the channel that has a name, as of light of one wavelength: that which
@@ -93,10 +102,15 @@ impl StokesImage {
         };
         let colors = RGB_WAVELENGTHS_NM.get(channel).copied();
         let wavelength_nm = self.color.wavelength_of(channel).or(colors);
-        let mut image = self.of_channel(channel, wavelength_nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
-        image.metadata.retain(|(key, _)| key != CHANNEL);
-        image.metadata.push((CHANNEL.to_owned(), name.to_owned()));
-        Ok(image)
+        let image = self.of_channel(channel, wavelength_nm.unwrap_or(WAVELENGTH_UNSTATED_NM));
+        Ok(image.called(name))
+    }
+
+    /// The same, with its name as a channel of another.
+    fn called(mut self, name: &str) -> Self {
+        self.metadata.retain(|(key, _)| key != CHANNEL);
+        self.metadata.push((CHANNEL.to_owned(), name.to_owned()));
+        self
     }
 
     fn of_channel(&self, channel: usize, wavelength_nm: f32) -> Self {

@@ -15,7 +15,7 @@
 use std::str::FromStr;
 
 use super::error::OutputError;
-use super::legend::{Legend, arrange, with_legend};
+use super::legend::{Legend, arrange, with_legend_of};
 use super::palette::{self, NEUTRAL, NO_LIGHT, mix, sample};
 use super::picture::Picture;
 use super::{check_shape, png};
@@ -211,8 +211,8 @@ pub fn colorize(image: &StokesImage, map: Map, view: &View) -> Result<Picture, O
 /// The map with its legend beneath; small images are enlarged.
 pub fn visualize(image: &StokesImage, map: Map, view: &View) -> Result<Picture, OutputError> {
     let views = views(image, map, view)?;
-    let pictures: Vec<Picture> =
-        views.iter().map(|(picture, legend)| with_legend(picture, legend)).collect();
+    let with_legend = |(picture, legend)| with_legend_of(image, &picture, legend);
+    let pictures: Vec<Picture> = views.into_iter().map(with_legend).collect();
     Ok(arrange(&pictures, 2))
 }
 

@@ -3,6 +3,7 @@
 //! many wavelengths, is chosen.
 
 pub mod doubts;
+mod facts;
 mod immersed;
 pub mod memory;
 mod photon_pass;

@@ -2,17 +2,19 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use crate::film::Developed;
 use crate::film::record::{self, Fact, Record};
 use crate::film::{Film, Gauge, Variances, recorded_values};
 use crate::image::rows::Rows;
 use crate::image::{OutputError, StokesImage};
-use crate::math::text::excerpt;
 use crate::polarization::Analyzer;
-use crate::spectrum::{Bands, Color, Curves, RGB_WAVELENGTHS_NM};
+use crate::spectrum::{Color, RGB_WAVELENGTHS_NM};
 
+use super::facts::{
+    BALANCE, COLOR, analyzer_of, analyzer_text, both_in_words, color_of, color_text, in_words,
+};
 use super::renderer::metadata;
 use super::resolved::components;
 use super::run::Steps;
@@ -36,15 +38,11 @@ const WIDTH: &str = "image: width";
 const HEIGHT: &str = "image: height";
 const MODE: &str = "image: mode";
 const ANALYZER: &str = "image: analyzer";
-const COLOR: &str = "image: color";
 const SAMPLES: &str = "image: samples a pixel";
 const VARIANCE: &str = "image: variance";
 /// Which wavelengths light is carried at, where these change.
 const SPECTRAL: &str = "image: spectral";
 const IS_ASKED_FOR: &str = "image: variance is asked for";
-
-/// Most characters of a fact that is shown: responses have thousands.
-const VALUE: usize = 200;
 
 /// What is wrong with a file that a render is to go on from, or with parts of an image.
 #[derive(Debug, thiserror::Error)]
@@ -172,7 +170,7 @@ impl Origin {
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, color_text(&settings.color)),
             ("image: rgb white", settings.white().name().to_owned()),
-            ("image: white balance", balance_text(settings).unwrap_or("none".to_owned())),
+            (BALANCE, balance_text(settings).unwrap_or("none".to_owned())),
             (SAMPLES, settings.samples.to_string()),
             (VARIANCE, variances(settings).to_owned()),
             (IS_ASKED_FOR, settings.variance.to_string()),
@@ -247,8 +245,8 @@ pub fn resume(
     for (name, here) in here {
         let there = record.fact(&name).ok_or_else(|| record.lacks(&name))?;
         if there != here {
-            let (path, there, here) =
-                (path.to_owned(), excerpt(there, VALUE), excerpt(&here, VALUE));
+            let path = path.to_owned();
+            let [there, here] = both_in_words(&name, [there, &here]);
             return Err(PartError::Other { path, what: plain(&name), there, here });
         }
     }
@@ -304,12 +302,13 @@ fn check_alike(first: &Record, other: &Record) -> Result<(), PartError> {
     for (name, one) in first.facts().iter().filter(|(name, _)| name.starts_with(OF_IMAGE)) {
         let two = other.fact(name).ok_or_else(|| other.lacks(name))?;
         if one != two {
+            let [one, two] = both_in_words(name, [one, two]);
             return Err(PartError::Foreign {
                 first: first.path().to_owned(),
                 second: other.path().to_owned(),
                 what: plain(name),
-                one: excerpt(one, VALUE),
-                two: excerpt(two, VALUE),
+                one,
+                two,
             });
         }
     }
@@ -399,8 +398,10 @@ pub fn describe(path: &Path) -> Result<String, PartError> {
     let record = Record::open(path)?;
     let known = |(name, value): &Fact| {
         let is_place = [PART, FIRST, NEXT, END].contains(&name.as_str());
-        let name = name.strip_prefix(OF_IMAGE).or(is_place.then_some(name))?;
-        Some(format!("  {name}: {}\n", excerpt(value, VALUE)))
+        if !is_place && !name.starts_with(OF_IMAGE) {
+            return None;
+        }
+        Some(format!("  {}: {}\n", plain(name), in_words(name, value)))
     };
     let lines: String = record.facts().iter().filter_map(known).collect();
     Ok(format!("{}: a part of an image, or a render to go on from\n{lines}", path.display()))
@@ -449,16 +450,6 @@ fn check_size(
     )))
 }
 
-/// A color as [`color_of`] reads it.
-fn color_text(color: &Color) -> String {
-    match color {
-        Color::Rgb => "rgb".to_owned(),
-        Color::Mono { wavelength_nm } => wavelength_nm.to_string(),
-        Color::Bands(bands) => bands.to_text(),
-        Color::Responses(curves) => curves.to_text(),
-    }
-}
-
 /// What tells the white balance of a film of RGB from others: its name, and how the channels
 /// respond at three wavelengths, from which all else follows. None if it has none; that of
 /// responses is in these.
@@ -468,43 +459,6 @@ fn balance_text(settings: &Resolved) -> Option<String> {
     let at = |nm: f32| responses.list().iter().map(move |it| it.at(nm.into()));
     let values: Vec<f64> = RGB_WAVELENGTHS_NM.into_iter().flat_map(at).collect();
     Some(format!("{white} {values:?}"))
-}
-
-/// The color of a text; nothing for any other text.
-fn color_of(text: &str) -> Option<Color> {
-    if text == "rgb" {
-        return Some(Color::Rgb);
-    }
-    match text.parse() {
-        Ok(wavelength_nm) => Some(Color::Mono { wavelength_nm }),
-        Err(_) => {
-            let bands = || Some(Color::Bands(Arc::new(Bands::from_text(text)?)));
-            bands().or_else(|| Some(Color::Responses(Arc::new(Curves::from_text(text)?))))
-        }
-    }
-}
-
-/// An analyzer as [`analyzer_of`] reads it.
-fn analyzer_text(analyzer: Option<Analyzer>) -> String {
-    match analyzer {
-        None => "none".to_owned(),
-        Some(Analyzer::Linear { axis_deg }) => format!("linear {axis_deg}"),
-        Some(Analyzer::RightCircular) => "right circular".to_owned(),
-        Some(Analyzer::LeftCircular) => "left circular".to_owned(),
-    }
-}
-
-/// The analyzer of a text, which may be none; nothing for any other text.
-fn analyzer_of(text: &str) -> Option<Option<Analyzer>> {
-    match text {
-        "none" => Some(None),
-        "right circular" => Some(Some(Analyzer::RightCircular)),
-        "left circular" => Some(Some(Analyzer::LeftCircular)),
-        other => {
-            let axis_deg = other.strip_prefix("linear ")?.parse().ok()?;
-            Some(Some(Analyzer::Linear { axis_deg }))
-        }
-    }
 }
 
 /// The metadata of the image that a part is of.

@@ -3,7 +3,8 @@
 use super::Options;
 use super::settings::{SettingsError, WAVELENGTHS_NM};
 use crate::math::Fault;
-use crate::spectrum::{Bands, Color, Curves, Responses};
+use crate::math::text::excerpt;
+use crate::spectrum::{Band, Bands, Color, Curves, RELATIVE_WIDTH_MIN, Responses};
 
 /// Light at several wavelengths together, others in every iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,10 +19,16 @@ pub struct Spectral {
 pub const WAVELENGTHS: [u32; 2] = [4, 8];
 /// The range where none is named, in nanometers.
 pub const RANGE_NM: [f32; 2] = [380.0, 780.0];
+/// Why ranges and bands have a least width.
+const WHY: &str = "for wavelengths are numbers of single precision";
 /// What else the range can come from, in words.
 const BY_DEFAULT: &str = " (if it is not given, it is that of the bands or responses)";
-/// What rounding may make of the ends of bands, in nanometers.
+/// What rounding may make of the ends of bands, in nanometers, and at most as a share of their
+/// width: half of what single precision tells apart where they are narrowest.
 const ROUNDING_NM: f64 = 1e-3;
+const ROUNDING_SHARE: f64 = 5e-3;
+/// Most characters of a name that an error shows.
+const NAME: usize = 40;
 
 impl Default for Spectral {
     /// Eight wavelengths of visible light.
@@ -97,26 +104,52 @@ pub fn columns(options: &Options) -> Result<Columns, SettingsError> {
 /// Refuses films that do not measure spectra, or measure what is outside of the range.
 fn check_film(color: &Color, range_nm: [f32; 2]) -> Result<(), SettingsError> {
     match color {
-        Color::Rgb => Ok(()),
+        Color::Rgb => check_width(range_nm),
         Color::Mono { .. } => {
             let rule = format!("spectral has no film of {color}: say which bands, as 400:700:31");
             Err(SettingsError { setting: "color", rule })
         }
         Color::Bands(bands) => check_bands(bands, range_nm),
-        Color::Responses(curves) => check_responses(curves, range_nm),
+        Color::Responses(curves) => {
+            check_width(range_nm)?;
+            check_responses(curves, range_nm)
+        }
     }
 }
 
-fn check_bands(bands: &Bands, range_nm: [f32; 2]) -> Result<(), SettingsError> {
-    let [first, last] = range_nm.map(f64::from);
-    let outside = |ends: [f64; 2]| ends[0] < first - ROUNDING_NM || ends[1] > last + ROUNDING_NM;
-    let Some(band) = bands.list().iter().find(|band| outside(band.ends_nm())) else {
+/// Refuses a range of which wavelengths are a handful of numbers.
+fn check_width([first, last]: [f32; 2]) -> Result<(), SettingsError> {
+    let least = f64::from(first) * RELATIVE_WIDTH_MIN;
+    if f64::from(last) - f64::from(first) >= least {
         return Ok(());
+    }
+    let rule =
+        format!("must be at least {least:.3} nm wide, {WHY}, not {first}:{last}{BY_DEFAULT}");
+    Err(SettingsError { setting: "range", rule })
+}
+
+fn check_bands(bands: &Bands, range_nm: [f32; 2]) -> Result<(), SettingsError> {
+    let is_narrow = |band: &&Band| f64::from(band.width_nm) < band.least_width_nm();
+    if let Some(band) = bands.list().iter().find(is_narrow) {
+        let Band { name, center_nm, width_nm } = band;
+        let (name, least) = (excerpt(name, NAME), band.least_width_nm());
+        let rule = format!(
+            "must be at least {least:.3} nm wide at {center_nm} nm, {WHY}, and {name} is \
+             {width_nm} nm wide: make it wider"
+        );
+        return Err(SettingsError { setting: "bands", rule });
+    }
+    let [first, last] = range_nm.map(f64::from);
+    let is_outside = |band: &&Band| {
+        let rounding = ROUNDING_NM.min(ROUNDING_SHARE * f64::from(band.width_nm));
+        let [low, high] = band.ends_nm();
+        low < first - rounding || high > last + rounding
     };
-    let [low, high] = band.ends_nm();
+    let Some(band) = bands.list().iter().find(is_outside) else { return Ok(()) };
+    let [low, high] = band.ends_nm().map(|nm| nm as f32);
     let rule = format!(
-        "must be within range {first}:{last}, and {} reaches from {low:.2} to {high:.2} nm",
-        band.name
+        "must be within range {first}:{last}, and {} reaches from {low} to {high} nm",
+        excerpt(&band.name, NAME)
     );
     Err(SettingsError { setting: "bands", rule })
 }
@@ -233,15 +266,55 @@ mod tests {
             (8, [780.0, 380.0], "not 780:380"),
             (8, [500.0, 500.0], "not 500:500"),
             (8, [f32::NAN, 500.0], "not NaN"),
-            (4, [400.0, 700.0], "within range 400:700, and 400 nm reaches from 395.00"),
+            (4, [400.0, 700.0], "within range 400:700, and 400 nm reaches from 395 to"),
             (4, [0.0, 700.0], "not 0"),
         ] {
             let error = refused(options([400.0, 700.0], 31, spectral(wavelengths, range_nm)));
             assert!(error.contains(words), "{error}");
         }
+        // No more may be missing of a narrow band than rounding leaves out.
+        let one = Bands::new(vec![Band::new(550.0, 0.02)]).unwrap();
+        let one = Options { color: Color::Bands(Arc::new(one)), ..visible.clone() };
+        let spectral = |range_nm| Some(Spectral { wavelengths: 8, range_nm });
+        for (range_nm, is_sound) in
+            [([549.99, 550.01], true), ([549.9905, 550.01], false), ([549.99, 550.0095], false)]
+        {
+            let options = Options { spectral: spectral(range_nm), ..one.clone() };
+            assert_eq!(Settings::new(options).is_ok(), is_sound, "{range_nm:?}");
+        }
         let mono = Color::Mono { wavelength_nm: 550.0 };
         let error = refused(Options { color: mono, ..visible.clone() });
         assert!(error.contains("say which bands"), "{error}");
         assert!(Settings::new(Options { color: Color::Rgb, ..visible }).is_ok());
+    }
+
+    /// The limit is that of lines, and those of other programs are images all the same.
+    #[test]
+    fn what_single_precision_does_not_resolve_is_refused() {
+        let of = |center_nm, width_nm| {
+            let sound = Band::new(400.0, 10.0);
+            let band = Band { name: "sodium".to_owned(), center_nm, width_nm };
+            let list = if center_nm > 400.0 { vec![sound, band] } else { vec![band, sound] };
+            let bands = Bands::new(list).unwrap();
+            let [first, last] = bands.ends_nm().map(|nm| nm as f32);
+            let spectral = Some(Spectral { wavelengths: 8, range_nm: [first, last] });
+            let color = Color::Bands(Arc::new(bands));
+            Settings::new(Options { color, spectral, ..Options::default() })
+        };
+        for (center_nm, least_nm) in [(250.0, 0.005), (589.0, 0.011_78), (2000.0, 0.04)] {
+            assert!(of(center_nm, least_nm * 1.001).is_ok(), "{center_nm}");
+            for width_nm in [least_nm * 0.999, 1e-3, 1e-20] {
+                let error = of(center_nm, width_nm).unwrap_err().to_string();
+                let least = format!("bands must be at least {least_nm:.3} nm wide at {center_nm}");
+                assert!(error.contains(&least) && error.contains("sodium is "), "{error}");
+            }
+        }
+        let range_nm = [550.0, 550.001];
+        let spectral = Some(Spectral { wavelengths: 8, range_nm });
+        for color in [Color::Rgb, Color::Responses(Arc::new(Curves::named("xyz").unwrap()))] {
+            let error = Settings::new(Options { color, spectral, ..Options::default() });
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains("range must be at least 0.011 nm wide"), "{error}");
+        }
     }
 }

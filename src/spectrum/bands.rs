@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 
-use super::rows;
-use crate::math::text::excerpt;
+use super::{RELATIVE_WIDTH_MIN, rows};
+use crate::math::text::{counted, excerpt};
 use crate::math::{Fault, Range};
 
 /// Most bands of an image.
@@ -45,6 +45,12 @@ impl Band {
     pub fn ends_nm(&self) -> [f64; 2] {
         let (center, half) = (f64::from(self.center_nm), 0.5 * f64::from(self.width_nm));
         [center - half, center + half]
+    }
+
+    /// The width in nanometers from which on a render measures it: an image of another program may
+    /// have narrower ones.
+    pub fn least_width_nm(&self) -> f64 {
+        f64::from(self.center_nm) * RELATIVE_WIDTH_MIN
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -221,6 +227,29 @@ impl Bands {
             .map(|(index, _)| index)
     }
 
+    /// How others that are not of the same light differ, in words: by their number, or by the first
+    /// of another center or width. None if all of these are the same; names do not count.
+    pub fn difference(&self, second: &Self) -> Option<String> {
+        if self.list.len() != second.list.len() {
+            let [first, second] =
+                [self, second].map(|it| counted(it.list.len(), ["band", "bands"]));
+            return Some(format!("the first has {first} and the second {second}"));
+        }
+        self.list.iter().zip(&second.list).find_map(|(first, second)| {
+            let centers = [first, second].map(|band| band.center_nm);
+            let widths = [first, second].map(|band| band.width_nm);
+            if centers[0] != centers[1] {
+                let [first, second] = centers;
+                let differ = format!("{first} nm in the first and {second} nm in the second");
+                return Some(format!("their bands have other centers: {differ}"));
+            }
+            let [first, second] = widths;
+            let differ = format!("{first} nm in the first and {second} nm in the second");
+            let at = format!("their bands have other widths: at {} nm", centers[0]);
+            (first != second).then(|| format!("{at} {differ}"))
+        })
+    }
+
     /// All of them as one line of text, which [`Bands::from_text`] reads.
     pub fn to_text(&self) -> String {
         let rows = self.list.iter().map(|Band { name, center_nm, width_nm }| {
@@ -333,6 +362,21 @@ mod tests {
             assert_eq!(fault.field, field, "{text:?}");
             assert!(fault.problem.contains(problem), "{text:?}: {}", fault.problem);
             assert!(fault.remedy.contains("name,center_nm,width_nm"), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn other_bands_differ_in_words() {
+        let of = |text| Bands::from_list(text).unwrap();
+        let bands = of("450x20,550x10");
+        assert_eq!(bands.difference(&of("blue=450x20,green=550x10")), None);
+        for (other, words) in [
+            ("450x20", "the first has 2 bands and the second 1 band"),
+            ("450x20,551x10", "other centers: 550 nm in the first and 551 nm in the second"),
+            ("450x20,550x5", "widths: at 550 nm 10 nm in the first and 5 nm in the second"),
+        ] {
+            let difference = bands.difference(&of(other)).unwrap();
+            assert!(difference.contains(words), "{difference}");
         }
     }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cie::{VISIBLE_NM, color_matching};
 use super::{Response, Responses, WhiteBalance, data, rows};
-use crate::math::text::{excerpt, listed};
+use crate::math::text::{counted, excerpt, listed};
 use crate::math::{Fault, Range};
 
 /// Most channels of a film.
@@ -77,9 +77,10 @@ impl Curves {
         Ok(curves)
     }
 
-    /// Those of a film by name: the names are [`Curves::names`]. None if there is none of this
-    /// name.
+    /// Those of a film by name, in capitals or not: the names are [`Curves::names`]. None if there
+    /// is none of this name.
     pub fn named(name: &str) -> Option<Self> {
+        let name = data::known(Self::names(), name)?;
         let observer = |channels: &[(&str, usize)]| {
             let [first, last] = VISIBLE_NM.map(|nm| nm as u32);
             let values = |index: usize| {
@@ -102,6 +103,31 @@ impl Curves {
         let mut names = vec![XYZ, LUMINANCE];
         names.extend(data::names(CAMERAS));
         names
+    }
+
+    /// How others that do not respond alike differ, in words: by their number, or by the first that
+    /// is of another curve. None if all are the same; names do not count.
+    pub fn difference(&self, second: &Self) -> Option<String> {
+        let counts = [self, second].map(|it| it.channels.len());
+        if counts[0] != counts[1] {
+            let [first, second] = counts.map(|count| counted(count, ["response", "responses"]));
+            return Some(format!("the first has {first} and the second {second}"));
+        }
+        let mut pairs = self.channels.iter().zip(&second.channels);
+        if let Some((first, _)) = pairs
+            .clone()
+            .find(|(first, other)| self.nm != second.nm || first.values != other.values)
+        {
+            return Some(format!("their responses are other curves: {} is the first", first.name));
+        }
+        let scaled = pairs.find(|(first, second)| first.factor != second.factor);
+        scaled.map(|(first, _)| {
+            format!(
+                "their responses are normalized otherwise: {} is the first (see --range, \
+                 --white-balance and --raw-response)",
+                first.name
+            )
+        })
     }
 
     /// Reads a table of comma-separated values: a line of names, the first that of the column of
@@ -418,6 +444,7 @@ mod tests {
     #[test]
     fn every_name_is_a_film_that_can_be_normalized() {
         for name in Curves::names() {
+            assert_eq!(name, name.to_lowercase(), "two must not differ in capitals alone");
             let curves = Curves::named(name).unwrap();
             let normal = curves.normalized(curves.ends_nm(), None).unwrap();
             for channel in 0..curves.channels.len() {
@@ -425,13 +452,35 @@ mod tests {
             }
             assert_eq!(Curves::from_text(&normal.to_text()), Some(normal), "{name}");
         }
-        assert_eq!(Curves::named("XYZ"), None);
+        for unknown in ["", "xy", "xyz ", "nikon"] {
+            assert_eq!(Curves::named(unknown), None);
+        }
+        // In capitals or not, with the name as it is listed.
+        assert_eq!(Curves::named("XYZ"), Curves::named("xyz"));
+        assert_eq!(Curves::named("Nikon-D5100"), Curves::named("nikon-d5100"));
         // The camera sees its colors where they are.
         let camera = Curves::named("nikon-d5100").unwrap();
         let centers = [0, 1, 2].map(|channel| camera.center_nm(channel).unwrap());
         assert!((580.0..630.0).contains(&centers[0]), "{centers:?}");
         assert!((520.0..550.0).contains(&centers[1]), "{centers:?}");
         assert!((450.0..490.0).contains(&centers[2]), "{centers:?}");
+    }
+
+    #[test]
+    fn other_responses_differ_in_words() {
+        let of = |text: &str| Curves::from_csv("a.csv", text).unwrap();
+        let curves = of("nm,red,nir\n400,1,0\n500,1,2");
+        let renamed = Curves::from_csv("b.csv", "nm,r,n\n400,1,0\n500,1,2").unwrap();
+        assert_eq!(curves.difference(&renamed), None);
+        for (other, words) in [
+            (of("nm,red\n400,1\n500,1"), "the first has 2 responses and the second 1 response"),
+            (of("nm,red,nir\n400,1,0\n500,1,3"), "other curves: nir"),
+            (of("nm,red,nir\n400,1,0\n501,1,2"), "other curves: red"),
+            (curves.normalized([400.0, 500.0], None).unwrap(), "normalized otherwise: red"),
+        ] {
+            let difference = curves.difference(&other).unwrap();
+            assert!(difference.contains(words), "{difference}");
+        }
     }
 
     #[test]

@@ -24,6 +24,11 @@ pub fn names(table: &'static str) -> Vec<&'static str> {
     names
 }
 
+/// The name among others that is this one in capitals or not.
+pub fn known(names: Vec<&'static str>, name: &str) -> Option<&'static str> {
+    names.into_iter().find(|known| known.eq_ignore_ascii_case(name))
+}
+
 /// The numbers of a line; none if a cell is no number.
 pub fn numbers(line: &str) -> Option<Vec<f64>> {
     line.split(',').map(|cell| cell.parse().ok()).collect()

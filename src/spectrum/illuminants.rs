@@ -22,15 +22,21 @@ pub fn illuminant_names() -> Vec<&'static str> {
     names
 }
 
+/// How the name of an illuminant is written that is given in capitals or not.
+pub(super) fn illuminant_name(name: &str) -> Option<&'static str> {
+    data::known(illuminant_names(), name)
+}
+
 impl Spectrum {
-    /// An illuminant of the CIE by its name: A, D50, D65, E (flat), F1 to F12, LED-B1 to LED-B5,
-    /// LED-BH1, LED-RGB1, LED-V1, LED-V2 (CIE 15:2018). As bright as a flat spectrum of 1: its
-    /// mean under the luminous efficiency y of the CIE 1931 observer is 1. D65 is
-    /// tabulated from 300 to 830 nm, D50 to 780 nm, F and LED from 380 to 780 nm, linear between.
+    /// An illuminant of the CIE by its name, in capitals or not: A, D50, D65, E (flat), F1 to F12,
+    /// LED-B1 to LED-B5, LED-BH1, LED-RGB1, LED-V1, LED-V2 (CIE 15:2018). As bright as a flat
+    /// spectrum of 1: its mean under the luminous efficiency y of the CIE 1931 observer is 1. D65
+    /// is tabulated from 300 to 830 nm, D50 to 780 nm, F and LED from 380 to 780 nm, linear
+    /// between.
     ///
     /// None if there is none of this name.
     pub fn illuminant(name: &str) -> Option<Self> {
-        match name {
+        match illuminant_name(name)? {
             "A" => Self::blackbody(A.0 * (RADIATION_NM_K / A.1)).ok(),
             "E" => Some(Self::Constant(1.0)),
             name => tabulated(name),
@@ -147,7 +153,13 @@ mod tests {
             // 106.857 nm is the integral of y.
             assert!((seen[1] / 106.857 - 1.0).abs() < 1e-3, "{name}: {}", seen[1]);
         }
-        for unknown in ["", "d65", "D65 ", "F13", "#", "D65,300"] {
+        for (typed, name) in [("d65", "D65"), ("a", "A"), ("e", "E"), ("led-rgb1", "LED-RGB1")] {
+            assert_eq!(Spectrum::illuminant(typed), Spectrum::illuminant(name), "{typed}");
+        }
+        let small: std::collections::BTreeSet<String> =
+            illuminant_names().into_iter().map(str::to_lowercase).collect();
+        assert_eq!(small.len(), illuminant_names().len(), "two names differ in capitals alone");
+        for unknown in ["", "d66", "D65 ", "F13", "#", "D65,300"] {
             assert_eq!(Spectrum::illuminant(unknown), None);
         }
     }

@@ -3,9 +3,9 @@
 use std::f64::consts::{LN_2, PI};
 use std::fmt;
 
-use super::Spectrum;
 use super::cie::{VISIBLE_NM, luminous_mean};
 use super::formula::{Formula, Law};
+use super::{RELATIVE_WIDTH_MIN, Spectrum};
 use crate::math::elementary::{exp, exp_m1};
 use crate::math::{Fault, Range};
 
@@ -17,8 +17,6 @@ const WIEN_NM_K: f64 = 2.897_771_955e6;
 const BLACKBODY_NM: [f32; 2] = [100.0, 10_000.0];
 /// Where lines are defined: everywhere.
 const LINES_NM: [f32; 2] = [f32::MIN_POSITIVE, f32::MAX];
-/// Least width of a line over its wavelength: 100 to 200 numbers of single precision.
-const RELATIVE_WIDTH_MIN: f64 = 2e-5;
 /// Most lines of a spectrum.
 const LINES_MAX: usize = 10_000;
 

@@ -46,6 +46,10 @@ use std::sync::Arc;
 /// stand when an index in RGB is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
+/// Least width of a line or a band over its wavelength: wavelengths are numbers of single
+/// precision, of which 100 to 200 are in so much, and rounding takes a share of what is narrower.
+pub const RELATIVE_WIDTH_MIN: f64 = 2e-5;
+
 /// What the channels of an image stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Color {
@@ -112,6 +116,31 @@ impl Color {
         match self {
             Color::Rgb | Color::Mono { .. } => false,
             Color::Bands(_) | Color::Responses(_) => true,
+        }
+    }
+
+    /// How the channels of two images with bands or responses measure other light, in words; none
+    /// if they do not, whatever they are called, or neither has any.
+    pub fn difference(&self, second: &Self) -> Option<String> {
+        match (self, second) {
+            (Color::Bands(first), Color::Bands(second)) => first.difference(second),
+            (Color::Responses(first), Color::Responses(second)) => first.difference(second),
+            (Color::Bands(_) | Color::Responses(_), _)
+            | (_, Color::Bands(_) | Color::Responses(_)) => {
+                let [first, second] = [self, second].map(Color::kind);
+                Some(format!("the first has {first} and the second {second}"))
+            }
+            (Color::Rgb | Color::Mono { .. }, Color::Rgb | Color::Mono { .. }) => None,
+        }
+    }
+
+    /// What the channels are, in a word.
+    fn kind(&self) -> &'static str {
+        match self {
+            Color::Rgb => "red, green and blue",
+            Color::Mono { .. } => "one wavelength",
+            Color::Bands(_) => "bands",
+            Color::Responses(_) => "responses",
         }
     }
 

@@ -3,7 +3,8 @@
 use std::fmt::{self, Display};
 
 use super::color_space::RgbResponse;
-use super::{Curves, OutsideTable, Response, Spectrum, SpectrumTable, illuminant_names};
+use super::illuminants::{illuminant_name, illuminant_names};
+use super::{Curves, OutsideTable, Response, Spectrum, SpectrumTable};
 use crate::math::text::excerpt;
 use crate::math::{Fault, Range};
 
@@ -45,8 +46,7 @@ impl WhiteBalance {
     /// # Errors
     /// When it is neither.
     pub fn named(name: &str) -> Result<Self, Fault> {
-        let known = illuminant_names().into_iter().find(|known| known.eq_ignore_ascii_case(name));
-        if let Some(known) = known
+        if let Some(known) = illuminant_name(name)
             && let Some(spectrum) = Spectrum::illuminant(known)
         {
             return Self::new(known, spectrum);

@@ -276,6 +276,22 @@ fn names_that_no_file_can_have_are_told_at_once() {
 }
 
 #[test]
+fn tables_that_are_swept_have_their_numbers_in_names() {
+    let sweep = SWEEP.replace("{zeta}", "{zeta:02}").replace("glass/ior", "red/reflectance");
+    let sweep = sweep.replace(
+        "[1.7, 1.4]",
+        "[{ nm = [400, 700], value = [0.1, 0.8] }, { nm = [400, 700], value = [0.8, 0.1] }]",
+    );
+    let here = lab("tables", &sweep);
+    let run = batch(&here, &["jobs.toml"]).done();
+    assert_eq!(names_in(&here.join("out")), ["00.exr", "01.exr"], "{}", run.stderr);
+    // Results have the values themselves.
+    let records = records(&here);
+    let second = records.iter().find(|record| record["index"] == 1).unwrap();
+    assert_eq!(second["values"]["zeta"]["value"], json!([0.8, 0.1]));
+}
+
+#[test]
 fn jobs_say_otherwise_than_the_defaults() {
     let jobs = "color = \"mono\"\nwavelength = 633\n[[jobs]]\nname = \"a\"\noutput = \"{name}{n}\
                 {c}.exr\"\nsweep = [{ name = \"n\", key = \"iterations\", values = [1, 2] }, { \

@@ -359,7 +359,7 @@ fn colors_that_are_wrong_are_refused() {
         ),
         (
             &["--color", "spectral", "--bands", "400:700:31", "--range", "400:700"],
-            "--bands must be within range 400:700, and 400 nm reaches from 395.00 to 405.00 nm",
+            "--bands must be within range 400:700, and 400 nm reaches from 395 to 405 nm",
         ),
         (
             &["--color", "spectral", "--bands", "400:700:31", "--range", "710:390"],

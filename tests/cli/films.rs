@@ -41,6 +41,15 @@ fn bands_are_listed_or_read() {
     assert_eq!(channels(&here, "list.exr"), ["450 nm", "red"]);
     render(&here, "file.exr", &["--bands", "bands.csv"]).done();
     assert_eq!(channels(&here, "file.exr"), ["blue", "red"]);
+    // Names alone make no difference; centers and widths do.
+    sunstone(&here, &["compare", "list.exr", "file.exr"]).done();
+    sunstone(&here, &["view", "list.exr", "file.exr", "-o", "pair.html"]).done();
+    render(&here, "other.exr", &["--bands", "red=650x20,450x20"]).done();
+    for arguments in [&["compare"][..], &["view", "-o", "other.html"]] {
+        let run = sunstone(&here, &[arguments, &["list.exr", "other.exr"]].concat());
+        let words = "widths: at 650 nm 30 nm in the first and 20 nm in the second";
+        assert!(run.code == 1 && run.stderr.contains(words), "{}", run.stderr);
+    }
     let told = sunstone(&here, &["inspect", "file.exr", "--pixel", "3,2"]).done().stdout;
     let lines: Vec<&str> = told.lines().collect();
     assert_eq!(lines[0], "channel,wavelength_nm,S0,S1,S2,S3");
@@ -73,10 +82,11 @@ fn responses_are_films() {
         sunstone(&here, arguments).done();
         assert!(here.join(file).exists(), "{file}");
     }
+    assert!(fs::read_to_string(here.join("nir.html")).unwrap().contains("a.exr, nir"));
     let same = sunstone(&here, &["compare", "a.exr", "a.exr", "--channel", "vis"]).done().stdout;
     assert!(same.contains("one channel"), "{same}");
     for (arguments, words) in [
-        (&["compare", "a.exr", "b.exr"][..], "of other wavelengths or responses"),
+        (&["compare", "a.exr", "b.exr"][..], "2 responses and the second 3 responses"),
         (&["compare", "a.exr", "a.exr", "--channel", "uv"], "`uv`; it has vis, nir"),
         (&["visualize", "a.exr", "-o", "x.png", "--wavelength", "550"], "none of that has 550 nm"),
         (&["view", "a.exr", "-o", "x.html"], "name one by --channel"),

@@ -249,6 +249,26 @@ fn weak_polarization_can_be_shown_on_a_shorter_scale() {
     assert_eq!(View::fitted(&StokesImage::new(2, 2, MONO, 1)), View::default());
 }
 
+/// Beneath the picture of a channel stands its name, and nothing else is another.
+#[test]
+fn pictures_of_channels_are_named() {
+    let bands = Bands::from_list("nir=850x50,550x10").unwrap();
+    let bands = row(&[[1.0, 0.5, 0.0, 0.1]; 3], Color::Bands(Arc::new(bands)));
+    let nir = bands.at_channel("nir").unwrap();
+    assert_eq!((nir.channel(), bands.channel()), (Some("nir"), None));
+    assert_eq!(bands.at_wavelength(550.0).unwrap().channel(), Some("550 nm"));
+    let mut nameless = nir.clone();
+    nameless.metadata.clear();
+    for map in Map::ALL {
+        let [named, plain] = [&nir, &nameless]
+            .map(|image| visualize::visualize(image, map, &View::default()).unwrap());
+        assert_eq!((named.width, named.height), (plain.width, plain.height));
+        assert!(named.pixels != plain.pixels, "{}", map.name());
+        // Three pixels, enlarged to 252 x 84.
+        assert_eq!(named.pixels[..252 * 84], plain.pixels[..252 * 84]);
+    }
+}
+
 /// Writes the gallery that a person looks at after a change to the palettes or legends.
 #[test]
 fn gallery() {

@@ -163,6 +163,10 @@ fn lamps_have_spectra() {
     for nm in [400.0, 550.0, 612.5, 780.0] {
         let named = json!({"illuminant": "D65", "scale": 3});
         assert!(close(shine(&with(GLOW, "emission", named.clone()), 0, nm), 3.0 * of(&d65, nm)));
+        let small = json!({"illuminant": "d65", "scale": 3});
+        assert_eq!(shine(&with(GLOW, "emission", small), 0, nm), {
+            shine(&with(GLOW, "emission", named.clone()), 0, nm)
+        });
         let bulb = json!({"SUNSTONE_polarization": {"emission": named, "units": "radiometric"}});
         let mut document = with(LIGHT, "extensions", bulb);
         document["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(2);

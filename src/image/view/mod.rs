@@ -84,24 +84,21 @@ fn check(images: &[Named]) -> Result<(), OutputError> {
     let size = |named: &Named| (named.image.width, named.image.height);
     if size(first) != size(second) {
         let words = |image: &StokesImage| format!("{} x {}", image.width, image.height);
-        return mismatch(words, "a page with a divider needs images of one size");
+        let reason = "a page with a divider needs images of one size";
+        return mismatch(words, reason.to_owned());
     }
-    if bands_of(first.image) != bands_of(second.image) {
-        let reason = "a page with a divider needs images of the same bands, or one band of each \
-                      (--wavelength)";
+    if let Some(difference) = first.image.color.difference(&second.image.color) {
+        let reason = format!(
+            "{difference}; a page with a divider needs images of the same bands, or one band of \
+             each (--wavelength)"
+        );
         return mismatch(|image| image.color.to_string(), reason);
     }
     Ok(())
 }
 
-/// Centers and widths of the bands of an image in nanometers; none if it has none.
-fn bands_of(image: &StokesImage) -> Vec<[f32; 2]> {
-    match &image.color {
-        Color::Rgb | Color::Mono { .. } | Color::Responses(_) => Vec::new(),
-        Color::Bands(bands) => {
-            bands.list().iter().map(|band| [band.center_nm, band.width_nm]).collect()
-        }
-    }
+fn has_bands(image: &StokesImage) -> bool {
+    matches!(image.color, Color::Bands(_))
 }
 
 /// Says why a browser cannot hold the images.
@@ -113,8 +110,8 @@ fn check_bytes(images: &[Named]) -> Result<(), String> {
     let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
     let has_variance = images.iter().any(|named| named.image.variance.is_some());
     let without = if has_variance { ", or leave out variances (--no-variance)" } else { "" };
-    let has_bands = images.iter().any(|named| !bands_of(named.image).is_empty());
-    let one = if has_bands { ", or one band (--wavelength)" } else { "" };
+    let any = images.iter().any(|named| has_bands(named.image));
+    let one = if any { ", or one band (--wavelength)" } else { "" };
     Err(format!(
         "a browser would have to hold {:.1} GiB of values, and {:.0} are the most; view smaller \
          images{one}{without}",
@@ -145,7 +142,7 @@ fn push_page(out: &mut impl Write, images: &[Named]) -> io::Result<()> {
 /// What the values of an image take in memory, and of bands what the page makes of them: red,
 /// green, blue and the mean of each component.
 fn bytes_of(image: &StokesImage) -> usize {
-    let mixed = if bands_of(image).is_empty() { 0 } else { 4 * image.components };
+    let mixed = if has_bands(image) { 4 * image.components } else { 0 };
     let planes = image.planes.len() + mixed + image.variance.as_ref().map_or(0, Vec::len);
     planes.saturating_mul(image.width).saturating_mul(image.height).saturating_mul(size_of::<f32>())
 }
@@ -168,6 +165,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::image::compare::compare;
     use crate::spectrum::Bands;
 
     #[test]
@@ -187,11 +185,19 @@ mod tests {
             page(&named).err().map(|error| error.to_string())
         };
         assert_eq!(refused(&bands(700.0), &bands(700.0)), None);
+        let named = "a=400x150,b=550x150,c=700x150";
+        let named = of(Color::Bands(Arc::new(Bands::from_list(named).unwrap())));
+        assert_eq!(refused(&bands(700.0), &named), None);
+        assert!(compare(&bands(700.0), &named).is_ok());
         for other in [bands(650.0), of(Color::Rgb), of(Color::Mono { wavelength_nm: 550.0 })] {
             for (first, second) in [(&bands(700.0), &other), (&other, &bands(700.0))] {
                 let words = refused(first, second).expect("they are shown differently");
                 assert!(words.contains("3 bands from 400 to 700 nm"), "{words}");
                 assert!(words.contains("same bands") && words.contains("--wavelength"), "{words}");
+                // Both commands say the same.
+                let difference = first.color.difference(&second.color).unwrap();
+                let compared = compare(first, second).unwrap_err().to_string();
+                assert!(words.contains(&difference) && compared.contains(&difference), "{words}");
             }
         }
     }
