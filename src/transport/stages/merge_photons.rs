@@ -53,8 +53,9 @@ pub fn merge_photons<const N: usize, M: LightModel<N>>(
     order.sort(&surfaces.position, rows.clone(), map.grid.cells());
     let (per_volume, radius) = (map.per_volume(), map.radius);
     let (kernel, met) = (Kernel { per_volume, radius, around }, event.met);
-    let scene = scene.scene;
-    let gather = Gather { measured, paths, surfaces, scene, kernel, met, length_max };
+    // What the gathering asks of the scene is the same wherever surfaces are painted.
+    let whole = scene.scene;
+    let gather = Gather { measured, paths, surfaces, scene: whole, kernel, met, length_max };
     let grid = &map.grid;
     let points = &surfaces.position;
     for_scatterer!(scene, event.met, all => merge::<N, M, _>(gather, grid, all, (order, points)));
