@@ -120,11 +120,13 @@ fn check_film(color: &Color, range_nm: [f32; 2]) -> Result<(), SettingsError> {
 /// Refuses a range of which wavelengths are a handful of numbers.
 fn check_width([first, last]: [f32; 2]) -> Result<(), SettingsError> {
     let least = f64::from(first) * RELATIVE_WIDTH_MIN;
-    if f64::from(last) - f64::from(first) >= least {
+    // Ends are rounded as they are read.
+    let rounding = f64::from(f32::EPSILON * last);
+    if f64::from(last) - f64::from(first) >= least - rounding {
         return Ok(());
     }
-    let rule =
-        format!("must be at least {least:.3} nm wide, {WHY}, not {first}:{last}{BY_DEFAULT}");
+    let least = least as f32;
+    let rule = format!("must be at least {least} nm wide, {WHY}, not {first}:{last}{BY_DEFAULT}");
     Err(SettingsError { setting: "range", rule })
 }
 
