@@ -120,21 +120,23 @@ fn check_film(color: &Color, range_nm: [f32; 2]) -> Result<(), SettingsError> {
 /// Refuses a range of which wavelengths are a handful of numbers.
 fn check_width([first, last]: [f32; 2]) -> Result<(), SettingsError> {
     let least = f64::from(first) * RELATIVE_WIDTH_MIN;
-    if f64::from(last) - f64::from(first) >= least {
+    // Ends are rounded as they are read.
+    let rounding = f64::from(f32::EPSILON * last);
+    if f64::from(last) - f64::from(first) >= least - rounding {
         return Ok(());
     }
-    let rule =
-        format!("must be at least {least:.3} nm wide, {WHY}, not {first}:{last}{BY_DEFAULT}");
+    let least = least as f32;
+    let rule = format!("must be at least {least} nm wide, {WHY}, not {first}:{last}{BY_DEFAULT}");
     Err(SettingsError { setting: "range", rule })
 }
 
 fn check_bands(bands: &Bands, range_nm: [f32; 2]) -> Result<(), SettingsError> {
-    let is_narrow = |band: &&Band| f64::from(band.width_nm) < band.least_width_nm();
+    let is_narrow = |band: &&Band| band.width_nm < band.least_width_nm();
     if let Some(band) = bands.list().iter().find(is_narrow) {
         let Band { name, center_nm, width_nm } = band;
         let (name, least) = (excerpt(name, NAME), band.least_width_nm());
         let rule = format!(
-            "must be at least {least:.3} nm wide at {center_nm} nm, {WHY}, and {name} is \
+            "must be at least {least} nm wide at {center_nm} nm, {WHY}, and {name} is \
              {width_nm} nm wide: make it wider"
         );
         return Err(SettingsError { setting: "bands", rule });
@@ -302,15 +304,17 @@ mod tests {
             Settings::new(Options { color, spectral, ..Options::default() })
         };
         for (center_nm, least_nm) in [(250.0, 0.005), (589.0, 0.011_78), (2000.0, 0.04)] {
-            assert!(of(center_nm, least_nm * 1.001).is_ok(), "{center_nm}");
+            assert!(of(center_nm, least_nm).is_ok(), "{center_nm}");
             for width_nm in [least_nm * 0.999, 1e-3, 1e-20] {
                 let error = of(center_nm, width_nm).unwrap_err().to_string();
-                let least = format!("bands must be at least {least_nm:.3} nm wide at {center_nm}");
+                let least = format!("bands must be at least {least_nm} nm wide at {center_nm}");
                 assert!(error.contains(&least) && error.contains("sodium is "), "{error}");
             }
         }
-        let range_nm = [550.0, 550.001];
-        let spectral = Some(Spectral { wavelengths: 8, range_nm });
+        let of = |range_nm| Some(Spectral { wavelengths: 8, range_nm });
+        assert_eq!(check_width([550.0, 550.011]), Ok(()));
+        assert_eq!(check_width([550.0, 551.0]), Ok(()));
+        let spectral = of([550.0, 550.001]);
         for color in [Color::Rgb, Color::Responses(Arc::new(Curves::named("xyz").unwrap()))] {
             let error = Settings::new(Options { color, spectral, ..Options::default() });
             let error = error.unwrap_err().to_string();

@@ -49,8 +49,8 @@ impl Band {
 
     /// The width in nanometers from which on a render measures it: an image of another program may
     /// have narrower ones.
-    pub fn least_width_nm(&self) -> f64 {
-        f64::from(self.center_nm) * RELATIVE_WIDTH_MIN
+    pub fn least_width_nm(&self) -> f32 {
+        (f64::from(self.center_nm) * RELATIVE_WIDTH_MIN) as f32
     }
 
     fn check(&self) -> Result<(), Fault> {

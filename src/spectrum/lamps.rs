@@ -82,11 +82,11 @@ impl Line {
         Range::POSITIVE.check("center_nm", self.center_nm)?;
         Range::NOT_NEGATIVE.check("power", self.power)?;
         Range::POSITIVE.check("width_nm", self.width_nm)?;
-        let least = self.center_nm * RELATIVE_WIDTH_MIN;
-        if self.width_nm < least {
+        let least = (self.center_nm * RELATIVE_WIDTH_MIN) as f32;
+        if (self.width_nm as f32) < least {
             let problem = format!(
                 "is {}, and wavelengths, which are numbers of single precision, tell apart no \
-                 line at {} nm that is narrower than {least:.3} nm",
+                 line at {} nm that is narrower than {least} nm",
                 self.width_nm, self.center_nm
             );
             let remedy = "give it that width: over so little, light does nothing else";
@@ -260,6 +260,16 @@ mod tests {
         ] {
             let fault = Spectrum::lines(&[line, wrong], LineShape::Box).unwrap_err();
             assert_eq!(fault.field, field);
+        }
+        // What an error names as the least width is one.
+        for center_nm in [20.0, 436.0, 589.3, 700.1] {
+            let of = |width_nm| {
+                let line = Line { center_nm, power: 1.0, width_nm };
+                Spectrum::lines(&[line], LineShape::Gaussian)
+            };
+            let problem = of(1e-6).unwrap_err().problem;
+            let least = problem.rsplit(' ').nth(1).and_then(|number| number.parse().ok()).unwrap();
+            assert!(of(least).is_ok() && of(least * 0.999).is_err(), "{problem}");
         }
         assert!(Spectrum::lines(&[], LineShape::Box).is_err());
         assert!(Spectrum::lines(&vec![line; LINES_MAX + 1], LineShape::Box).is_err());
