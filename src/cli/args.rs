@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::batch::args::{FarmArguments, TaskArguments};
 use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
 use super::convert::ConvertArguments;
-use super::files::definition;
+use super::files::FileArguments;
 use super::images::{ChannelArguments, PixelText};
 use super::view::LightName;
 use crate::image::analyzed::ANALYZERS;
@@ -19,7 +19,6 @@ use crate::image::visualize::Map;
 use crate::integrators::Integrator;
 use crate::render::settings::AUTO;
 use crate::render::{Mode, Part};
-use crate::scene::{Reading, View};
 use crate::transport::Sampling;
 
 /// Polarized, bidirectional light transport: a scene of glTF or Mitsuba in, a Stokes image out.
@@ -307,26 +306,6 @@ pub struct CheckpointArguments {
     pub resume: bool,
 }
 
-/// What scenes may read.
-#[derive(Clone, Debug, Args)]
-pub struct FileArguments {
-    /// Let scenes read files outside their folders: only for scenes that you trust
-    #[arg(long, help_heading = RUN)]
-    pub allow_outside: bool,
-    /// The value of a parameter of an .xml scene, in place of its default; once for each
-    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
-    #[arg(action = ArgAction::Append, help_heading = RUN)]
-    pub define: Vec<(String, String)>,
-}
-
-impl FileArguments {
-    /// How the scenes are read, of which so much is seen.
-    pub(super) fn reading(&self, view: View) -> Reading {
-        let Self { allow_outside, define } = self;
-        Reading { view, allow_outside: *allow_outside, definitions: define.clone() }
-    }
-}
-
 /// Options of photon mapping.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = PHOTONS)]
@@ -454,7 +433,7 @@ const PHOTONS: &str = "Photons (ppm)";
 pub(super) const LIGHT: &str = "Light transport";
 const SAMPLES: &str = "Samples";
 const FILM: &str = "Film";
-const RUN: &str = "Run";
+pub(super) const RUN: &str = "Run";
 
 /// `merge` as typed.
 #[derive(Debug, Args)]

@@ -7,8 +7,7 @@ use clap::Args;
 use crate::scene::{self, AUTO, LightChoice, View, Written};
 
 use super::CliError;
-use super::args::FileArguments;
-use super::files::{refuse_overwriting, require_gltf, say};
+use super::files::{FileArguments, refuse_overwriting, require_gltf, say};
 
 const NOTES: &str = "\
 The file has all that was understood of the scene, its meshes too, and stands by itself; what glTF \

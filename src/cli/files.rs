@@ -4,14 +4,37 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
+use clap::{ArgAction, Args};
 use serde::Serialize;
 
 use super::CliError;
+use super::args::RUN;
 use crate::image::extension;
 use crate::math::text::{acts, printable};
+use crate::scene::{Reading, View};
+
+/// What scenes may read.
+#[derive(Clone, Debug, Args)]
+pub struct FileArguments {
+    /// Let scenes read files outside their folders: only for scenes that you trust
+    #[arg(long, help_heading = RUN)]
+    pub allow_outside: bool,
+    /// The value of a parameter of an .xml scene, in place of its default; once for each
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
+    #[arg(action = ArgAction::Append, help_heading = RUN)]
+    pub define: Vec<(String, String)>,
+}
+
+impl FileArguments {
+    /// How the scenes are read, of which so much is seen.
+    pub(super) fn reading(&self, view: View) -> Reading {
+        let Self { allow_outside, define } = self;
+        Reading { view, allow_outside: *allow_outside, definitions: define.clone() }
+    }
+}
 
 /// A name and its value, as typed.
-pub(super) fn definition(text: &str) -> Result<(String, String), String> {
+fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         Some(_) | None => Err("write it as name=value".to_owned()),

@@ -212,13 +212,13 @@ fn scenes_of_mitsuba_get_what_they_leave_open_too() {
     assert_eq!(what(&off, View::by("eye")), [""; 0]);
     let timed = View { time: Some(1.0), ..View::default() };
     let error = of_mitsuba(&seen, timed).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("scenes of Mitsuba have none: leave out --time"), "{error}");
+    assert!(error.contains("scenes of Mitsuba have none\n  help: leave out --time"), "{error}");
 }
 
 #[test]
 fn fog_about_a_sensor_fills_the_scene_whoever_sees_it() {
     let fog = "<sensor type='perspective'><medium type='homogeneous' id='fog'/></sensor>";
-    let body = format!("<shape type='sphere'/><emitter type='constant'/>{fog}");
+    let body = format!("<shape type='sphere'/><emitter type='point'/>{fog}");
     let medium = |view: View| {
         let baked = bake(&of_mitsuba(&body, view).unwrap(), &Carried::RGB).unwrap();
         (baked.shapes.scene_medium, baked.optics.media.len())

@@ -14,7 +14,8 @@ use crate::integrators::Integrator;
 use crate::math::text::excerpt;
 use crate::render::Settings;
 
-use super::super::args::{CheckpointArguments as Checkpoints, FileArguments, RenderArguments};
+use super::super::args::{CheckpointArguments as Checkpoints, RenderArguments};
+use super::super::files::FileArguments;
 use super::super::{CliError, job, numbers_may_be_negative, view};
 
 /// Options that mean nothing for a job of many, and why.

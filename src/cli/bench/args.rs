@@ -6,8 +6,9 @@ use clap::builder::PossibleValue;
 use clap::{Args, Subcommand, ValueEnum};
 
 use crate::bench::measure::scaling::SeriesKind;
-use crate::cli::args::{FileArguments, IntegratorName, ModeName, StatsFormat};
+use crate::cli::args::{IntegratorName, ModeName, StatsFormat};
 use crate::cli::color::ColorArguments;
+use crate::cli::files::FileArguments;
 
 /// Most segments of a path where no number is given: what measurements have always had, so that
 /// they compare.

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::args::WorkArguments;
 use crate::bench::measure::{Subject, subject};
-use crate::cli::args::{FileArguments, IntegratorName};
+use crate::cli::args::IntegratorName;
 use crate::cli::color::light;
-use crate::cli::files::say;
+use crate::cli::files::{FileArguments, say};
 use crate::cli::{CliError, job};
 use crate::integrators::Integrator;
 use crate::render::settings::{check_film, check_photons};
