@@ -795,7 +795,7 @@ def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPa
 
 #: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
 ALLOWED = r"""
-sunstone\._scene\.(Color|Integrator|Mode|RgbWhite|Sampling)
+sunstone\._scene\.(Color|Integrator|Light|Mode|RgbWhite|Sampling)
 sunstone\._sunstone\.__all__
 """
 
