@@ -62,13 +62,16 @@ pub fn wait_for<T: Send + 'static>(
         });
         receiver = heard;
         let heard = match news {
-            Ok(News::Done((pool, result))) => {
-                pool.give_back(py);
-                // It is about to end.
-                let _ = py.detach(|| thread.join());
-                return Ok(result);
+            Ok((progress, done)) => {
+                let heard = progress.map_or(Ok(()), &mut hear);
+                if let Some((pool, result)) = done {
+                    pool.give_back(py);
+                    // It is about to end.
+                    let _ = py.detach(|| thread.join());
+                    return heard.map(|()| result);
+                }
+                heard
             }
-            Ok(News::Progress(progress)) => hear(progress),
             Err(RecvTimeoutError::Timeout) => Ok(()),
             // It panicked, and so does this.
             Err(RecvTimeoutError::Disconnected) => match py.detach(|| thread.join()) {
@@ -84,16 +87,23 @@ pub fn wait_for<T: Send + 'static>(
     }
 }
 
-/// What comes next, or the last of what has come already.
-fn latest<T>(receiver: &Receiver<News<T>>) -> Result<News<T>, RecvTimeoutError> {
+/// How far the work was last, of what has come already, and its result if that has come, too: work
+/// that ends at once is heard of like any other.
+fn latest<T>(
+    receiver: &Receiver<News<T>>,
+) -> Result<(Option<[u32; 2]>, Option<T>), RecvTimeoutError> {
+    let mut progress = None;
     let mut news = receiver.recv_timeout(POLL)?;
-    while let News::Progress(_) = news {
+    loop {
+        match news {
+            News::Done(result) => return Ok((progress, Some(result))),
+            News::Progress(so_far) => progress = Some(so_far),
+        }
         match receiver.try_recv() {
             Ok(later) => news = later,
-            Err(_) => break,
+            Err(_) => return Ok((progress, None)),
         }
     }
-    Ok(news)
 }
 
 fn wait_patiently<T>(receiver: &Receiver<News<T>>) {

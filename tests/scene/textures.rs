@@ -231,6 +231,23 @@ fn metal_and_roughness_are_blue_and_green() {
     assert_eq!(of(Parameter::BaseColor), [0.0, 0.0, 1.0]);
 }
 
+/// What glows by a picture is a mark on a model, where nobody says how that is to be seen: it is
+/// under a sky then, and lamps are lamps.
+#[test]
+fn what_glows_by_a_picture_is_no_lamp_of_a_model() {
+    let put_in = |edit: fn(&mut Value)| {
+        let mut document = painted();
+        document["scenes"][0]["nodes"] = json!([1]);
+        document["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+        edit(&mut document);
+        load_json(&document).unwrap().put_in().iter().map(|it| it.what).collect::<Vec<_>>()
+    };
+    assert_eq!(put_in(|_| {}), ["camera"]);
+    let by_picture =
+        |document: &mut Value| document["materials"][0]["emissiveTexture"] = json!({"index": 0});
+    assert_eq!(put_in(by_picture), ["camera", "light"]);
+}
+
 /// Tangents that a mesh states, and those that follow from its coordinates, wherever it stands:
 /// turned, stretched, mirrored.
 #[test]

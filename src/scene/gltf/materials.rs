@@ -81,9 +81,12 @@ impl Import<'_> {
             return known.clone();
         }
         let material = self.read_material(index, user);
-        let extensions = index.map(|index| &self.document.value["materials"][index]["extensions"]);
-        if extensions.is_some_and(|extensions| extensions[KHR_UNLIT].is_object()) {
+        let value = index.map_or(&Value::Null, |index| &self.document.value["materials"][index]);
+        if value["extensions"][KHR_UNLIT].is_object() {
             self.unlit.extend(&material);
+        }
+        if value["emissiveTexture"].is_object() {
+            self.glowing.extend(&material);
         }
         self.materials.insert(index, material.clone());
         material

@@ -160,7 +160,11 @@ impl GltfFile {
             let framed = world.frame_or(STATE_CAMERA);
             framed.map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
         }
-        let is_dark = !import.has_sky && !world.emits(&import.unlit);
+        let mut no_lamps = import.unlit;
+        if import.wants_frame {
+            no_lamps.extend(import.glowing);
+        }
+        let is_dark = !import.has_sky && !world.emits(&no_lamps);
         Ok((world, is_dark))
     }
 }
@@ -220,6 +224,8 @@ struct Import<'a> {
     wants_frame: bool,
     /// Materials that emit because they look the same in any light, and not to shed any.
     unlit: Vec<Entity>,
+    /// Materials that emit by pictures: marks on a model, where nobody says how it is to be seen.
+    glowing: Vec<Entity>,
     /// Whether the file says what comes from outside, be it nothing.
     has_sky: bool,
     /// Whether points or lines were skipped.
@@ -247,6 +253,7 @@ impl<'a> Import<'a> {
             has_pictures: false,
             wants_frame: false,
             unlit: Vec::new(),
+            glowing: Vec::new(),
             has_sky: false,
             has_lines: false,
         }
