@@ -12,7 +12,7 @@ use super::event::{Elements, Form, spheroids};
 use super::medium::Medium;
 use super::phase::{Scatters, half_sine2};
 use super::surface::model::{LaneRows, two_sided};
-use super::surface::{Connecting, Facing, ModelLanes};
+use super::surface::{Connecting, Facing};
 
 /// What rows have met: all surfaces of one model, or one medium.
 pub trait Scatterer<const N: usize>: Copy {
@@ -168,33 +168,23 @@ impl<const N: usize> Turn<N> {
 }
 
 /// Surfaces of one model.
+#[derive(Clone, Copy)]
 pub struct OnSurfaces<'a, M, const N: usize> {
     scene: &'a Scene<N>,
-    models: &'a [M],
+    /// The table of the model.
+    pub models: M,
 }
 
-impl<M, const N: usize> Clone for OnSurfaces<'_, M, N> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<M, const N: usize> Copy for OnSurfaces<'_, M, N> {}
-
-impl<'a, M, const N: usize> OnSurfaces<'a, M, N> {
+impl<'a, M: Connecting<N>, const N: usize> OnSurfaces<'a, M, N> {
     /// Those of the scene whose model has the table `models`.
     #[inline(always)]
-    pub fn new(scene: &'a Scene<N>, models: &'a [M]) -> Self {
+    pub fn new(scene: &'a Scene<N>, models: M) -> Self {
         Self { scene, models }
     }
 
-    /// The parameters of those in some rows, and their normals.
+    /// The rows in the table of those in some rows, and their normals.
     #[inline(always)]
-    pub fn load(
-        self,
-        surfaces: &SurfaceColumns,
-        rows: impl RowLanes,
-    ) -> (ModelLanes<'a, M>, Facing) {
+    pub fn load(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> (LaneRows, Facing) {
         let material = rows.rows().map(|row| self.scene.material_row(surfaces.primitive[row]));
         let materials = self.scene.surfaces.materials();
         let facing = Facing {
@@ -206,7 +196,7 @@ impl<'a, M, const N: usize> OnSurfaces<'a, M, N> {
             true => rows.rows().map(|row| self.scene.model_row(surfaces, row)),
             false => material.map(|row| materials[row].row as usize),
         };
-        (ModelLanes::new(self.models, models), facing)
+        (models, facing)
     }
 }
 
@@ -224,15 +214,16 @@ impl<M: Connecting<N>, const N: usize> Scatterer<N> for OnSurfaces<'_, M, N> {
 
     #[inline(always)]
     fn at(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> Self::Vertices {
-        let (models, facing) = self.load(surfaces, rows);
-        let kept = KeptLanes { facing, rows: models.rows.numbers() };
-        SurfaceVertices { kept, factor: M::factor(&models), lanes: M::lanes(&models) }
+        let (rows, facing) = self.load(surfaces, rows);
+        let kept = KeptLanes { facing, rows: rows.numbers() };
+        let Self { models, .. } = self;
+        SurfaceVertices { kept, factor: models.factor(&rows), lanes: models.lanes(&rows) }
     }
 
     #[inline(always)]
     fn kept(self, kept: KeptLanes) -> Self::Vertices {
         let rows = LaneRows::Each(kept.rows.to_array().map(|row| row as usize));
-        let lanes = M::lanes(&ModelLanes::new(self.models, rows));
+        let lanes = self.models.lanes(&rows);
         SurfaceVertices { kept, factor: [F32s::splat(1.0); N], lanes }
     }
 }

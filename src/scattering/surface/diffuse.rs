@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::facing::Facing;
-use super::model::{Connecting, Drawn, ModelLanes, Surface, strongest};
+use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface, strongest};
 use crate::math::{F32s, Vector, warp};
 use crate::scattering::event::Depolarizer;
 
@@ -27,21 +27,21 @@ impl<const N: usize> Surface for Diffuse<N> {
     }
 }
 
-impl<const N: usize> Connecting<N> for Diffuse<N> {
+impl<const N: usize> Connecting<N> for &[Diffuse<N>] {
     type Kernel = Depolarizer;
     const ACHROMATIC: bool = true;
     const IS_EVEN: bool = true;
     type Lanes = ();
 
     #[inline(always)]
-    fn factor(models: &ModelLanes<Self>) -> [F32s; N] {
-        let mut factor = models.spectrum(|model| &model.reflectance);
+    fn factor(self, rows: &LaneRows) -> [F32s; N] {
+        let mut factor = reflectance(self, rows);
         factor.iter_mut().for_each(|factor| *factor *= F32s::splat(FRAC_1_PI));
         factor
     }
 
     #[inline(always)]
-    fn lanes(_models: &ModelLanes<Self>) {}
+    fn lanes(self, _rows: &LaneRows) {}
 
     #[inline(always)]
     fn shape(_of: &(), _facing: &Facing, _given: Vector<F32s>, _drawn: Vector<F32s>) -> [F32s; N] {
@@ -55,14 +55,14 @@ impl<const N: usize> Connecting<N> for Diffuse<N> {
 
     #[inline(always)]
     fn draw(
-        models: &ModelLanes<Self>,
+        self,
+        (rows, _of): (&LaneRows, &()),
         facing: &Facing,
         given: Vector<F32s>,
         u: [F32s; 2],
     ) -> Drawn<N> {
         let (direction, cosine) = warp::cosine_hemisphere(facing.shading_towards(given), u);
-        let weight = models.spectrum(|model| &model.reflectance);
-        Drawn { direction, pdf: warp::cosine_pdf(cosine), weight }
+        Drawn { direction, pdf: warp::cosine_pdf(cosine), weight: reflectance(self, rows) }
     }
 
     #[inline(always)]
@@ -74,4 +74,9 @@ impl<const N: usize> Connecting<N> for Diffuse<N> {
     ) -> ([Depolarizer; N], Vector<F32s>) {
         ([Depolarizer; N], k_in.any_perpendicular())
     }
+}
+
+#[inline(always)]
+fn reflectance<const N: usize>(table: &[Diffuse<N>], rows: &LaneRows) -> [F32s; N] {
+    ModelLanes::new(table, *rows).spectrum(|model| &model.reflectance)
 }

@@ -19,14 +19,12 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::facing::Facing;
-use super::model::{Connecting, Drawn, ModelLanes, Surface, strongest};
+use super::glossy::Glossy;
+use super::model::{ModelLanes, Surface, strongest};
 use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
-use crate::math::{F32s, Vector};
+use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
-use crate::polarization::{
-    Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
-};
+use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
 use crate::scattering::vertex::mean;
 
 /// Least share of light that gets through a coat, on the average.
@@ -180,22 +178,34 @@ impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
         }
         values
     }
+
+    #[inline(always)]
+    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N] {
+        let (cos, depolarized) = (reflection.cos_half, self.depolarized(reflection));
+        let [has_metal, has_coat] = self.kinds();
+        let mut of_coat = FacetLobe::none();
+        if has_coat {
+            let fresnel::Interface { reflectance, reflection: block, .. } =
+                fresnel::dielectric(cos, self.ior);
+            of_coat = of_coat.and(reflection.value * (self.coat * reflectance), block);
+        }
+        let mut kernels = [of_coat.beside(depolarized[0]); N];
+        for (n, kernel) in kernels.iter_mut().enumerate() {
+            let mut once = of_coat;
+            if has_metal {
+                let (reflectance, block) = fresnel::conductor(cos, F32s::splat(1.0), self.k[n]);
+                once = once.and(reflection.value * self.metallic * reflectance, block);
+            }
+            *kernel = once.beside(depolarized[n]);
+        }
+        kernels
+    }
 }
 
-impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
-    type Kernel = SpheroidBlock<F32s>;
-    const ACHROMATIC: bool = false;
-    const IS_EVEN: bool = false;
+impl<const N: usize> Glossy<N> for MetallicRoughness<N> {
     type Lanes = MetallicRoughnesses<N>;
 
     #[inline(always)]
-    fn factor(_models: &ModelLanes<Self>) -> [F32s; N] {
-        [F32s::splat(1.0); N]
-    }
-
-    // Of some hundreds of instructions, which many stages want: calls cost nothing beside them, and
-    // copies would make a fifth of the program.
-    #[inline(never)]
     fn lanes(models: &ModelLanes<Self>) -> MetallicRoughnesses<N> {
         let alpha = models.field(|model| model.alpha);
         MetallicRoughnesses {
@@ -212,63 +222,5 @@ impl<const N: usize> Connecting<N> for MetallicRoughness<N> {
             single: mean(&models.spectrum(|model| &model.metal.single)),
             multiple: mean(&models.spectrum(|model| &model.metal.multiple)),
         }
-    }
-
-    #[inline(never)]
-    fn shape(
-        of: &MetallicRoughnesses<N>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        drawn: Vector<F32s>,
-    ) -> [F32s; N] {
-        of.values(&of.reflect(facing, given, drawn))
-    }
-
-    #[inline(never)]
-    fn pdf(
-        of: &MetallicRoughnesses<N>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        drawn: Vector<F32s>,
-    ) -> F32s {
-        Rough::pdf(of, facing, given, drawn)
-    }
-
-    #[inline(never)]
-    fn draw(
-        models: &ModelLanes<Self>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        u: [F32s; 2],
-    ) -> Drawn<N> {
-        Rough::draw(&Self::lanes(models), facing, given, u)
-    }
-
-    #[inline(never)]
-    fn kernels(
-        of: &MetallicRoughnesses<N>,
-        facing: &Facing,
-        k_in: Vector<F32s>,
-        k_out: Vector<F32s>,
-    ) -> ([SpheroidBlock<F32s>; N], Vector<F32s>) {
-        let reflection = of.reflect(facing, -k_in, k_out);
-        let (cos, depolarized) = (reflection.cos_half, of.depolarized(&reflection));
-        let [has_metal, has_coat] = of.kinds();
-        let mut of_coat = FacetLobe::none();
-        if has_coat {
-            let fresnel::Interface { reflectance, reflection: block, .. } =
-                fresnel::dielectric(cos, of.ior);
-            of_coat = of_coat.and(reflection.value * (of.coat * reflectance), block);
-        }
-        let mut kernels = [of_coat.beside(depolarized[0]); N];
-        for (n, kernel) in kernels.iter_mut().enumerate() {
-            let mut once = of_coat;
-            if has_metal {
-                let (reflectance, block) = fresnel::conductor(cos, F32s::splat(1.0), of.k[n]);
-                once = once.and(reflection.value * of.metallic * reflectance, block);
-            }
-            *kernel = once.beside(depolarized[n]);
-        }
-        (kernels, s_axis(reflection.half, k_in))
     }
 }

@@ -14,6 +14,7 @@ mod diffuse;
 mod dispersive_dielectric;
 mod element;
 mod facing;
+mod glossy;
 mod metallic_roughness;
 pub mod model;
 mod null;
@@ -25,6 +26,7 @@ mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
+pub use glossy::GlossyTable;
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 
 use absorber::Absorber;
@@ -47,8 +49,8 @@ use crate::scene::world::SurfaceModel;
 /// The list: for every model, the variant of [`SurfaceModel`] with the parameters that its `of`
 /// takes, the name of its table, and its type. By sort: `ends` are models at which paths end (one
 /// event for all of them), `specular`, `connecting` and `straight_on` the three sorts of `model`,
-/// of which the last are no vertices of a path; `either` is specular and straight on. Rows are
-/// grouped in this order.
+/// of which the last are no vertices of a path; `either` is specular and straight on, and `glossy`
+/// are connecting models that stages take for one. Rows are grouped in this order.
 macro_rules! surface_models {
     ([$($then:tt)*] $arguments:tt) => {
         $($then)*! {
@@ -64,6 +66,8 @@ macro_rules! surface_models {
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
+            }
+            glossy {
                 RoughConductor { eta, k, alpha, distribution, multiple_scattering } =>
                     rough_conductor: RoughConductor<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
@@ -102,6 +106,9 @@ macro_rules! declare {
         ends { $($end:ident { $($end_of:ident),* } => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident { $($one_of:ident),* } => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident { $($any_of:ident),* } => $any_table:ident: $any_model:ty,)* }
+        glossy {
+            $($glossy:ident { $($glossy_of:ident),* } => $glossy_table:ident: $glossy_model:ty,)*
+        }
         either { $($both:ident { $($both_of:ident),* } => $both_table:ident: $both_model:ty,)* }
         straight_on {
             $($pass:ident { $($pass_of:ident),* } => $pass_table:ident: $pass_model:ty,)*
@@ -113,6 +120,7 @@ macro_rules! declare {
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($end), "`].")] $end,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($one), "`].")] $one,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($any), "`].")] $any,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($glossy), "`].")] $glossy,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($both), "`].")] $both,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($pass), "`].")] $pass,)*
         }
@@ -124,6 +132,7 @@ macro_rules! declare {
                 $(Self::$one,)*
                 $(Self::$both,)*
                 $(Self::$any,)*
+                $(Self::$glossy,)*
                 $(Self::$pass,)*
             ];
 
@@ -138,6 +147,7 @@ macro_rules! declare {
                     $(Self::$end => false,)*
                     $(Self::$one => false,)*
                     $(Self::$any => false,)*
+                    $(Self::$glossy => false,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACTS,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACTS,)*
                 }
@@ -152,13 +162,15 @@ macro_rules! declare {
                     $(Self::$end => true,)*
                     $(Self::$one => true,)*
                     $(Self::$any => true,)*
+                    $(Self::$glossy => true,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
                 }
             }
 
             /// Those with an event of their own.
-            const MET: &[Self] = &[$(Self::$one,)* $(Self::$both,)* $(Self::$any,)*];
+            const MET: &[Self] =
+                &[$(Self::$one,)* $(Self::$both,)* $(Self::$any,)* $(Self::$glossy,)*];
 
             /// The kind of a model with parameters of any sort.
             pub fn of<S>(model: &SurfaceModel<S>) -> Self {
@@ -166,6 +178,7 @@ macro_rules! declare {
                     $(SurfaceModel::$end { .. } => Self::$end,)*
                     $(SurfaceModel::$one { .. } => Self::$one,)*
                     $(SurfaceModel::$any { .. } => Self::$any,)*
+                    $(SurfaceModel::$glossy { .. } => Self::$glossy,)*
                     $(SurfaceModel::$both { .. } => Self::$both,)*
                     $(SurfaceModel::$pass { .. } => Self::$pass,)*
                 }
@@ -178,6 +191,7 @@ macro_rules! declare {
                     $(Self::$end => Sort::Ends,)*
                     $(Self::$one => Sort::Specular,)*
                     $(Self::$any => Sort::Connecting,)*
+                    $(Self::$glossy => Sort::Connecting,)*
                     $(Self::$both => Sort::Either,)*
                     $(Self::$pass => Sort::StraightOn,)*
                 }
@@ -193,8 +207,12 @@ macro_rules! declare {
                         <$one_model as Specular<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$any => (
-                        <<$any_model as Connecting<N>>::Kernel as Elements>::FORM,
-                        <$any_model as Connecting<N>>::ACHROMATIC,
+                        <<&[$any_model] as Connecting<N>>::Kernel as Elements>::FORM,
+                        <&[$any_model] as Connecting<N>>::ACHROMATIC,
+                    ),)*
+                    $(Self::$glossy => (
+                        <<GlossyTable<'_, N> as Connecting<N>>::Kernel as Elements>::FORM,
+                        <GlossyTable<'_, N> as Connecting<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$both => (
                         <<$both_model as Specular<N>>::Kernel as Elements>::FORM,
@@ -212,6 +230,7 @@ macro_rules! declare {
             $($end_table: Vec<$end_model>,)*
             $($one_table: Vec<$one_model>,)*
             $($any_table: Vec<$any_model>,)*
+            $($glossy_table: Vec<$glossy_model>,)*
             $($both_table: Vec<$both_model>,)*
             $($pass_table: Vec<$pass_model>,)*
         }
@@ -222,6 +241,7 @@ macro_rules! declare {
                 $(self.$end_table.clone_from(&from.$end_table);)*
                 $(self.$one_table.clone_from(&from.$one_table);)*
                 $(self.$any_table.clone_from(&from.$any_table);)*
+                $(self.$glossy_table.clone_from(&from.$glossy_table);)*
                 $(self.$both_table.clone_from(&from.$both_table);)*
                 $(self.$pass_table.clone_from(&from.$pass_table);)*
             }
@@ -232,6 +252,7 @@ macro_rules! declare {
                     $(self.$end_table.len(),)*
                     $(self.$one_table.len(),)*
                     $(self.$any_table.len(),)*
+                    $(self.$glossy_table.len(),)*
                     $(self.$both_table.len(),)*
                     $(self.$pass_table.len(),)*
                 ]
@@ -244,6 +265,7 @@ macro_rules! declare {
                 $(self.$end_table.truncate(next());)*
                 $(self.$one_table.truncate(next());)*
                 $(self.$any_table.truncate(next());)*
+                $(self.$glossy_table.truncate(next());)*
                 $(self.$both_table.truncate(next());)*
                 $(self.$pass_table.truncate(next());)*
             }
@@ -259,6 +281,9 @@ macro_rules! declare {
                     })*
                     $(SurfaceModel::$any { $($any_of),* } => {
                         append(&mut self.$any_table, <$any_model>::of($($any_of),*))
+                    })*
+                    $(SurfaceModel::$glossy { $($glossy_of),* } => {
+                        append(&mut self.$glossy_table, <$glossy_model>::of($($glossy_of),*))
                     })*
                     $(SurfaceModel::$both { $($both_of),* } => {
                         append(&mut self.$both_table, <$both_model>::of($($both_of),*))
@@ -283,6 +308,21 @@ macro_rules! declare {
                     &self.$any_table
                 }
             )*
+            /// The table of a glossy model.
+            #[inline(always)]
+            pub fn glossy(&self, kind: SurfaceKind) -> Option<GlossyTable<'_, N>> {
+                match kind {
+                    $(SurfaceKind::$glossy => {
+                        Some(GlossyTable::$glossy(&self.$glossy_table))
+                    })*
+                    $(SurfaceKind::$end)|*
+                    $(| SurfaceKind::$one)*
+                    $(| SurfaceKind::$any)*
+                    $(| SurfaceKind::$both)*
+                    $(| SurfaceKind::$pass)* => None,
+                }
+            }
+
             $(
                 /// The table of this model.
                 #[inline(always)]
@@ -323,6 +363,7 @@ macro_rules! dispatch_surface {
         ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
+        glossy { $($glossy:ident $glossy_of:tt => $glossy_table:ident: $glossy_model:ty,)* }
         either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
         straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
     ) => {
@@ -339,6 +380,12 @@ macro_rules! dispatch_surface {
                 let $models = $surfaces.$any_table();
                 $of_any
             })*
+            $($crate::scattering::surface::SurfaceKind::$glossy)|* => {
+                match $surfaces.glossy($kind) {
+                    Some($models) => $of_any,
+                    None => $else,
+                }
+            }
             $($crate::scattering::surface::SurfaceKind::$end)|*
             $(| $crate::scattering::surface::SurfaceKind::$pass)* => $else,
         }
@@ -361,6 +408,7 @@ macro_rules! dispatch_straight_on {
         ends { $($end:ident $end_of:tt => $end_table:ident: $end_model:ty,)* }
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
+        glossy { $($glossy:ident $glossy_of:tt => $glossy_table:ident: $glossy_model:ty,)* }
         either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
         straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
     ) => {
@@ -375,7 +423,8 @@ macro_rules! dispatch_straight_on {
             })*
             $($crate::scattering::surface::SurfaceKind::$end)|*
             $(| $crate::scattering::surface::SurfaceKind::$one)*
-            $(| $crate::scattering::surface::SurfaceKind::$any)* => {}
+            $(| $crate::scattering::surface::SurfaceKind::$any)*
+            $(| $crate::scattering::surface::SurfaceKind::$glossy)* => {}
         }
     };
 }

@@ -114,12 +114,13 @@ pub struct Passage<const N: usize> {
     pub axis: Vector<F32s>,
 }
 
-/// A model that can be connected to: its scattering function is [`Connecting::factor`] times
-/// [`Connecting::shape`], per steradian, on the side that the light comes from.
-pub trait Connecting<const N: usize>: Surface {
-    /// What its kernels are made of.
+/// Models that can be connected to, as the stages see them: the table of all rows. The scattering
+/// function is [`Connecting::factor`] times [`Connecting::shape`], per steradian, on the side that
+/// the light comes from.
+pub trait Connecting<const N: usize>: Copy {
+    /// What their kernels are made of.
     type Kernel: Elements;
-    /// Whether its kernel is the same at all wavelengths.
+    /// Whether their kernel is the same at all wavelengths.
     const ACHROMATIC: bool;
     /// Whether the shape is one for all directions.
     const IS_EVEN: bool;
@@ -128,10 +129,10 @@ pub trait Connecting<const N: usize>: Surface {
 
     /// The part of the scattering function that no direction changes: light vertices keep it in
     /// their power.
-    fn factor(models: &ModelLanes<Self>) -> [F32s; N];
+    fn factor(self, rows: &LaneRows) -> [F32s; N];
 
     /// What [`Connecting::shape`] needs.
-    fn lanes(models: &ModelLanes<Self>) -> Self::Lanes;
+    fn lanes(self, rows: &LaneRows) -> Self::Lanes;
 
     /// The scattering function over its factor, between two directions away from the surface and
     /// on one side of it. It is the same for both orders of the two.
@@ -145,9 +146,11 @@ pub trait Connecting<const N: usize>: Surface {
     /// Density per steradian of [`Connecting::draw`] for the direction `drawn`.
     fn pdf(of: &Self::Lanes, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s;
 
-    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`.
+    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`, at those of
+    /// the table's rows that have these lanes.
     fn draw(
-        models: &ModelLanes<Self>,
+        self,
+        at: (&LaneRows, &Self::Lanes),
         facing: &Facing,
         given: Vector<F32s>,
         u: [F32s; 2],

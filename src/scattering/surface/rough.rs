@@ -11,12 +11,14 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::facing::Facing;
+use super::glossy::Lobes;
 use super::model::Drawn;
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
-    ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel,
+    ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
+use crate::scattering::vertex::Kernels;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
 const MISSING_MIN: f32 = 1e-4;
@@ -123,6 +125,9 @@ pub trait Rough<const N: usize> {
     /// are not both above the surface.
     fn values(&self, reflection: &FacetReflection) -> [F32s; N];
 
+    /// The kernels, over the axis of the facets' plane of incidence.
+    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N];
+
     /// What facets reflect between two directions.
     #[inline(always)]
     fn reflect(
@@ -133,8 +138,14 @@ pub trait Rough<const N: usize> {
     ) -> FacetReflection {
         self.facets().reflect(facing.shading_towards(given), given, drawn)
     }
+}
 
-    /// Density per steradian of [`Rough::draw`].
+impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
+    #[inline(always)]
+    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N] {
+        Rough::values(self, &self.reflect(facing, given, drawn))
+    }
+
     #[inline(always)]
     fn pdf(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let normal = facing.shading_towards(given);
@@ -144,7 +155,7 @@ pub trait Rough<const N: usize> {
         chance.mul_add(of_facets - of_cosine, of_cosine)
     }
 
-    /// Draws a direction by two numbers in [0, 1), of which the first chooses, too.
+    /// The first number chooses between facets and the cosine, too.
     #[inline(always)]
     fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N> {
         let one = F32s::splat(1.0);
@@ -159,10 +170,16 @@ pub trait Rough<const N: usize> {
         let of_facets = self.facets().draw(normal, given, again);
         let direction = Vector::select(by_facets, of_facets, of_cosine);
         let pdf = self.pdf(facing, given, direction).fast_max(F32s::splat(PDF_MIN));
-        let mut weight = self.values(&self.reflect(facing, given, direction));
+        let mut weight = Lobes::values(self, facing, given, direction);
         let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
         Drawn { direction, pdf, weight }
+    }
+
+    #[inline(always)]
+    fn kernels(&self, facing: &Facing, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N> {
+        let reflection = self.reflect(facing, -k_in, k_out);
+        (Rough::kernels(self, &reflection), s_axis(reflection.half, k_in))
     }
 }
 

@@ -1,13 +1,11 @@
 //! Rough metal: see [`super::rough`].
 
-use super::facing::Facing;
-use super::model::{Connecting, Drawn, ModelLanes, Surface, strongest};
+use super::glossy::Glossy;
+use super::model::{ModelLanes, Surface, strongest};
 use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
-use crate::math::{F32s, Vector};
+use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
-use crate::polarization::{
-    Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
-};
+use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
 use crate::scattering::vertex::mean;
 
 /// The index of refraction n - i k relative to vacuum, and facets.
@@ -104,22 +102,25 @@ impl<const N: usize> Rough<N> for RoughConductors<N> {
         }
         values
     }
+
+    #[inline(always)]
+    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N] {
+        let several = self.several(reflection);
+        let mut kernels = [FacetLobe::none().beside(several); N];
+        for (n, kernel) in kernels.iter_mut().enumerate() {
+            let (reflectance, block) =
+                fresnel::conductor(reflection.cos_half, self.eta[n], self.k[n]);
+            let once = FacetLobe::none().and(reflection.value * reflectance, block);
+            *kernel = once.beside(self.gain[n] * several);
+        }
+        kernels
+    }
 }
 
-impl<const N: usize> Connecting<N> for RoughConductor<N> {
-    type Kernel = SpheroidBlock<F32s>;
-    const ACHROMATIC: bool = false;
-    const IS_EVEN: bool = false;
+impl<const N: usize> Glossy<N> for RoughConductor<N> {
     type Lanes = RoughConductors<N>;
 
     #[inline(always)]
-    fn factor(_models: &ModelLanes<Self>) -> [F32s; N] {
-        [F32s::splat(1.0); N]
-    }
-
-    // Of some hundreds of instructions, which many stages want: calls cost nothing beside them, and
-    // copies would make a fifth of the program.
-    #[inline(never)]
     fn lanes(models: &ModelLanes<Self>) -> RoughConductors<N> {
         let alpha = models.field(|model| model.alpha);
         let beckmann = models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5));
@@ -132,53 +133,5 @@ impl<const N: usize> Connecting<N> for RoughConductor<N> {
             single: mean(&models.spectrum(|model| &model.reflected.single)),
             multiple: mean(&models.spectrum(|model| &model.reflected.multiple)),
         }
-    }
-
-    #[inline(never)]
-    fn shape(
-        of: &RoughConductors<N>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        drawn: Vector<F32s>,
-    ) -> [F32s; N] {
-        of.values(&of.reflect(facing, given, drawn))
-    }
-
-    #[inline(never)]
-    fn pdf(
-        of: &RoughConductors<N>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        drawn: Vector<F32s>,
-    ) -> F32s {
-        Rough::pdf(of, facing, given, drawn)
-    }
-
-    #[inline(never)]
-    fn draw(
-        models: &ModelLanes<Self>,
-        facing: &Facing,
-        given: Vector<F32s>,
-        u: [F32s; 2],
-    ) -> Drawn<N> {
-        Rough::draw(&Self::lanes(models), facing, given, u)
-    }
-
-    #[inline(never)]
-    fn kernels(
-        of: &RoughConductors<N>,
-        facing: &Facing,
-        k_in: Vector<F32s>,
-        k_out: Vector<F32s>,
-    ) -> ([SpheroidBlock<F32s>; N], Vector<F32s>) {
-        let reflection = of.reflect(facing, -k_in, k_out);
-        let several = of.several(&reflection);
-        let mut kernels = [FacetLobe::none().beside(several); N];
-        for (n, kernel) in kernels.iter_mut().enumerate() {
-            let (reflectance, block) = fresnel::conductor(reflection.cos_half, of.eta[n], of.k[n]);
-            let once = FacetLobe::none().and(reflection.value * reflectance, block);
-            *kernel = once.beside(of.gain[n] * several);
-        }
-        (kernels, s_axis(reflection.half, k_in))
     }
 }

@@ -156,10 +156,12 @@ fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
     let side = bounce.side;
     for row in rows.clone().step_by(LANES) {
         let u = to.paths.identity.draw(row, bounce.path_length, Purpose::Direction);
-        let (models, facing) = all.load(surfaces, Consecutive(row, LANES.min(rows.end - row)));
+        let some = Consecutive(row, LANES.min(rows.end - row));
+        let (of_model, facing) = all.load(surfaces, some);
+        let of = all.models.lanes(&of_model);
         let before = Vector::load(&to.paths.rays.direction, row);
         let given = -before;
-        let drawn = M::draw(&models, &facing, given, u);
+        let drawn = all.models.draw((&of_model, &of), &facing, given, u);
         let direction = drawn.direction;
         let scale = match side {
             Side::Sensor => F32s::splat(1.0),
@@ -171,7 +173,6 @@ fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
             lanes::store(beta, row, to.end, value);
         }
         direction.store(&mut to.departures.direction, row, to.end);
-        let of = M::lanes(&models);
         if POLARIZED && !matches!(M::Kernel::FORM, Form::Depolarizer) {
             let (k_in, k_out) = side.along_light(before, direction);
             let (kernels, axis) = M::kernels(&of, &facing, k_in, k_out);

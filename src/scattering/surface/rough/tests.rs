@@ -8,8 +8,9 @@ use crate::math::{LANES, lanes};
 use crate::polarization::kernel::Kernel;
 use crate::polarization::{Distribution, Rotation, Stokes};
 use crate::scattering::phase::half_sine2;
+use crate::scattering::surface::glossy::{GlossyLanes, GlossyTable};
 use crate::scattering::surface::metallic_roughness::MetallicRoughness;
-use crate::scattering::surface::model::{Connecting, LaneRows, ModelLanes, Surface};
+use crate::scattering::surface::model::{Connecting, LaneRows, Surface};
 use crate::scattering::surface::rough_conductor::RoughConductor;
 
 /// Numbers in [0, 1) that depend on nothing but their place.
@@ -54,26 +55,18 @@ struct Said {
     axis: Vector<F32s>,
 }
 
-macro_rules! of_both {
-    ($self:expr, $model:ident: $kind:ident => $body:expr) => {
-        match $self {
-            Model::Metal($model) => {
-                type $kind = RoughConductor<1>;
-                $body
-            }
-            Model::Mixed($model) => {
-                type $kind = MetallicRoughness<1>;
-                $body
-            }
-        }
-    };
-}
-
-fn of_one<M>(model: &M) -> ModelLanes<'_, M> {
-    ModelLanes::new(std::slice::from_ref(model), LaneRows::Same(0))
-}
-
 impl Model {
+    fn table(&self) -> GlossyTable<'_, 1> {
+        match self {
+            Self::Metal(model) => GlossyTable::RoughConductor(std::slice::from_ref(model)),
+            Self::Mixed(model) => GlossyTable::MetallicRoughness(std::slice::from_ref(model)),
+        }
+    }
+
+    fn lanes(&self) -> GlossyLanes<1> {
+        self.table().lanes(&LaneRows::Same(0))
+    }
+
     fn metal(eta: f32, k: f32, alpha: f32, distribution: Distribution, multiple: bool) -> Self {
         Self::Metal(RoughConductor::of([eta], [k], alpha, distribution, multiple))
     }
@@ -105,27 +98,26 @@ impl Model {
     }
 
     fn say(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Said {
-        let facing = Self::facing();
-        of_both!(self, model: M => {
-            let of = M::lanes(&of_one(model));
-            let [value] = M::shape(&of, &facing, given, drawn);
-            let ([kernel], axis) = <M as Connecting<1>>::kernels(&of, &facing, -given, drawn);
-            Said { value, kernel, axis }
-        })
+        let (of, facing) = (self.lanes(), Self::facing());
+        let [value] = GlossyTable::shape(&of, &facing, given, drawn);
+        let ([kernel], axis) = GlossyTable::kernels(&of, &facing, -given, drawn);
+        Said { value, kernel, axis }
     }
 
     fn pdf(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
-        of_both!(self, model: M => {
-            <M as Connecting<1>>::pdf(&M::lanes(&of_one(model)), &Self::facing(), given, drawn)
-        })
+        GlossyTable::pdf(&self.lanes(), &Self::facing(), given, drawn)
     }
 
     fn draw(&self, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<1> {
-        of_both!(self, model: M => M::draw(&of_one(model), &Self::facing(), given, u))
+        let rows = LaneRows::Same(0);
+        self.table().draw((&rows, &self.lanes()), &Self::facing(), given, u)
     }
 
     fn scattered(&self) -> f32 {
-        of_both!(self, model: M => <M as Surface>::scattered(model))
+        match self {
+            Self::Metal(model) => model.scattered(),
+            Self::Mixed(model) => model.scattered(),
+        }
     }
 
     /// The share of light of the cosine that is reflected: the mean weight of what is drawn.

@@ -1,0 +1,137 @@
+//! Models that reflect light in any direction and polarize it, compiled into the stages once for
+//! all of them: each is some hundreds of instructions, beside which a call and a choice cost
+//! nothing, and a copy of every stage for every model, color and mode would be most of the program.
+
+use super::facing::Facing;
+use super::metallic_roughness::MetallicRoughness;
+use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
+use super::rough_conductor::RoughConductor;
+use super::surface_models;
+use crate::math::{F32s, Vector};
+use crate::polarization::SpheroidBlock;
+use crate::scattering::vertex::Kernels;
+
+/// A glossy model.
+pub trait Glossy<const N: usize>: Surface {
+    /// Eight of them.
+    type Lanes: Lobes<N>;
+
+    /// Those of some rows.
+    fn lanes(models: &ModelLanes<Self>) -> Self::Lanes;
+}
+
+/// Eight glossy surfaces; see [`Connecting`].
+pub trait Lobes<const N: usize>: Copy {
+    /// The scattering function per steradian, between two directions away from the surface.
+    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N];
+
+    /// Density per steradian of [`Lobes::draw`].
+    fn pdf(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s;
+
+    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`.
+    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N>;
+
+    /// The kernels for light that travels along `k_in` and then along `k_out`, and the x axis of
+    /// their frames, a unit vector perpendicular to both.
+    fn kernels(&self, facing: &Facing, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N>;
+}
+
+macro_rules! declare {
+    (
+        ()
+        ends $ends:tt
+        specular $specular:tt
+        connecting $connecting:tt
+        glossy {
+            $($glossy:ident { $($glossy_of:ident),* } => $glossy_table:ident: $glossy_model:ty,)*
+        }
+        either $either:tt
+        straight_on $straight_on:tt
+    ) => {
+        /// The table of a glossy model.
+        #[derive(Clone, Copy, Debug)]
+        pub enum GlossyTable<'a, const N: usize> {
+            $(#[doc = concat!("Of `SurfaceModel::", stringify!($glossy), "`.")]
+            $glossy(&'a [$glossy_model]),)*
+        }
+
+        /// Eight surfaces of a glossy model.
+        #[derive(Clone, Copy)]
+        pub enum GlossyLanes<const N: usize> {
+            $(#[doc = concat!("Of `SurfaceModel::", stringify!($glossy), "`.")]
+            $glossy(<$glossy_model as Glossy<N>>::Lanes),)*
+        }
+
+        impl<const N: usize> Connecting<N> for GlossyTable<'_, N> {
+            type Kernel = SpheroidBlock<F32s>;
+            const ACHROMATIC: bool = false;
+            const IS_EVEN: bool = false;
+            type Lanes = GlossyLanes<N>;
+
+            #[inline(always)]
+            fn factor(self, _rows: &LaneRows) -> [F32s; N] {
+                [F32s::splat(1.0); N]
+            }
+
+            #[inline(never)]
+            fn lanes(self, rows: &LaneRows) -> GlossyLanes<N> {
+                match self {
+                    $(Self::$glossy(table) => GlossyLanes::$glossy(
+                        <$glossy_model as Glossy<N>>::lanes(&ModelLanes::new(table, *rows)),
+                    ),)*
+                }
+            }
+
+            #[inline(never)]
+            fn shape(
+                of: &GlossyLanes<N>,
+                facing: &Facing,
+                given: Vector<F32s>,
+                drawn: Vector<F32s>,
+            ) -> [F32s; N] {
+                match of {
+                    $(GlossyLanes::$glossy(of) => of.values(facing, given, drawn),)*
+                }
+            }
+
+            #[inline(never)]
+            fn pdf(
+                of: &GlossyLanes<N>,
+                facing: &Facing,
+                given: Vector<F32s>,
+                drawn: Vector<F32s>,
+            ) -> F32s {
+                match of {
+                    $(GlossyLanes::$glossy(of) => of.pdf(facing, given, drawn),)*
+                }
+            }
+
+            #[inline(never)]
+            fn draw(
+                self,
+                (_rows, of): (&LaneRows, &GlossyLanes<N>),
+                facing: &Facing,
+                given: Vector<F32s>,
+                u: [F32s; 2],
+            ) -> Drawn<N> {
+                match of {
+                    $(GlossyLanes::$glossy(of) => of.draw(facing, given, u),)*
+                }
+            }
+
+            #[inline(never)]
+            fn kernels(
+                of: &GlossyLanes<N>,
+                facing: &Facing,
+                k_in: Vector<F32s>,
+                k_out: Vector<F32s>,
+            ) -> Kernels<N> {
+                match of {
+                    $(GlossyLanes::$glossy(of) => of.kernels(facing, k_in, k_out),)*
+                }
+            }
+        }
+    };
+}
+
+surface_models!([declare]());
