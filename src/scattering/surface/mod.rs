@@ -26,7 +26,7 @@ mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
-pub use glossy::GlossyTable;
+pub use glossy::{Glossy, GlossyTable};
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 
 use absorber::Absorber;
@@ -211,7 +211,7 @@ macro_rules! declare {
                         <&[$any_model] as Connecting<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$glossy => (
-                        <<GlossyTable<'_, N> as Connecting<N>>::Kernel as Elements>::FORM,
+                        <$glossy_model as Glossy<N>>::FORM,
                         <GlossyTable<'_, N> as Connecting<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$both => (

@@ -18,7 +18,7 @@ use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
     ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
-use crate::scattering::vertex::Kernels;
+use crate::scattering::event::Elements;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
 const MISSING_MIN: f32 = 1e-4;
@@ -112,6 +112,18 @@ impl<const N: usize> Reflected<N> {
     }
 }
 
+/// How light goes by the facets that reflect it.
+pub struct FacetPlane {
+    /// The surface's normal, on the side of the light.
+    pub normal: Vector<F32s>,
+    /// Across the facets' plane of incidence.
+    pub axis: Vector<F32s>,
+    /// Along the light that arrives.
+    pub k_in: Vector<F32s>,
+    /// Along the light that leaves.
+    pub k_out: Vector<F32s>,
+}
+
 /// Eight rough surfaces, from which directions are drawn by facets, or else by the cosine.
 pub trait Rough<const N: usize> {
     /// The facets.
@@ -125,8 +137,11 @@ pub trait Rough<const N: usize> {
     /// are not both above the surface.
     fn values(&self, reflection: &FacetReflection) -> [F32s; N];
 
+    /// What the kernels are made of.
+    type Kernel: Elements;
+
     /// The kernels, over the axis of the facets' plane of incidence.
-    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N];
+    fn kernels(&self, reflection: &FacetReflection, plane: &FacetPlane) -> [Self::Kernel; N];
 
     /// What facets reflect between two directions.
     #[inline(always)]
@@ -141,6 +156,8 @@ pub trait Rough<const N: usize> {
 }
 
 impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
+    type Kernel = R::Kernel;
+
     #[inline(always)]
     fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N] {
         Rough::values(self, &self.reflect(facing, given, drawn))
@@ -177,9 +194,16 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     }
 
     #[inline(always)]
-    fn kernels(&self, facing: &Facing, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N> {
+    fn kernels(
+        &self,
+        facing: &Facing,
+        k_in: Vector<F32s>,
+        k_out: Vector<F32s>,
+    ) -> ([Self::Kernel; N], Vector<F32s>) {
         let reflection = self.reflect(facing, -k_in, k_out);
-        (Rough::kernels(self, &reflection), s_axis(reflection.half, k_in))
+        let axis = s_axis(reflection.half, k_in);
+        let plane = FacetPlane { normal: facing.shading_towards(k_out), axis, k_in, k_out };
+        (Rough::kernels(self, &reflection, &plane), axis)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::scattering::Met;
 use crate::scattering::event::Form;
 use crate::scattering::painting::SceneAt;
 use crate::scattering::sensor::Sensor;
-use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
+use crate::scattering::vertex::{Scatterer, for_scatterer};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
@@ -19,7 +19,7 @@ use crate::transport::sides::SensorSide;
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::measured::{Measured, PolarizedSplat, Splats};
 use crate::transport::tables::paths::PathTable;
-use crate::transport::tables::states::{LightState, kernels_of_lanes};
+use crate::transport::tables::states::scatter_states;
 
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
@@ -88,24 +88,17 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
     let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
-    let (kernels, axis) = all.at(surfaces, lanes::each(target)).kernels(k_in, k_out);
-    let kernels = kernels_of_lanes(&kernels);
-    let (axis, k_in, k_out) = (axis.to_rows(), k_in.to_rows(), k_out.to_rows());
-    for (lane, index) in rows.clone().enumerate() {
-        if connections.blocked[index] != 0 {
-            continue;
-        }
-        let (axis, k_in) = (axis[lane].into(), k_in[lane].into());
-        let light = match connections.state[index] {
-            NONE => LightState::first_event(&kernels[lane], axis),
-            state => connections.states[state as usize].scatter(&kernels[lane], axis, k_in),
-        };
+    let vertices = all.at(surfaces, lanes::each(target));
+    let (first, last_k) = (rows.start, k_out.to_rows());
+    let open = (0..rows.len()).filter(|lane| connections.blocked[first + lane] == 0);
+    let state = |lane: usize| connections.states.get(connections.state[first + lane] as usize);
+    scatter_states(&vertices, [k_in, k_out], open, state, |lane, light| {
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
-        let along = (k_out[lane].into(), film_up);
-        let value = connections.value[index];
-        measure_polarized(measured, &paths.carriers, place, value, &light, along);
-    }
+        let along = (last_k[lane].into(), film_up);
+        let value = connections.value[first + lane];
+        measure_polarized(measured, &paths.carriers, place, value, light, along);
+    });
 }
 
 /// Appends open connections to the sensor to the lists of splats, in their order, polarized light
