@@ -51,22 +51,28 @@ impl Albedo {
 
     /// Of facets (GGX) of a dielectric of this index of refraction, relative to what is outside.
     pub fn of_coat(ior: f32, alpha: f32) -> Self {
-        static COATS: Mutex<BTreeMap<u32, Arc<Table>>> = Mutex::new(BTreeMap::new());
-        let found = |ior: f32| {
+        Self::of_dielectric(Distribution::Ggx, ior, alpha)
+    }
+
+    /// The same of any distribution.
+    pub fn of_dielectric(distribution: Distribution, ior: f32, alpha: f32) -> Self {
+        static COATS: Mutex<BTreeMap<CoatKey, Arc<Table>>> = Mutex::new(BTreeMap::new());
+        let key = (distribution == Distribution::Beckmann, ior.to_bits());
+        let found = || {
             let mut coats = COATS.lock().expect("no thread panics while it holds the lock");
             if coats.len() >= COATS_MAX {
                 coats.clear();
             }
-            let new = || Arc::new(Table::new(Distribution::Ggx, Some(ior)));
-            Arc::clone(coats.entry(ior.to_bits()).or_insert_with(new))
+            let new = || Arc::new(Table::new(distribution, Some(ior)));
+            Arc::clone(coats.entry(key).or_insert_with(new))
         };
         thread_local! {
             /// What this thread has asked for last: it asks again at every hit of a picture.
-            static LAST: RefCell<Option<(u32, Arc<Table>)>> = const { RefCell::new(None) };
+            static LAST: RefCell<Option<(CoatKey, Arc<Table>)>> = const { RefCell::new(None) };
         }
-        let last = LAST.with_borrow(|last| last.clone().filter(|(of, _)| *of == ior.to_bits()));
-        let table = last.map_or_else(|| found(ior), |(_, table)| table);
-        LAST.set(Some((ior.to_bits(), Arc::clone(&table))));
+        let last = LAST.with_borrow(|last| last.clone().filter(|(of, _)| *of == key));
+        let table = last.map_or_else(found, |(_, table)| table);
+        LAST.set(Some((key, Arc::clone(&table))));
         // No lock is held while it is computed.
         table.at(alpha)
     }
@@ -107,6 +113,9 @@ pub fn mean_over_cosines(of: impl Fn(F32s) -> F32s) -> f32 {
     });
     sum.sum()
 }
+
+/// Tells coats apart: whether they are Beckmann's, and their indices of refraction.
+type CoatKey = (bool, u32);
 
 /// The albedo of facets of any roughness, integrated where it is asked for.
 struct Table {

@@ -5,6 +5,7 @@
 use super::facing::Facing;
 use super::metallic_roughness::MetallicRoughness;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
+use super::plastic::Plastic;
 use super::rough_conductor::RoughConductor;
 use super::surface_models;
 use crate::math::{F32s, Vector};

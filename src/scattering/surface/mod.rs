@@ -18,6 +18,7 @@ mod glossy;
 mod metallic_roughness;
 pub mod model;
 mod null;
+mod plastic;
 mod polarizer;
 mod retarder;
 mod rough;
@@ -36,6 +37,7 @@ use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
+use plastic::Plastic;
 use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
@@ -72,6 +74,10 @@ macro_rules! surface_models {
                     rough_conductor: RoughConductor<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
+                Plastic {
+                    reflectance, ior, exterior_ior, alpha, distribution, specular,
+                    internal_reflection
+                } => plastic: Plastic<N>,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -565,7 +571,7 @@ mod tests {
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         use SurfaceKind::{
             Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
-            RoughConductor, ThinDielectric,
+            Plastic, RoughConductor, ThinDielectric,
         };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
         let expected = [
@@ -577,6 +583,7 @@ mod tests {
             Diffuse,
             RoughConductor,
             MetallicRoughness,
+            Plastic,
         ];
         assert_eq!(met, expected.map(Met::Surface));
         let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();

@@ -221,4 +221,4 @@ pub fn missing(terms: &[F32s; TERMS], cos: F32s) -> F32s {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

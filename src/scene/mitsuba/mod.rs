@@ -243,6 +243,7 @@ impl Import<'_> {
             | Bsdf::Conductor { .. }
             | Bsdf::RoughConductor { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Plastic { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
             | Bsdf::ThinDielectric { .. }
@@ -367,7 +368,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
-        | Bsdf::MetallicRoughness { .. })
+        | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Plastic { .. })
             if is_same =>
         {
             bsdf
@@ -377,6 +379,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Plastic { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. } => return None,
     };

@@ -56,6 +56,25 @@ pub enum SurfaceModel<S> {
         /// Share of what the coat would reflect that is there, within [0, 1].
         specular: f32,
     },
+    /// Plastic: a base that depolarizes, under a dielectric interface of facets that light goes
+    /// through polarized on its way in and out.
+    Plastic {
+        /// Reflectance of the base, within [0, 1].
+        reflectance: S,
+        /// Index of refraction within, at least that outside and at most ten times it.
+        ior: f32,
+        /// Index of refraction outside, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
+        /// Roughness of the facets, within [0, 1]; see [`SurfaceModel::RoughConductor`]. At least
+        /// 0.001 is computed with.
+        alpha: f32,
+        /// How the normals of facets are distributed.
+        distribution: Distribution,
+        /// Share of what the facets would reflect that is there, within [0, 1].
+        specular: f32,
+        /// What becomes of light that the interface reflects within.
+        internal_reflection: InternalReflection,
+    },
     /// Smooth boundary between two dielectrics.
     Dielectric {
         /// Index of refraction behind the front, greater than zero.
@@ -98,10 +117,43 @@ pub enum SurfaceModel<S> {
     Null,
 }
 
+/// What becomes of light that leaves the base of [`SurfaceModel::Plastic`] and is reflected back to
+/// it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InternalReflection {
+    /// It is lost, as in the model of Baek et al. 2018.
+    Lost,
+    /// The base reflects all of it, whatever its color: what gets out is the reflectance's part of
+    /// all that got in.
+    Linear,
+    /// The base reflects it like what came first: strong colors become stronger.
+    #[default]
+    Nonlinear,
+}
+
+impl InternalReflection {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Lost, Self::Linear, Self::Nonlinear];
+
+    /// The one of a name in files.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|of| of.name() == name)
+    }
+
+    /// What it is called in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lost => "lost",
+            Self::Linear => "linear",
+            Self::Nonlinear => "nonlinear",
+        }
+    }
+}
+
 /// A parameter of some models that may differ from place to place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// `reflectance` of [`SurfaceModel::Diffuse`].
+    /// `reflectance` of [`SurfaceModel::Diffuse`] and [`SurfaceModel::Plastic`].
     Reflectance,
     /// `base_color` of [`SurfaceModel::MetallicRoughness`].
     BaseColor,
@@ -128,7 +180,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
     pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
         let number = value[0].clamp(0.0, 1.0);
         match self {
-            Self::Diffuse { reflectance } => match parameter {
+            Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. } => match parameter {
                 Parameter::Reflectance => *reflectance = value,
                 Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
             },
@@ -181,6 +233,21 @@ impl Bsdf {
             distribution: Distribution::default(),
             multiple_scattering: true,
         })
+    }
+
+    /// A plastic of a reflectance of the base (a number, or red, green and blue, within [0, 1]),
+    /// with facets (GGX) of some roughness and the index of refraction 1.5, in vacuum; see
+    /// [`Bsdf::Plastic`].
+    pub fn plastic(reflectance: impl Into<Spectrum>, alpha: f32) -> Self {
+        Self::Plastic {
+            reflectance: reflectance.into(),
+            ior: 1.5,
+            exterior_ior: 1.0,
+            alpha,
+            distribution: Distribution::default(),
+            specular: 1.0,
+            internal_reflection: InternalReflection::default(),
+        }
     }
 
     /// A smooth boundary between dielectrics of some indices of refraction, behind the front and
@@ -240,6 +307,7 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -258,6 +326,7 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
@@ -285,6 +354,14 @@ impl Bsdf {
                 Range::UNIT.check("metallic", *metallic)?;
                 Range::UNIT.check("alpha", *alpha)?;
                 COAT_IOR.check("ior", *ior)?;
+                Range::UNIT.check("specular", *specular)
+            }
+            Self::Plastic { reflectance, ior, exterior_ior, alpha, specular, .. } => {
+                reflectance.check("reflectance", Range::UNIT)?;
+                let [within, outside] = [*ior, *exterior_ior].map(Spectrum::Constant);
+                check_indices(&within, &outside)?;
+                COAT_IOR.check("ior over exterior_ior", ior / exterior_ior)?;
+                Range::UNIT.check("alpha", *alpha)?;
                 Range::UNIT.check("specular", *specular)
             }
             Self::Dielectric { ior, exterior_ior } => {
@@ -377,6 +454,23 @@ impl<S> SurfaceModel<S> {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
                 SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
             }
+            &Self::Plastic {
+                ref reflectance,
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                specular,
+                internal_reflection,
+            } => SurfaceModel::Plastic {
+                reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                specular,
+                internal_reflection,
+            },
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -417,6 +511,7 @@ impl<S> SurfaceModel<S> {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -433,7 +528,8 @@ impl<S> SurfaceModel<S> {
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
-            | Self::MetallicRoughness { .. } => Passage::Closed,
+            | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. } => Passage::Closed,
             Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet

@@ -48,7 +48,9 @@ pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::light::{Environment, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
-pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
+pub use self::material::{
+    Bsdf, Emission, InternalReflection, Material, Parameter, Passage, Sides, SurfaceModel,
+};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};
