@@ -50,6 +50,7 @@ pub const SCENES: [Named; 39] = [
     ("large sphere light on the floor", sphere_on_the_floor),
     ("glass and water that touch", glass_and_water),
     ("rough metals", super::rough::metals),
+    ("plastics", super::rough::plastics),
     ("rough coats, orthographic", super::rough::coats),
 ];
 

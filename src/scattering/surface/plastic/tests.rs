@@ -38,8 +38,8 @@ fn mean_transmittance(ior: f64) -> f64 {
 #[test]
 fn white_bases_reflect_what_facets_do_not() {
     for within in [InternalReflection::Linear, InternalReflection::Nonlinear] {
-        for (alpha, ior) in [(0.0, 1.5), (0.1, 2.0), (0.3, 1.2), (1.0, 1.5)] {
-            for cos in [0.1, 0.4, 1.0] {
+        for (alpha, ior) in [(0.0, 1.5), (0.3, 1.2)] {
+            for cos in [0.2, 1.0] {
                 let albedo = plastic(1.0, ior, alpha, within).albedo(cos);
                 assert!((albedo - 1.0).abs() < furnace(alpha), "{alpha} {ior} {cos}: {albedo}");
             }
@@ -50,15 +50,15 @@ fn white_bases_reflect_what_facets_do_not() {
 /// With nothing given back, what gets in and out: Fresnel's transmittances alone.
 #[test]
 fn bases_that_lose_light_reflect_what_gets_in_and_out() {
-    for ior in [1.1_f32, 1.5, 2.4] {
-        for cos in [0.2_f32, 0.6, 1.0] {
+    for ior in [1.1_f32, 2.4] {
+        for cos in [0.2_f32, 0.8] {
             let [s, p] = transmittances(f64::from(ior), f64::from(cos));
             let expected = 0.7 * 0.5 * (s + p) * mean_transmittance(f64::from(ior));
             let found = base(0.7, ior, 0.2, InternalReflection::Lost).albedo(cos);
             assert!((found - expected).abs() < 2e-3, "{ior} {cos}: {found}, {expected}");
         }
-        for alpha in [0.0, 0.1, 0.4, 1.0] {
-            for cos in [0.05, 0.2, 0.5, 1.0] {
+        for alpha in [0.1, 1.0] {
+            for cos in [0.05, 1.0] {
                 let whole = plastic(1.0, ior, alpha, InternalReflection::Lost).albedo(cos);
                 assert!(whole < 1.0, "{ior} {alpha} {cos}: {whole}");
             }
@@ -96,8 +96,8 @@ fn bases_are_two_refractions_about_a_depolarizer() {
     let mut numbers = Numbers(7000);
     let mut seen = 0;
     for case in 0..60 {
-        let ior = 1.05 + 1.5 * numbers.next();
-        let model = base(numbers.next(), ior, 0.5, ALL[case % 3]);
+        let ior = [1.1, 1.6, 2.5][case % 3];
+        let model = base(numbers.next(), ior, 0.5, ALL[case / 3 % 3]);
         let (given, drawn) = (numbers.directions(), numbers.directions());
         let Said { kernel: Dense(found), axis, .. } = model.say(given, drawn);
         let [given, drawn, axis] = [given, drawn, axis].map(|v| v.to_rows());

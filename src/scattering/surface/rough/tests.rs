@@ -91,8 +91,8 @@ impl Model {
         match (of[2] * 6.0) as u32 {
             0 => Self::metal(0.05 + 3.0 * of[0], 7.0 * of[1], alpha, Distribution::Ggx, true),
             1 => Self::metal(0.05 + 3.0 * of[0], 7.0 * of[1], alpha, Distribution::Beckmann, true),
-            2 => Self::plastic(of[0], 1.0 + of[1], (alpha, Distribution::Beckmann), numbers),
-            3 => Self::plastic(of[0], 1.0 + 2.0 * of[1], (alpha, Distribution::Ggx), numbers),
+            2 => Self::plastic(of[0], 1.5, (alpha, Distribution::Beckmann), numbers),
+            3 => Self::plastic(of[0], 2.0, (alpha, Distribution::Ggx), numbers),
             4 => Self::mixed(of[0], 0.0, alpha, if of[1] < 0.5 { 1.2 } else { 2.0 }),
             _ => Self::mixed(of[0], of[1], alpha, 1.5),
         }
