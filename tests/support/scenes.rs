@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 39] = [
+pub const SCENES: [Named; 40] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),

@@ -72,8 +72,8 @@ const TANK: Case =
 const RAYLEIGH: Case =
     Case { name: "rayleigh", path_length_max: 20, exact: (0..4, 5_000), ill_posed: &[], margin: 0 };
 
-/// Polarized plastic and rough metal, which light each other. Mitsuba's Beckmann facets mask each
-/// other by a rational function that is off by 0.35 % as ours is.
+/// Polarized plastic and rough metal, which light each other. Their facets are narrow: the wider
+/// ones of Mitsuba are darker at grazing, as masking and shadowing are independent there.
 const PLASTIC: Case =
     Case { name: "plastic", path_length_max: 5, exact: (0..4, 0), ill_posed: &[], margin: 0 };
 

@@ -3,7 +3,7 @@
 //! normals").
 //!
 //! The interface has facets that reflect by Fresnel's Mueller matrix about their own plane of
-//! incidence ([`super::rough`]; once, as several reflections of a dielectric are a few thousandths).
+//! incidence, once: several reflections of a dielectric are some thousandths ([`super::rough`]).
 //! What goes into the base and comes out of it is refracted at the mean plane, of Mueller matrices
 //! T. With a depolarizer D between them the base is
 //!

@@ -31,6 +31,7 @@ mod medium;
 mod mesh;
 mod particles;
 mod phase_matrix;
+mod plastic;
 mod shape;
 mod texture;
 mod transform;
@@ -48,15 +49,14 @@ pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::light::{Environment, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
-pub use self::material::{
-    Bsdf, Emission, InternalReflection, Material, Parameter, Passage, Sides, SurfaceModel,
-};
+pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
