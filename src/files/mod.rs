@@ -2,6 +2,7 @@
 
 pub mod cache;
 pub mod temporary;
+pub mod tensors;
 
 use std::io::ErrorKind;
 

@@ -33,6 +33,7 @@ pub mod microfacet;
 pub mod mie;
 pub mod milk;
 pub mod particles;
+mod physical;
 pub mod rayleigh;
 pub mod stokes;
 
@@ -47,4 +48,5 @@ pub use fresnel::{
 };
 pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
 pub use microfacet::{ALPHA_MIN, Distribution, FacetReflection, Facets};
+pub use physical::physical;
 pub use stokes::Stokes;

@@ -317,6 +317,7 @@ impl Interfaces {
                 | SurfaceModel::Conductor { .. }
                 | SurfaceModel::MetallicRoughness { .. }
                 | SurfaceModel::Plastic { .. }
+                | SurfaceModel::Measured { .. }
                 | SurfaceModel::RoughConductor { .. }
                 | SurfaceModel::Diffuse { .. }
                 | SurfaceModel::Null

@@ -108,7 +108,7 @@ pub fn paint<const N: usize>(
             && let Some(on) = scene.shapes.painted(primitive)
         {
             let at = (&on, [hits.u[row], hits.v[row]]);
-            let model = scene.optics.materials[material].model;
+            let model = scene.optics.materials[material].model.clone();
             let model = painting.model_at(model, textures, at);
             surfaces.model[row] = models.tables.append(&model);
         }

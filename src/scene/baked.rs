@@ -249,7 +249,7 @@ pub struct Slab {
 }
 
 /// A material at the wavelengths of the render.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Material<const N: usize> {
     /// How it scatters.
     pub model: SurfaceModel<[f32; N]>,

@@ -7,6 +7,7 @@ mod far;
 mod framed;
 mod fuzz;
 mod meaning;
+mod measured;
 mod media;
 mod mended;
 mod mitsuba;

@@ -191,7 +191,7 @@ fn metallic_roughness() {
     };
     let metal = with(json!({"pbrMetallicRoughness":
         {"baseColorFactor": [1.0, 0.5, 0.25, 1.0], "roughnessFactor": 0.0}}));
-    let row = baked(&metal).optics.materials[0];
+    let row = baked(&metal).optics.materials[0].clone();
     let SurfaceModel::Conductor { eta, k } = row.model else { panic!("{row:?}") };
     assert!(!row.two_sided);
     for (f0, channel) in [0.999f32, 0.5, 0.25].into_iter().zip(0..) {
@@ -203,7 +203,7 @@ fn metallic_roughness() {
         "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0},
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
                        "KHR_materials_ior": {"ior": 1.33}}});
-    let row = baked(&with(glass.clone())).optics.materials[0];
+    let row = baked(&with(glass.clone())).optics.materials[0].clone();
     assert_eq!(row.model, SurfaceModel::ThinDielectric { ior: [1.33; 3], exterior_ior: [1.0; 3] });
     glass["extensions"]["KHR_materials_volume"] = json!({"thicknessFactor": 0.5,
         "attenuationDistance": 2.0, "attenuationColor": [1.0, 0.5, 0.25]});

@@ -139,7 +139,7 @@ fn meshes_have_sides_too() {
 fn boundaries_between_dielectrics() {
     let mut document = good();
     sphere_of(&mut document, json!({"bsdf": "dielectric", "ior": 1.33, "exterior_ior": 1.5}));
-    let row = *baked(&document).optics.materials.last().unwrap();
+    let row = baked(&document).optics.materials.last().unwrap().clone();
     assert_eq!(row.model, SurfaceModel::Dielectric { ior: 1.33, exterior_ior: 1.5 });
     assert!(load_json(&document).unwrap().describe().contains("1.5 before it"));
 }

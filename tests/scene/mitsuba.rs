@@ -116,8 +116,8 @@ fn compare(a: &BakedScene<1>, b: &BakedScene<1>, name: &str) {
     assert_eq!(shapes.surfaces.len(), others.surfaces.len(), "{name}");
     for (own, other) in shapes.surfaces.iter().zip(&others.surfaces) {
         let (row, of) = (
-            a.optics.materials[own.material as usize],
-            b.optics.materials[other.material as usize],
+            a.optics.materials[own.material as usize].clone(),
+            b.optics.materials[other.material as usize].clone(),
         );
         assert_eq!(row.model, of.model, "{name}");
         assert!(row.two_sided == of.two_sided || row.model.transmits(), "{name}");
@@ -223,13 +223,13 @@ fn what_is_not_said_is_as_in_mitsuba() {
          <shape type='rectangle'><emitter type='area'/></shape>",
     );
     let scene: BakedScene<1> = bake(&world, &GREEN).unwrap();
-    let models: Vec<_> = scene.optics.materials.iter().map(|row| row.model).collect();
+    let models: Vec<_> = scene.optics.materials.iter().map(|row| row.model.clone()).collect();
     assert_eq!(models[0], SurfaceModel::Diffuse { reflectance: [0.5] });
     assert_eq!(models[1], SurfaceModel::Dielectric { ior: 1.5046, exterior_ior: 1.000_277 });
     let SurfaceModel::Conductor { eta: [eta], k: [k] } = models[2] else { panic!("{models:?}") };
     let reflectance = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
     assert!((reflectance - 1.0).abs() < 1e-6, "{reflectance}");
-    assert_eq!((models[3], scene.optics.radiance_of(0)), (SurfaceModel::Absorber, [1.0]));
+    assert_eq!((models[3].clone(), scene.optics.radiance_of(0)), (SurfaceModel::Absorber, [1.0]));
     assert_eq!(*world.asked(), Asked::default());
 }
 

@@ -17,7 +17,7 @@ fn with(mut keys: Value) -> SurfaceModel<[f32; 3]> {
     keys["bsdf"] = json!("plastic");
     let mut document = good();
     document["materials"][0] = json!({"extensions": {"SUNSTONE_polarization": keys}});
-    baked(&document).optics.materials[0].model
+    baked(&document).optics.materials[0].model.clone()
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn colors_and_indices_of_gltf_are_those_of_the_base() {
         "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1.0]},
         "extensions": {"KHR_materials_ior": {"ior": 1.75},
             "SUNSTONE_polarization": {"bsdf": "plastic", "alpha": 0.2}}});
-    let model = baked(&document).optics.materials[0].model;
+    let model = baked(&document).optics.materials[0].model.clone();
     let SurfaceModel::Plastic { reflectance, ior, .. } = model else { panic!("{model:?}") };
     assert_eq!((reflectance, ior), ([0.5, 0.25, 0.125], 1.75));
 }
@@ -107,7 +107,7 @@ fn plastics_that_are_none() {
 
 fn of_mitsuba(bsdf: &str) -> SurfaceModel<[f32; 1]> {
     let world = loaded(&format!("<shape type='sphere'>{bsdf}</shape>"));
-    bake(&world, &GREEN).unwrap_or_else(|error| panic!("{error}")).optics.materials[0].model
+    bake(&world, &GREEN).unwrap_or_else(|error| panic!("{error}")).optics.materials[0].model.clone()
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn what_is_written_is_read_again() {
     written.save(&path).unwrap();
     let again = load(&path).unwrap_or_else(|error| panic!("{error}"));
     std::fs::remove_file(&path).unwrap();
-    let models =
-        [&world, &again].map(|world| bake(world, &GREEN).unwrap().optics.materials[0].model);
+    let models = [&world, &again]
+        .map(|world| bake(world, &GREEN).unwrap().optics.materials[0].model.clone());
     assert_eq!(models[0], models[1]);
 }

@@ -59,7 +59,7 @@ fn cornell() {
     assert!((scene.shapes.spheres[0].radius - 0.38).abs() < 1e-6);
     assert_near(scene.shapes.spheres[1].center, Vec3::new(-0.42, -0.55, -0.25));
     let models: Vec<SurfaceModel<[f32; 1]>> =
-        scene.optics.materials.iter().map(|material| material.model).collect();
+        scene.optics.materials.iter().map(|material| material.model.clone()).collect();
     let diffuse = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
     let glass = SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 };
     let metal = SurfaceModel::Conductor { eta: [0.9586], k: [6.687] };
@@ -158,7 +158,8 @@ fn polarizers() {
     let surface = |triangle: usize| {
         scene.shapes.surfaces[scene.shapes.surface_of_primitive[triangle] as usize]
     };
-    let model = |triangle: usize| scene.optics.materials[surface(triangle).material as usize].model;
+    let model =
+        |triangle: usize| scene.optics.materials[surface(triangle).material as usize].model.clone();
     let polarizer = |axis_deg| {
         let extinction_ratio = f64::INFINITY;
         SurfaceModel::Polarizer { axis_deg, extinction_ratio }
@@ -211,7 +212,7 @@ fn tank_of_the_reference() {
     assert!(scene.shapes.shading_normals.is_empty(), "the bunny has facets");
     let glass = surface(&scene, 0);
     assert_eq!((glass.interior, glass.exterior), (0, NONE));
-    let model = scene.optics.materials[glass.material as usize].model;
+    let model = scene.optics.materials[glass.material as usize].model.clone();
     assert_eq!(model, SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 });
     for corner in scene.shapes.triangles[..12].iter().flat_map(|triangle| triangle.corners) {
         assert_near(corner.abs(), Vec3::new(1.2, 0.9, 0.8));
@@ -221,7 +222,7 @@ fn tank_of_the_reference() {
     assert_eq!(medium.phase, Phase::HenyeyGreenstein { g: [0.8] });
     for (triangle, reflectance, two_sided) in [(12, 0.7, true), (14, 0.7, true), (16, 0.5, false)] {
         let surface = surface(&scene, triangle);
-        let row = scene.optics.materials[surface.material as usize];
+        let row = scene.optics.materials[surface.material as usize].clone();
         let model = SurfaceModel::Diffuse { reflectance: [reflectance] };
         assert_eq!((row.model, row.two_sided), (model, two_sided));
         assert_eq!((surface.interior, surface.exterior), (KEEP, KEEP));
@@ -261,7 +262,7 @@ fn tank_to_look_at() {
     let world = load(&scene("tank.gltf")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(world.warnings(), [] as [String; 0]);
     let scene = bake(&world, &Carried::RGB).unwrap();
-    let model = |surface: &Surface| scene.optics.materials[surface.material as usize].model;
+    let model = |surface: &Surface| scene.optics.materials[surface.material as usize].model.clone();
     // 1 where it is no dielectric.
     let ior = |surface: &Surface| match model(surface) {
         SurfaceModel::Dielectric { ior, exterior_ior } => ior / exterior_ior,

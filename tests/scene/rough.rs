@@ -22,7 +22,7 @@ fn plain_materials_that_are_rough_are_one_model() {
             "extensions": extensions});
         let document = with(material);
         assert_eq!(warnings(&document), "");
-        let row = baked(&document).optics.materials[0];
+        let row = baked(&document).optics.materials[0].clone();
         assert!(row.two_sided);
         row.model
     };
@@ -45,7 +45,7 @@ fn plain_materials_that_are_rough_are_one_model() {
     let opaque = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
     assert_eq!(rough(json!({}), opaque), none_stated);
     let hardly = with(json!({"pbrMetallicRoughness": {"roughnessFactor": 0.03}}));
-    let model = baked(&hardly).optics.materials[0].model;
+    let model = baked(&hardly).optics.materials[0].model.clone();
     assert!(matches!(model, SurfaceModel::Conductor { .. }), "{model:?}");
     let colored = with(json!({"extensions":
         {"KHR_materials_specular": {"specularColorFactor": [1.0, 0.5, 1.0]}}}));
@@ -56,7 +56,7 @@ fn plain_materials_that_are_rough_are_one_model() {
 fn rough_metal() {
     let with = |body: Value| {
         let material = json!({"extensions": {"SUNSTONE_polarization": body}});
-        baked(&with(material)).optics.materials[0].model
+        baked(&with(material)).optics.materials[0].model.clone()
     };
     let gold = with(json!({"bsdf": "conductor", "metal": "Au"}));
     let SurfaceModel::Conductor { eta, k } = gold else { panic!("{gold:?}") };

@@ -33,7 +33,7 @@ fn close(a: f32, b: f64) -> bool {
 #[test]
 fn substances_have_names() {
     let conductor = |body: Value| with("/materials/0/extensions", "SUNSTONE_polarization", body);
-    let model = |body, nm| baked(&conductor(body), nm).optics.materials[0].model;
+    let model = |body, nm| baked(&conductor(body), nm).optics.materials[0].model.clone();
     for nm in [380.0, 550.0, 780.0, 1000.0] {
         let named = model(json!({"bsdf": "conductor", "eta": "Ag", "k": "Ag"}), nm);
         assert_eq!(named, model(json!({"bsdf": "conductor", "metal": "Ag"}), nm));
@@ -64,7 +64,7 @@ fn indices_have_formulas() {
     ] {
         let document = with("/materials/0/extensions", "SUNSTONE_polarization", conductor(eta));
         let SurfaceModel::Conductor { eta: [eta], .. } =
-            baked(&document, nm).optics.materials[0].model
+            baked(&document, nm).optics.materials[0].model.clone()
         else {
             panic!("no conductor")
         };
@@ -79,7 +79,7 @@ fn indices_have_formulas() {
 
 /// The index of refraction of the one dielectric, once for all columns or for each.
 fn iors<const N: usize, const K: usize>(scene: &BakedScene<N>) -> [f32; K] {
-    let models = scene.optics.materials.iter().map(|row| row.model);
+    let models = scene.optics.materials.iter().map(|row| row.model.clone());
     let iors = models.filter_map(|model| match model {
         SurfaceModel::Dielectric { ior, .. } => Some(vec![ior]),
         SurfaceModel::DispersiveDielectric { ior, .. } => Some(ior.to_vec()),

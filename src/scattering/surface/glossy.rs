@@ -3,6 +3,7 @@
 //! nothing, and a copy of every stage for every model, color and mode would be most of the program.
 
 use super::facing::Facing;
+use super::measured::Measured;
 use super::metallic_roughness::MetallicRoughness;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
 use super::plastic::Plastic;
@@ -15,14 +16,16 @@ use crate::scattering::vertex::{DenseKernels, Kernels};
 
 /// A glossy model.
 pub trait Glossy<const N: usize>: Surface {
-    /// Eight of them.
-    type Lanes: Lobes<N>;
+    /// Eight of them, of a table.
+    type Lanes<'a>: Lobes<N>
+    where
+        Self: 'a;
 
     /// What their kernels are.
-    const FORM: Form = <<Self::Lanes as Lobes<N>>::Kernel as Elements>::FORM;
+    const FORM: Form;
 
     /// Those of some rows.
-    fn lanes(models: &ModelLanes<Self>) -> Self::Lanes;
+    fn lanes<'a>(models: &ModelLanes<'a, Self>) -> Self::Lanes<'a>;
 }
 
 /// Eight glossy surfaces; see [`Connecting`].
@@ -70,16 +73,16 @@ macro_rules! declare {
 
         /// Eight surfaces of a glossy model.
         #[derive(Clone, Copy)]
-        pub enum GlossyLanes<const N: usize> {
+        pub enum GlossyLanes<'a, const N: usize> {
             $(#[doc = concat!("Of `SurfaceModel::", stringify!($glossy), "`.")]
-            $glossy(<$glossy_model as Glossy<N>>::Lanes),)*
+            $glossy(<$glossy_model as Glossy<N>>::Lanes<'a>),)*
         }
 
-        impl<const N: usize> Connecting<N> for GlossyTable<'_, N> {
+        impl<'a, const N: usize> Connecting<N> for GlossyTable<'a, N> {
             type Kernel = SpheroidBlock<F32s>;
             const ACHROMATIC: bool = false;
             const IS_EVEN: bool = false;
-            type Lanes = GlossyLanes<N>;
+            type Lanes = GlossyLanes<'a, N>;
 
             #[inline(always)]
             fn factor(self, _rows: &LaneRows) -> [F32s; N] {
@@ -87,7 +90,7 @@ macro_rules! declare {
             }
 
             #[inline(never)]
-            fn lanes(self, rows: &LaneRows) -> GlossyLanes<N> {
+            fn lanes(self, rows: &LaneRows) -> GlossyLanes<'a, N> {
                 match self {
                     $(Self::$glossy(table) => GlossyLanes::$glossy(
                         <$glossy_model as Glossy<N>>::lanes(&ModelLanes::new(table, *rows)),
@@ -97,7 +100,7 @@ macro_rules! declare {
 
             #[inline(never)]
             fn shape(
-                of: &GlossyLanes<N>,
+                of: &GlossyLanes<'a, N>,
                 facing: &Facing,
                 given: Vector<F32s>,
                 drawn: Vector<F32s>,
@@ -109,7 +112,7 @@ macro_rules! declare {
 
             #[inline(never)]
             fn pdf(
-                of: &GlossyLanes<N>,
+                of: &GlossyLanes<'a, N>,
                 facing: &Facing,
                 given: Vector<F32s>,
                 drawn: Vector<F32s>,
@@ -122,7 +125,7 @@ macro_rules! declare {
             #[inline(never)]
             fn draw(
                 self,
-                (_rows, of): (&LaneRows, &GlossyLanes<N>),
+                (_rows, of): (&LaneRows, &GlossyLanes<'a, N>),
                 facing: &Facing,
                 given: Vector<F32s>,
                 u: [F32s; 2],
@@ -134,7 +137,7 @@ macro_rules! declare {
 
             #[inline(never)]
             fn kernels(
-                of: &GlossyLanes<N>,
+                of: &GlossyLanes<'a, N>,
                 facing: &Facing,
                 k_in: Vector<F32s>,
                 k_out: Vector<F32s>,
@@ -148,7 +151,7 @@ macro_rules! declare {
             }
 
             #[inline(always)]
-            fn is_dense(of: &GlossyLanes<N>) -> bool {
+            fn is_dense(of: &GlossyLanes<'a, N>) -> bool {
                 match of {
                     $(GlossyLanes::$glossy(_) => {
                         matches!(<$glossy_model as Glossy<N>>::FORM, Form::Dense)
@@ -158,7 +161,7 @@ macro_rules! declare {
 
             #[inline(never)]
             fn dense_kernels(
-                of: &GlossyLanes<N>,
+                of: &GlossyLanes<'a, N>,
                 facing: &Facing,
                 k_in: Vector<F32s>,
                 k_out: Vector<F32s>,

@@ -25,6 +25,7 @@ use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, p
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
+use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 
 /// Least share of light that gets through a coat, on the average.
@@ -205,10 +206,11 @@ impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
 }
 
 impl<const N: usize> Glossy<N> for MetallicRoughness<N> {
-    type Lanes = MetallicRoughnesses<N>;
+    type Lanes<'a> = MetallicRoughnesses<N>;
+    const FORM: Form = Form::Spheroid;
 
     #[inline(always)]
-    fn lanes(models: &ModelLanes<Self>) -> MetallicRoughnesses<N> {
+    fn lanes<'a>(models: &ModelLanes<'a, Self>) -> MetallicRoughnesses<N> {
         let alpha = models.field(|model| model.alpha);
         MetallicRoughnesses {
             facets: Facets::new(alpha, F32s::splat(0.0)),

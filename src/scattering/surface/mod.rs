@@ -15,6 +15,7 @@ mod dispersive_dielectric;
 mod element;
 mod facing;
 mod glossy;
+mod measured;
 mod metallic_roughness;
 pub mod model;
 mod null;
@@ -35,6 +36,7 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use measured::Measured;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
 use plastic::Plastic;
@@ -78,6 +80,7 @@ macro_rules! surface_models {
                     reflectance, ior, exterior_ior, alpha, distribution, specular,
                     internal_reflection
                 } => plastic: Plastic<N>,
+                Measured { table, places } => measured: Measured<N>,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -278,7 +281,7 @@ macro_rules! declare {
 
             /// Appends the material's parameters to the table of its model.
             fn add(&mut self, model: &SurfaceModel<[f32; N]>) -> Added {
-                match *model {
+                match model.clone() {
                     $(SurfaceModel::$end { $($end_of),* } => {
                         append(&mut self.$end_table, <$end_model>::of($($end_of),*))
                     })*
@@ -503,11 +506,11 @@ impl<const N: usize> Surfaces<N> {
     /// The tables of baked materials, as `painting` has them.
     pub fn new(baked: &[baked::Material<N>], painting: Option<&Painting<N>>) -> Self {
         let mut surfaces = Self::default();
-        for (index, &baked::Material { model, two_sided }) in baked.iter().enumerate() {
+        for (index, &baked::Material { ref model, two_sided }) in baked.iter().enumerate() {
             let textures = painting.and_then(|painting| painting.of(index));
-            let Added { row, scattered, peak } = surfaces.add(&model);
+            let Added { row, scattered, peak } = surfaces.add(model);
             surfaces.materials.push(Material {
-                kind: SurfaceKind::of(&model),
+                kind: SurfaceKind::of(model),
                 row,
                 two_sided,
                 survival: scattered.clamp(SURVIVAL_MIN, 1.0),
@@ -559,8 +562,9 @@ struct Added {
 }
 
 fn append<M: Surface>(table: &mut Vec<M>, model: M) -> Added {
+    let (scattered, peak) = (model.scattered(), model.peak());
     table.push(model);
-    Added { row: table.len() as u32 - 1, scattered: model.scattered(), peak: model.peak() }
+    Added { row: table.len() as u32 - 1, scattered, peak }
 }
 
 #[cfg(test)]

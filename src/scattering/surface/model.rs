@@ -19,7 +19,7 @@ use super::Material;
 use super::facing::Facing;
 
 /// A surface model with its parameters at the wavelengths of the render.
-pub trait Surface: Copy {
+pub trait Surface: Clone {
     /// Whether other bodies may be on its two sides, so that its parameters are of the place: see
     /// [`crate::scattering::nesting`].
     const NESTS: bool = false;
@@ -246,6 +246,15 @@ impl<'a, M> ModelLanes<'a, M> {
     #[inline(always)]
     pub fn new(models: &'a [M], rows: LaneRows) -> Self {
         Self { models, rows }
+    }
+
+    /// All of them.
+    #[inline(always)]
+    pub fn each(&self) -> [&'a M; LANES] {
+        match self.rows {
+            LaneRows::Same(row) => [&self.models[row]; LANES],
+            LaneRows::Each(rows) => rows.map(|row| &self.models[row]),
+        }
     }
 
     /// One parameter.

@@ -38,6 +38,7 @@ use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
     Albedo, Block, Dense, Distribution, FacetReflection, Facets, Rotation, Stokes, fresnel, s_axis,
 };
+use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 use crate::scene::world::InternalReflection;
 
@@ -224,10 +225,11 @@ impl<const N: usize> Rough<N> for Plastics<N> {
 }
 
 impl<const N: usize> Glossy<N> for Plastic<N> {
-    type Lanes = Plastics<N>;
+    type Lanes<'a> = Plastics<N>;
+    const FORM: Form = Form::Dense;
 
     #[inline(always)]
-    fn lanes(models: &ModelLanes<Self>) -> Plastics<N> {
+    fn lanes<'a>(models: &ModelLanes<'a, Self>) -> Plastics<N> {
         let alpha = models.field(|model| model.alpha);
         let half = F32s::splat(0.5);
         Plastics {

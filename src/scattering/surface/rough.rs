@@ -155,6 +155,52 @@ pub trait Rough<const N: usize> {
     }
 }
 
+/// Directions that are drawn by facets, with some chance, or else by the cosine.
+#[derive(Clone, Copy)]
+pub struct Mixture {
+    /// The facets.
+    pub facets: Facets,
+    /// The probability of drawing by them.
+    pub chance: F32s,
+}
+
+impl Mixture {
+    /// That of rough surfaces for paths that come from directions of the cosine `cos`.
+    #[inline(always)]
+    fn of<const N: usize>(rough: &impl Rough<N>, cos: F32s) -> Self {
+        Self { facets: *rough.facets(), chance: rough.chance_of_facets(cos) }
+    }
+
+    /// Density per steradian of [`Mixture::draw`]; see [`Lobes::pdf`].
+    #[inline(always)]
+    pub fn pdf(&self, normal: Vector<F32s>, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+        let of_facets = self.facets.pdf(normal, given, drawn);
+        let of_cosine = warp::cosine_pdf(drawn.dot(normal).fast_max(F32s::splat(0.0)));
+        self.chance.mul_add(of_facets - of_cosine, of_cosine)
+    }
+
+    /// Draws a direction, for a path that comes from `given` above the surface of the `normal`,
+    /// with its density. The first number chooses between facets and the cosine, too.
+    #[inline(always)]
+    pub fn draw(
+        &self,
+        normal: Vector<F32s>,
+        given: Vector<F32s>,
+        u: [F32s; 2],
+    ) -> (Vector<F32s>, F32s) {
+        let (one, chance) = (F32s::splat(1.0), self.chance);
+        let by_facets = u[0].simd_lt(chance);
+        let less = u[0] / chance.fast_max(F32s::splat(TINY));
+        let more = (u[0] - chance) / (one - chance).fast_max(F32s::splat(TINY));
+        let below_one = F32s::splat(1.0 - f32::EPSILON / 2.0);
+        let again = [Real::select(by_facets, less, more).fast_min(below_one), u[1]];
+        let (of_cosine, _) = warp::cosine_hemisphere(normal, again);
+        let of_facets = self.facets.draw(normal, given, again);
+        let direction = Vector::select(by_facets, of_facets, of_cosine);
+        (direction, self.pdf(normal, given, direction).fast_max(F32s::splat(PDF_MIN)))
+    }
+}
+
 impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     type Kernel = R::Kernel;
 
@@ -166,27 +212,13 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     #[inline(always)]
     fn pdf(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let normal = facing.shading_towards(given);
-        let chance = self.chance_of_facets(given.dot(normal));
-        let of_facets = self.facets().pdf(normal, given, drawn);
-        let of_cosine = warp::cosine_pdf(drawn.dot(normal).fast_max(F32s::splat(0.0)));
-        chance.mul_add(of_facets - of_cosine, of_cosine)
+        Mixture::of(self, given.dot(normal)).pdf(normal, given, drawn)
     }
 
-    /// The first number chooses between facets and the cosine, too.
     #[inline(always)]
     fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N> {
-        let one = F32s::splat(1.0);
         let normal = facing.shading_towards(given);
-        let chance = self.chance_of_facets(given.dot(normal));
-        let by_facets = u[0].simd_lt(chance);
-        let less = u[0] / chance.fast_max(F32s::splat(TINY));
-        let more = (u[0] - chance) / (one - chance).fast_max(F32s::splat(TINY));
-        let below_one = F32s::splat(1.0 - f32::EPSILON / 2.0);
-        let again = [Real::select(by_facets, less, more).fast_min(below_one), u[1]];
-        let (of_cosine, _) = warp::cosine_hemisphere(normal, again);
-        let of_facets = self.facets().draw(normal, given, again);
-        let direction = Vector::select(by_facets, of_facets, of_cosine);
-        let pdf = self.pdf(facing, given, direction).fast_max(F32s::splat(PDF_MIN));
+        let (direction, pdf) = Mixture::of(self, given.dot(normal)).draw(normal, given, u);
         let mut weight = Lobes::values(self, facing, given, direction);
         let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);

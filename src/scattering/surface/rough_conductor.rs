@@ -6,6 +6,7 @@ use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, p
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
+use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 
 /// The index of refraction n - i k relative to vacuum, and facets.
@@ -120,10 +121,11 @@ impl<const N: usize> Rough<N> for RoughConductors<N> {
 }
 
 impl<const N: usize> Glossy<N> for RoughConductor<N> {
-    type Lanes = RoughConductors<N>;
+    type Lanes<'a> = RoughConductors<N>;
+    const FORM: Form = Form::Spheroid;
 
     #[inline(always)]
-    fn lanes(models: &ModelLanes<Self>) -> RoughConductors<N> {
+    fn lanes<'a>(models: &ModelLanes<'a, Self>) -> RoughConductors<N> {
         let alpha = models.field(|model| model.alpha);
         let beckmann = models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5));
         RoughConductors {

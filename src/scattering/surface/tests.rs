@@ -5,8 +5,8 @@ use super::*;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness, Plastic,
-        RoughConductor, ThinDielectric,
+        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, Measured,
+        MetallicRoughness, Plastic, RoughConductor, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -19,6 +19,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         RoughConductor,
         MetallicRoughness,
         Plastic,
+        Measured,
     ];
     assert_eq!(met, expected.map(Met::Surface));
     let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
@@ -44,7 +45,7 @@ fn every_kind_has_its_event() {
 fn materials_are_rows_of_the_tables_of_their_models() {
     let glass = SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 };
     let gray = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
-    let models = [gray(0.5), glass, gray(0.0), SurfaceModel::Absorber, glass];
+    let models = [gray(0.5), glass.clone(), gray(0.0), SurfaceModel::Absorber, glass];
     let baked = models.map(|model| baked::Material { model, two_sided: false });
     let surfaces = Surfaces::new(&baked, None);
     let rows: Vec<u32> = surfaces.materials().iter().map(|material| material.row).collect();

@@ -200,6 +200,7 @@ fn surface(
             | Bsdf::Conductor { .. }
             | Bsdf::MetallicRoughness { .. }
             | Bsdf::Plastic { .. }
+            | Bsdf::Measured { .. }
             | Bsdf::RoughConductor { .. }
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }

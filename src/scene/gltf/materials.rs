@@ -19,6 +19,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::files::Files;
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
@@ -26,7 +27,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, InternalReflection, Material, Name, Sides, Skin, tabulated,
+    Boundary, Bsdf, Emission, InternalReflection, Material, MeasuredTable, Name, Sides, Skin,
+    tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -47,21 +49,25 @@ pub const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
 
+/// What a model is read of besides its keys: glTF's own, and the scene's files.
+type Of<'a> = (&'a json::Material, &'a Files);
+
 /// A value of `bsdf`.
 struct Model {
     name: &'static str,
     /// The keys that it takes.
     keys: &'static [&'static str],
     /// Reads them.
-    read: fn(&Body, &json::Material) -> Result<Bsdf, SceneError>,
+    read: fn(&Body, Of) -> Result<Bsdf, SceneError>,
 }
 
 /// All of them.
-const MODELS: [Model; 10] = [
+const MODELS: [Model; 11] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
+    Model { name: "measured", keys: &["file"], read: measured },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
     Model { name: "plastic", keys: &PLASTIC, read: plastic },
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
@@ -159,7 +165,11 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
-            return dispersed(extension_model(model, &body, material)?, value, label);
+            return dispersed(
+                extension_model(model, &body, (material, &document.files))?,
+                value,
+                label,
+            );
         }
         let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
         if !keys.is_empty() {
@@ -336,6 +346,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Conductor { .. }
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Plastic { .. }
+        | Bsdf::Measured { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
@@ -347,11 +358,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
 }
 
 /// The model that `bsdf` names.
-fn extension_model(
-    model: &str,
-    body: &Body,
-    material: &json::Material,
-) -> Result<Bsdf, SceneError> {
+fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError> {
     let names = MODELS.map(|model| model.name);
     let remedy = format!("use one of {}", names.join(", "));
     if PLANNED_MODELS.contains(&model) {
@@ -367,7 +374,7 @@ fn extension_model(
         let problem = format!("means nothing for a {model}");
         return Err(SceneError::new(body.field(key), problem, remedy));
     }
-    let bsdf = read(body, material)?;
+    let bsdf = read(body, of)?;
     bsdf.check().map_err(|fault| match fault.field.as_str() {
         "ior" if !body.has("ior") => SceneError::at(body.label(), fault.of(KHR_IOR)),
         "ior over exterior_ior" => SceneError::at(body.label(), fault),
@@ -376,18 +383,18 @@ fn extension_model(
     Ok(bsdf)
 }
 
-fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+fn diffuse(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
     let base_color = Spectrum::Rgb([red, green, blue]);
     Ok(Bsdf::diffuse(body.spectrum("reflectance")?.unwrap_or(base_color)))
 }
 
-fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+fn dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     Ok(Bsdf::boundary(ior, refraction(body, "exterior_ior")?.unwrap_or(1.0.into())))
 }
 
-fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+fn thin_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| Spectrum::Constant(khr_ior(material)));
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(Spectrum::Constant(1.0));
     Ok(Bsdf::ThinDielectric { ior, exterior_ior })
@@ -403,13 +410,13 @@ fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
     body.refraction(key, Part::Real)
 }
 
-fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+fn polarizer(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
     let extinction_ratio = body.number("extinction_ratio")?.unwrap_or(f64::INFINITY);
     Ok(Bsdf::Polarizer { axis_deg, extinction_ratio })
 }
 
-fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+fn retarder(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     match body.number("retardance_deg")? {
         Some(retardance_deg) => {
             Ok(Bsdf::retarder(body.number("axis_deg")?.unwrap_or(0.0), retardance_deg))
@@ -421,12 +428,12 @@ fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
     }
 }
 
-fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "conductor")?;
     Ok(Bsdf::Conductor { eta, k })
 }
 
-fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
+fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
     let distribution = distribution(body)?;
     let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
@@ -434,7 +441,7 @@ fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> 
     Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
 }
 
-fn plastic(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+fn plastic(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
     let base_color = Spectrum::Rgb([red, green, blue]);
     let number = |key| body.number(key).map(|value| value.map(|value| value as f32));
@@ -456,6 +463,17 @@ fn plastic(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
         specular: number("specular")?.unwrap_or(1.0),
         internal_reflection,
     })
+}
+
+/// A table in a file, read once.
+fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
+    let Some(uri) = body.word("file")? else {
+        return Err(body.missing("file", "a file of measured reflectance, `.pbsdf`"));
+    };
+    let place = body.field("file");
+    let table = MeasuredTable::new(uri, files.bytes(uri, &place, u64::MAX)?)
+        .map_err(|fault| SceneError::at(&place, fault))?;
+    Ok(Bsdf::Measured { places: table.places(), table })
 }
 
 /// How the normals of facets are distributed.

@@ -325,6 +325,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
+        | Bsdf::Measured { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::ThinDielectric { .. }
@@ -343,6 +344,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Pai
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
+        | Bsdf::Measured { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }

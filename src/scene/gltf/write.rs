@@ -296,6 +296,10 @@ impl Writer {
             } => json!({"bsdf": "plastic", "reflectance": of(reflectance), "ior": ior,
                 "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
                 "specular": specular, "internal_reflection": internal_reflection.name()}),
+            // Beside the scene, as it was.
+            Bsdf::Measured { table, places: _ } => {
+                json!({"bsdf": "measured", "file": table.name()})
+            }
             Bsdf::MetallicRoughness { base_color, .. } => {
                 let color = match base_color {
                     Spectrum::Constant(value) => [*value; 3],

@@ -244,6 +244,7 @@ impl Import<'_> {
             | Bsdf::RoughConductor { .. }
             | Bsdf::MetallicRoughness { .. }
             | Bsdf::Plastic { .. }
+            | Bsdf::Measured { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
             | Bsdf::ThinDielectric { .. }
@@ -369,7 +370,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
-        | Bsdf::Plastic { .. })
+        | Bsdf::Plastic { .. }
+        | Bsdf::Measured { .. })
             if is_same =>
         {
             bsdf
@@ -380,6 +382,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Plastic { .. }
+        | Bsdf::Measured { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. } => return None,
     };

@@ -121,6 +121,10 @@ fn model(bsdf: &Bsdf) -> String {
                  {alpha} and share {specular}, internal reflection {within}"
             )
         }
+        Bsdf::Measured { table, places: _ } => {
+            let ([first, last], count) = (table.ends_nm(), table.wavelengths());
+            format!("measured, {}, {count} wavelengths from {first} to {last} nm", table.name())
+        }
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }

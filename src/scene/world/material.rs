@@ -3,7 +3,7 @@
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
-use crate::scene::world::InternalReflection;
+use crate::scene::world::{InternalReflection, MeasuredTable};
 use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
@@ -11,7 +11,7 @@ pub type Bsdf = SurfaceModel<Spectrum>;
 
 /// A model of how surfaces scatter, with its parameters. Those that depend on the wavelength are
 /// an `S`: a spectrum in the world, values at the wavelengths of the render in what is baked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceModel<S> {
     /// Absorbs everything.
     Absorber,
@@ -75,6 +75,13 @@ pub enum SurfaceModel<S> {
         specular: f32,
         /// What becomes of light that the interface reflects within.
         internal_reflection: InternalReflection,
+    },
+    /// Reflectance that was measured, as Mueller matrices.
+    Measured {
+        /// The matrices.
+        table: MeasuredTable,
+        /// Where wavelengths are among those of the table: [`MeasuredTable::places`].
+        places: S,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -161,6 +168,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             Self::Absorber
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::Measured { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -261,6 +269,7 @@ impl Bsdf {
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
+            | Self::Measured { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -280,6 +289,7 @@ impl Bsdf {
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
+            | Self::Measured { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
@@ -291,7 +301,8 @@ impl Bsdf {
     /// Refuses what no surface does.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         match self {
-            Self::Absorber | Self::Null => Ok(()),
+            // Tables are checked as they are read.
+            Self::Absorber | Self::Measured { .. } | Self::Null => Ok(()),
             Self::Diffuse { reflectance } => reflectance.check("reflectance", Range::UNIT),
             Self::Conductor { eta, k } => {
                 eta.check("eta", Range::POSITIVE)?;
@@ -424,6 +435,10 @@ impl<S> SurfaceModel<S> {
                 specular,
                 internal_reflection,
             },
+            Self::Measured { table, places } => {
+                let places = index(places, "wvls")?;
+                SurfaceModel::Measured { table: table.clone(), places }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -465,6 +480,7 @@ impl<S> SurfaceModel<S> {
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
+            | Self::Measured { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -482,7 +498,8 @@ impl<S> SurfaceModel<S> {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
-            | Self::Plastic { .. } => Passage::Closed,
+            | Self::Plastic { .. }
+            | Self::Measured { .. } => Passage::Closed,
             Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet

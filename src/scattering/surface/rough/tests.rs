@@ -9,6 +9,7 @@ use crate::polarization::kernel::Kernel;
 use crate::polarization::{Dense, Distribution, Rotation, Stokes};
 use crate::scattering::phase::half_sine2;
 use crate::scattering::surface::glossy::{GlossyLanes, GlossyTable};
+use crate::scattering::surface::measured::Measured;
 use crate::scattering::surface::metallic_roughness::MetallicRoughness;
 use crate::scattering::surface::model::{Connecting, LaneRows, Surface};
 use crate::scattering::surface::plastic::Plastic;
@@ -44,11 +45,12 @@ pub fn directions(cos: F32s, turns: F32s) -> Vector<F32s> {
 }
 
 /// One of the models.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Model {
     Metal(RoughConductor<1>),
     Mixed(MetallicRoughness<1>),
     Plastic(Plastic<1>),
+    Measured(Measured<1>),
 }
 
 /// What one says between two directions, and what it draws.
@@ -64,10 +66,11 @@ impl Model {
             Self::Metal(model) => GlossyTable::RoughConductor(std::slice::from_ref(model)),
             Self::Mixed(model) => GlossyTable::MetallicRoughness(std::slice::from_ref(model)),
             Self::Plastic(model) => GlossyTable::Plastic(std::slice::from_ref(model)),
+            Self::Measured(model) => GlossyTable::Measured(std::slice::from_ref(model)),
         }
     }
 
-    fn lanes(&self) -> GlossyLanes<1> {
+    fn lanes(&self) -> GlossyLanes<'_, 1> {
         self.table().lanes(&LaneRows::Same(0))
     }
 
@@ -137,6 +140,7 @@ impl Model {
             Self::Metal(model) => model.scattered(),
             Self::Mixed(model) => model.scattered(),
             Self::Plastic(model) => model.scattered(),
+            Self::Measured(model) => model.scattered(),
         }
     }
 
@@ -160,7 +164,7 @@ impl Model {
     }
 
     /// The same by a sum over directions.
-    fn integrated_albedo(&self, cos: f32) -> f64 {
+    pub fn integrated_albedo(&self, cos: f32) -> f64 {
         let given = directions(F32s::splat(cos), F32s::splat(0.3));
         let of = |cos_out: F32s, turns| {
             let value = self.say(given, directions(cos_out, turns)).value;
