@@ -81,11 +81,10 @@ pub fn read(fields: &Fields) -> Result<Surface, SceneError> {
 }
 
 /// What fields of models are called here.
-const NAMES: [(&str, &str); 7] = [
+const NAMES: [(&str, &str); 6] = [
     ("ior", "int_ior"),
     ("exterior_ior", "ext_ior"),
     ("ior over exterior_ior", "int_ior"),
-    ("reflectance", "diffuse_reflectance"),
     ("specular", "specular_reflectance"),
     ("axis_deg", "theta"),
     ("retardance_deg", "delta"),
@@ -204,6 +203,7 @@ fn plastic_of(
     internal_reflection: InternalReflection,
 ) -> Result<Bsdf, SceneError> {
     let reflectance = fields.spectrum_or("diffuse_reflectance", Kind::Share, 0.5)?;
+    super::spectra::check(fields, "diffuse_reflectance", &reflectance, Range::UNIT)?;
     let Spectrum::Constant(specular) =
         fields.spectrum_or("specular_reflectance", Kind::Share, 1.0)?
     else {
