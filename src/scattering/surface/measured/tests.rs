@@ -136,13 +136,11 @@ fn tables_of_models_are_as_the_models() {
 
 #[test]
 fn what_is_drawn_weighs_what_is_reflected() {
-    let [metal, plastic, _] = models();
-    for model in [metal, plastic] {
-        let table = measured(file(&model, 1, |_| ()));
-        let [drawn, summed] = [table.albedo(0.6), table.integrated_albedo(0.6)];
-        assert!((drawn - summed).abs() < 4e-3, "{drawn}, {summed}");
-        assert!((table.albedo(0.6) - model.albedo(0.6)).abs() < 0.02);
-    }
+    let [_, model, _] = models();
+    let table = measured(file(&model, 1, |_| ()));
+    let [drawn, summed] = [table.albedo(0.6), table.integrated_albedo(0.6)];
+    assert!((drawn - summed).abs() < 4e-3, "{drawn}, {summed}");
+    assert!((drawn - model.albedo(0.6)).abs() < 0.02);
 }
 
 #[test]
