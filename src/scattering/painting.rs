@@ -89,6 +89,7 @@ impl<const N: usize> PaintedModels<N> {
 
 /// Finds the models and the shading normals of painted surfaces where they have been hit. Points of
 /// earlier calls are forgotten but for those that are kept, unless `adds`.
+#[inline(never)]
 pub fn paint<const N: usize>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,

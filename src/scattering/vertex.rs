@@ -11,6 +11,7 @@ use super::Scene;
 use super::event::{Elements, Form, spheroids};
 use super::medium::Medium;
 use super::phase::{Scatters, half_sine2};
+use super::side::Side;
 use super::surface::model::{LaneRows, two_sided};
 use super::surface::{Connecting, Facing};
 
@@ -235,14 +236,14 @@ impl<M: Connecting<N>, const N: usize> SurfaceVertices<M, N> {
         &self,
         given: Vector<F32s>,
         drawn: Vector<F32s>,
-        scaled: impl FnOnce(F32s) -> F32s,
+        (side, scaled): (Side, impl FnOnce(F32s) -> F32s),
     ) -> Turn<N> {
         let facing = &self.kept.facing;
         let cosine = scaled(drawn.dot(facing.shading).abs());
-        let reflects = facing.reflects(given, drawn);
-        let mut value = M::shape(&self.lanes, facing, given, drawn);
+        let passes = M::passes(&self.lanes, facing, given, drawn);
+        let mut value = M::shape(&self.lanes, facing, given, drawn, side);
         for (value, &factor) in value.iter_mut().zip(&self.factor) {
-            *value = reflects & (factor * *value * cosine);
+            *value = passes & (factor * *value * cosine);
         }
         Turn {
             value,
@@ -268,22 +269,23 @@ impl<M: Connecting<N>, const N: usize> Vertices<N> for SurfaceVertices<M, N> {
 
     #[inline(always)]
     fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
-        self.turned(given, drawn, |cosine| cosine)
+        self.turned(given, drawn, (Side::Sensor, |cosine| cosine))
     }
 
     #[inline(always)]
     fn turn_of_light(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
-        self.turned(given, drawn, |cosine| self.kept.facing.adjoint(given, drawn) * cosine)
+        let adjoint = |cosine| self.kept.facing.adjoint(given, drawn) * cosine;
+        self.turned(given, drawn, (Side::Light, adjoint))
     }
 
     /// Photons count by the geometric normal, and the integral asks for the shading normal.
     #[inline(always)]
     fn merge(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> [F32s; N] {
         let facing = &self.kept.facing;
-        let reflects = facing.reflects(k_out, -k_in);
+        let passes = M::passes(&self.lanes, facing, k_out, -k_in);
         let ratio = k_in.dot(facing.shading) / k_in.dot(facing.geometric);
-        let mut value = M::shape(&self.lanes, facing, k_out, -k_in);
-        value.iter_mut().for_each(|value| *value = reflects & (*value * ratio));
+        let mut value = M::shape(&self.lanes, facing, k_out, -k_in, Side::Sensor);
+        value.iter_mut().for_each(|value| *value = passes & (*value * ratio));
         value
     }
 

@@ -22,11 +22,14 @@ mod polarizer;
 mod retarder;
 mod rough;
 mod rough_conductor;
+mod rough_dielectric;
 mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
 pub use glossy::GlossyTable;
+
+use glossy::Glossy;
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 
 use absorber::Absorber;
@@ -39,6 +42,7 @@ use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
+use rough_dielectric::RoughDielectric;
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
@@ -70,6 +74,8 @@ macro_rules! surface_models {
             glossy {
                 RoughConductor { eta, k, alpha, distribution, multiple_scattering } =>
                     rough_conductor: RoughConductor<N>,
+                RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering } =>
+                    rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
             }
@@ -165,6 +171,20 @@ macro_rules! declare {
                     $(Self::$glossy => true,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
+                }
+            }
+
+            /// Whether light that is connected, or drawn any way, may go through it.
+            #[inline(always)]
+            pub const fn passes_any_way(self) -> bool {
+                const N: usize = 1;
+                match self {
+                    $(Self::$glossy => <$glossy_model as Glossy<N>>::TRANSMITS,)*
+                    $(Self::$end)|*
+                    $(| Self::$one)*
+                    $(| Self::$any)*
+                    $(| Self::$both)*
+                    $(| Self::$pass)* => false,
                 }
             }
 
@@ -565,7 +585,7 @@ mod tests {
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         use SurfaceKind::{
             Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
-            RoughConductor, ThinDielectric,
+            RoughConductor, RoughDielectric, ThinDielectric,
         };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
         let expected = [
@@ -576,6 +596,7 @@ mod tests {
             ThinDielectric,
             Diffuse,
             RoughConductor,
+            RoughDielectric,
             MetallicRoughness,
         ];
         assert_eq!(met, expected.map(Met::Surface));

@@ -18,18 +18,19 @@ use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
     ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
+use crate::scattering::side::Side;
 use crate::scattering::vertex::Kernels;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
-const MISSING_MIN: f32 = 1e-4;
+pub const MISSING_MIN: f32 = 1e-4;
 /// Keeps denominators off zero.
-const TINY: f32 = 1e-30;
+pub const TINY: f32 = 1e-30;
 /// Least density that is said of a drawn direction: of those below the surface, which carry
 /// nothing, it would be zero.
-const PDF_MIN: f32 = 1e-12;
+pub const PDF_MIN: f32 = 1e-12;
 
 /// Roughness from which on photons merge whatever their directions.
-const NARROW: f32 = 0.2;
+pub const NARROW: f32 = 0.2;
 /// Slopes of facets in the peak, over the roughness: beyond it GGX has a hundredth of its most.
 const PEAK: f32 = 3.0;
 
@@ -142,7 +143,13 @@ pub trait Rough<const N: usize> {
 
 impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     #[inline(always)]
-    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N] {
+    fn values(
+        &self,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        _side: Side,
+    ) -> [F32s; N] {
         Rough::values(self, &self.reflect(facing, given, drawn))
     }
 
@@ -157,7 +164,7 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
 
     /// The first number chooses between facets and the cosine, too.
     #[inline(always)]
-    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N> {
+    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 3], side: Side) -> Drawn<N> {
         let one = F32s::splat(1.0);
         let normal = facing.shading_towards(given);
         let chance = self.chance_of_facets(given.dot(normal));
@@ -170,7 +177,7 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
         let of_facets = self.facets().draw(normal, given, again);
         let direction = Vector::select(by_facets, of_facets, of_cosine);
         let pdf = self.pdf(facing, given, direction).fast_max(F32s::splat(PDF_MIN));
-        let mut weight = Lobes::values(self, facing, given, direction);
+        let mut weight = Lobes::values(self, facing, given, direction, side);
         let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
         Drawn { direction, pdf, weight }

@@ -8,9 +8,9 @@
 //! - no transmission, or metallic 1: rough metal of that index, and a Lambertian base of baseColor
 //!   under a rough coat of KHR_materials_ior (1.5 if not given), of which KHR_materials_specular
 //!   may leave a share; mixed by the metallic factor;
-//! - metallic 0, transmission 1, smooth: a dielectric of KHR_materials_ior, 1.5 if not given;
-//!   thin-walled, unless KHR_materials_volume gives it a thickness: then a solid, whose attenuation
-//!   is absorption;
+//! - metallic 0, transmission 1: a dielectric of KHR_materials_ior, 1.5 if not given; thin-walled
+//!   and smooth, unless KHR_materials_volume gives it a thickness: then a solid, smooth or rough,
+//!   whose attenuation is absorption;
 //! - no material: Lambertian of reflectance 0.8.
 
 use gltf::json;
@@ -55,7 +55,7 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 9] = [
+const MODELS: [Model; 10] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
@@ -64,15 +64,19 @@ const MODELS: [Model; 9] = [
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
+    Model { name: "rough_dielectric", keys: &ROUGH_DIELECTRIC, read: rough_dielectric },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
 const ROUGH_CONDUCTOR: [&str; 7] =
     ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
+/// Keys of rough glass.
+const ROUGH_DIELECTRIC: [&str; 6] =
+    ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
 /// Keys that go with any model.
 const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
 /// Values of `bsdf` that later versions will know.
-const PLANNED_MODELS: [&str; 2] = ["plastic", "rough_dielectric"];
+const PLANNED_MODELS: [&str; 1] = ["plastic"];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -235,13 +239,23 @@ impl Import<'_> {
             return refuse("mixes transmission and reflection by a partial factor");
         } else if metallic > 0.0 {
             return refuse("mixes metal and glass by a partial metallicFactor");
-        } else if !is_smooth {
-            return refuse("is rough glass, which is not supported yet");
+        } else if !is_smooth && !is_solid {
+            return refuse(
+                "is a rough pane without a thickness, which is not supported yet: smooth ones and \
+                 solids (KHR_materials_volume) are",
+            );
         } else {
             if color != [1.0; 3] {
                 self.warnings.add(label, "the color of the glass is ignored");
             }
             match khr_ior(material) {
+                ior if !is_smooth || of("metallicRoughnessTexture") => Bsdf::RoughDielectric {
+                    ior: Spectrum::Constant(ior),
+                    exterior_ior: Spectrum::Constant(1.0),
+                    alpha: roughness * roughness,
+                    distribution: Distribution::Ggx,
+                    multiple_scattering: true,
+                },
                 ior if is_solid => Bsdf::dielectric(ior),
                 ior => Bsdf::thin_dielectric(ior),
             }
@@ -310,6 +324,18 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
             let exterior_ior = Spectrum::Constant(exterior_ior);
             Bsdf::DispersiveDielectric { ior: of(ior)?, exterior_ior }
         }
+        Bsdf::RoughDielectric {
+            ior: Spectrum::Constant(ior),
+            exterior_ior,
+            alpha,
+            distribution,
+            multiple_scattering,
+        } => {
+            let ior = of(ior)?;
+            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+        }
+        // It states that of every wavelength.
+        Bsdf::RoughDielectric { .. } => return Ok(bsdf),
         Bsdf::ThinDielectric { ior, exterior_ior } => match ior {
             Spectrum::Constant(ior) => Bsdf::ThinDielectric { ior: of(ior)?, exterior_ior },
             // It states that of every wavelength.
@@ -413,6 +439,19 @@ fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
 
 fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
+    let (alpha, distribution, multiple_scattering) = facets(body)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+}
+
+fn rough_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
+    let (alpha, distribution, multiple_scattering) = facets(body)?;
+    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+}
+
+/// What facets are like, and whether what several of them scatter is given back.
+fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
     let distribution = match body.word("distribution")? {
         None => Distribution::default(),
         Some(name) => Distribution::named(name).ok_or_else(|| {
@@ -422,8 +461,7 @@ fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> 
         })?,
     };
     let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    let alpha = alpha(body)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+    Ok((alpha(body)?, distribution, multiple_scattering))
 }
 
 /// The roughness of facets: itself, or its root.

@@ -117,13 +117,12 @@ impl Import<'_> {
         let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
         let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
         if let Some(texture) = findings.note(metal).flatten() {
-            match metal_and_roughness(bsdf, texture) {
-                Some(paints) => textures.parameters.extend(paints),
-                None => {
-                    let text = "metallicRoughnessTexture is ignored: the model has no roughness";
-                    self.warnings.add(label, text);
-                }
+            let paints = metal_and_roughness(bsdf, texture);
+            if paints.is_empty() {
+                let text = "metallicRoughnessTexture is ignored: the model has no roughness";
+                self.warnings.add(label, text);
             }
+            textures.parameters.extend(paints);
         }
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
@@ -323,6 +322,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
+        | Bsdf::RoughDielectric { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::ThinDielectric { .. }
@@ -333,10 +333,12 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
     Some((parameter, rgb(spectrum)?))
 }
 
-/// Shares of metal in the blue of a picture, and roughness in its green, for glTF's own model.
-fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Paint); 2]> {
+/// Shares of metal in the blue of a picture, and roughness in its green, as far as a model has
+/// them.
+fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)> {
     let (metallic, roughness) = match bsdf {
-        Bsdf::MetallicRoughness { metallic, alpha, .. } => (*metallic, alpha.sqrt()),
+        Bsdf::MetallicRoughness { metallic, alpha, .. } => (Some(*metallic), alpha.sqrt()),
+        Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
@@ -346,14 +348,15 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Pai
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
-        | Bsdf::Null => return None,
+        | Bsdf::Null => return Vec::new(),
     };
     let paint = |factor: f32, reads| {
         let texture = Some(texture.clone());
         Paint { factor: [factor; 3], texture, reads, by_vertices: false }
     };
+    let metallic = metallic.map(|metallic| (Parameter::Metallic, paint(metallic, Reads::Blue)));
     let roughness = (Parameter::Roughness, paint(roughness, Reads::Green));
-    Some([(Parameter::Metallic, paint(metallic, Reads::Blue)), roughness])
+    metallic.into_iter().chain([roughness]).collect()
 }
 
 /// A spectrum as red, green and blue, if it is that.

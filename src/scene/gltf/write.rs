@@ -285,6 +285,18 @@ impl Writer {
                     "distribution": distribution.name(),
                     "multiple_scattering": multiple_scattering})
             }
+            Bsdf::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                json!({"bsdf": "rough_dielectric", "ior": of(ior),
+                    "exterior_ior": of(exterior_ior), "alpha": alpha,
+                    "distribution": distribution.name(),
+                    "multiple_scattering": multiple_scattering})
+            }
             Bsdf::MetallicRoughness { base_color, .. } => {
                 let color = match base_color {
                     Spectrum::Constant(value) => [*value; 3],

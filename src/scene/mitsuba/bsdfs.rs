@@ -23,7 +23,7 @@ pub struct Surface {
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 10] = [
+const TYPES: [(&str, Read); 11] = [
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", |fields| diffuse(fields).map(one_sided)),
@@ -32,6 +32,7 @@ const TYPES: [(&str, Read); 10] = [
     ("polarizer", |fields| polarizer(fields).map(one_sided)),
     ("retarder", |fields| retarder(fields).map(one_sided)),
     ("roughconductor", |fields| rough_conductor(fields).map(one_sided)),
+    ("roughdielectric", |fields| rough_dielectric(fields).map(one_sided)),
     ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
     ("twosided", two_sided),
 ];
@@ -145,6 +146,23 @@ fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
 /// Facets reflect once, as Mitsuba has it.
 fn rough_conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
     let [eta, k] = metal_index(fields)?;
+    let (alpha, distribution) = facets(fields)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false })
+}
+
+/// Facets scatter once, as Mitsuba has it.
+fn rough_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
+    let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
+    fields.factor_of_one("specular_reflectance")?;
+    fields.factor_of_one("specular_transmittance")?;
+    let (alpha, distribution) = facets(fields)?;
+    let multiple_scattering = false;
+    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+}
+
+/// The roughness and the distribution of facets.
+fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
     let distribution = match fields.text("distribution")? {
         None => Distribution::Beckmann,
         Some(name) => Distribution::named(name).ok_or_else(|| {
@@ -163,13 +181,7 @@ fn rough_conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
             return Err(fields.wrong("alpha_u", problem, "use `alpha`"));
         }
     };
-    Ok(Bsdf::RoughConductor {
-        eta,
-        k,
-        alpha: alpha as f32,
-        distribution,
-        multiple_scattering: false,
-    })
+    Ok((alpha as f32, distribution))
 }
 
 /// A number, if there is one.

@@ -96,6 +96,12 @@ fn model(bsdf: &Bsdf) -> String {
             let once = if *multiple_scattering { "" } else { ", single reflections alone" };
             format!("rough conductor, eta {eta}, k {k}, {facets} facets of alpha {alpha}{once}")
         }
+        Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering } => {
+            let (behind, before) = (spectrum(ior), spectrum(exterior_ior));
+            let (facets, of) = (distribution.name(), format!("ior {behind} behind and {before}"));
+            let once = if *multiple_scattering { "" } else { ", single scattering alone" };
+            format!("rough dielectric, {of} before it, {facets} facets of alpha {alpha}{once}")
+        }
         Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
             let color = spectrum(base_color);
             let coat = format!("coat of ior {ior} and share {specular}");

@@ -41,6 +41,20 @@ pub enum SurfaceModel<S> {
         /// it rough metal is darker than smooth one.
         multiple_scattering: bool,
     },
+    /// Rough boundary between two dielectrics: facets that reflect and refract.
+    RoughDielectric {
+        /// Index of refraction behind the front, greater than zero; in RGB it is that of the line
+        /// d.
+        ior: S,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: S,
+        /// Roughness of the facets, as of [`SurfaceModel::RoughConductor`].
+        alpha: f32,
+        /// How the normals of facets are distributed.
+        distribution: Distribution,
+        /// Whether light that several facets have scattered is there; it is depolarized.
+        multiple_scattering: bool,
+    },
     /// glTF's metallic-roughness: a mixture of a rough metal of that color, and a Lambertian base
     /// of the color under a rough dielectric coat.
     MetallicRoughness {
@@ -107,7 +121,8 @@ pub enum Parameter {
     BaseColor,
     /// `metallic` of [`SurfaceModel::MetallicRoughness`].
     Metallic,
-    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`]: what glTF calls roughness.
+    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`] and
+    /// [`SurfaceModel::RoughDielectric`]: what glTF calls roughness.
     Roughness,
 }
 
@@ -137,6 +152,12 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 Parameter::Metallic => *metallic = number,
                 Parameter::Roughness => *alpha = number * number,
                 Parameter::Reflectance => return false,
+            },
+            Self::RoughDielectric { alpha, .. } => match parameter {
+                Parameter::Roughness => *alpha = number * number,
+                Parameter::Reflectance | Parameter::BaseColor | Parameter::Metallic => {
+                    return false;
+                }
             },
             Self::Absorber
             | Self::Conductor { .. }
@@ -235,6 +256,22 @@ impl Bsdf {
                 let [ior, exterior_ior] = at_d(ior, exterior_ior)?.map(Spectrum::Constant);
                 Ok(Self::ThinDielectric { ior, exterior_ior })
             }
+            &Self::RoughDielectric {
+                ref ior,
+                ref exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let [ior, exterior_ior] = at_d(ior, exterior_ior)?.map(Spectrum::Constant);
+                Ok(Self::RoughDielectric {
+                    ior,
+                    exterior_ior,
+                    alpha,
+                    distribution,
+                    multiple_scattering,
+                })
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -253,10 +290,15 @@ impl Bsdf {
             Self::DispersiveDielectric { ior, exterior_ior } => {
                 [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
             }
+            // Facets send all wavelengths the same ways, unless it is smooth.
+            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if *alpha < ALPHA_MIN => {
+                [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
@@ -278,6 +320,16 @@ impl Bsdf {
             Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)?;
+                Range::UNIT.check("alpha", *alpha)
+            }
+            Self::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution: _,
+                multiple_scattering: _,
+            } => {
+                check_indices(ior, exterior_ior)?;
                 Range::UNIT.check("alpha", *alpha)
             }
             Self::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
@@ -373,6 +425,23 @@ impl<S> SurfaceModel<S> {
                 let (eta, k) = (index(eta, "eta")?, index(k, "k")?);
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
             }
+            &Self::RoughDielectric {
+                ref ior,
+                ref exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let (ior, exterior_ior) =
+                    (index(ior, "ior")?, index(exterior_ior, "exterior_ior")?);
+                SurfaceModel::RoughDielectric {
+                    ior,
+                    exterior_ior,
+                    alpha,
+                    distribution,
+                    multiple_scattering,
+                }
+            }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
                 SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
@@ -412,10 +481,15 @@ impl<S> SurfaceModel<S> {
             Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::Conductor { eta, k }
             }
+            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
+            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
+                Self::DispersiveDielectric { ior, exterior_ior }
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
@@ -434,7 +508,9 @@ impl<S> SurfaceModel<S> {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. } => Passage::Closed,
-            Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
+            Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
+            | Self::RoughDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet
             }

@@ -180,11 +180,20 @@ impl World {
         f: impl for<'a> Fn(Q::Item<'a>) -> T,
     ) -> Vec<T> {
         let mut query = self.entities.query::<(&Order, Q)>();
-        let mut rows: Vec<(u32, T)> =
-            query.iter().map(|(order, components)| (order.0, f(components))).collect();
-        rows.sort_by_key(|(order, _)| *order);
-        rows.into_iter().map(|(_, row)| row).collect()
+        let found = query.iter().map(|(order, components)| (order.0, f(components)));
+        let (orders, mut rows): (Vec<u32>, Vec<Option<T>>) =
+            found.map(|(order, row)| (order, Some(row))).unzip();
+        // Not the rows themselves, for whose types the program would hold a sort each.
+        let places = places_in_order(&orders);
+        places.into_iter().filter_map(|place| rows[place].take()).collect()
     }
+}
+
+/// The places of numbers, from the lowest on; of the same, the first before.
+fn places_in_order(numbers: &[u32]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..numbers.len()).collect();
+    places.sort_by_key(|place| numbers[*place]);
+    places
 }
 
 /// Position in the file, or in the order of what was added: what makes the order of all tables a

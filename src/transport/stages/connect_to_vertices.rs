@@ -3,9 +3,9 @@
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
-use crate::scattering::event::Form;
+use crate::scattering::event::{Event, Form};
 use crate::scattering::painting::SceneAt;
-use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
+use crate::scattering::vertex::{Same, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
 use crate::transport::collapse::{has_collapsed, met_by_collapsed};
 use crate::transport::mis::{self, End, PartialWeights};
@@ -51,9 +51,8 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
 ) {
     connections.clear();
     let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
-    let depolarizes = event.form == Form::Depolarizer;
     let mut places = [0.0; LANES];
-    for_scatterer!(scene, event.met, all => for row in rows.clone() {
+    for row in rows.clone() {
         let lane = (row - rows.start) % LANES;
         if lane == 0 {
             places = paths.identity.draw(row, path_length, Purpose::Connections)[0].to_array();
@@ -63,8 +62,8 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
         if of_path.is_empty() {
             continue;
         }
-        let mut sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
-        let mut connect = |sensor: &mut SensorVertex<_, N>, first: usize| {
+        let mut sensor = SensorVertex::load(paths, surfaces, event, row);
+        let mut connect = |sensor: &mut SensorVertex<N>, first: usize| {
             let some = (first, LANES.min(of_path.end - first));
             sensor.connect::<M>(connections, light, scene, some);
         };
@@ -87,20 +86,20 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
             let group = ((v * groups as f32) as usize).min(groups - 1);
             connect(&mut sensor, of_path.start + ALWAYS + group * LANES);
         }
-    });
+    }
 }
 
 /// One sensor vertex in all lanes.
-struct SensorVertex<V, const N: usize> {
+struct SensorVertex<'a, const N: usize> {
     row: u32,
+    surfaces: &'a SurfaceColumns,
+    event: Event,
     /// The medium around it.
     inside: u32,
     position: Vector<F32s>,
     normal: Vector<F32s>,
     offset: F32s,
     given: Vector<F32s>,
-    scatters: V,
-    depolarizes: bool,
     beta: [F32s; N],
     /// Whether dispersion has sent its path on at one wavelength.
     has_collapsed: bool,
@@ -111,13 +110,12 @@ struct SensorVertex<V, const N: usize> {
     place: f32,
 }
 
-impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
+impl<'a, const N: usize> SensorVertex<'a, N> {
     #[inline(always)]
     fn load<C>(
         paths: &PathTable<N, C>,
-        surfaces: &SurfaceColumns,
-        all: impl Scatterer<N, Vertices = V>,
-        depolarizes: bool,
+        surfaces: &'a SurfaceColumns,
+        event: Event,
         row: usize,
     ) -> Self {
         let mut beta = [F32s::splat(0.0); N];
@@ -126,13 +124,13 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         }
         Self {
             row: row as u32,
+            surfaces,
+            event,
             inside: paths.media.inside(row),
             position: Vector::splat(lanes::row_of(&surfaces.position, row)),
             normal: Vector::splat(lanes::row_of(&surfaces.geometric_normal, row)),
             offset: F32s::splat(surfaces.offset[row]),
             given: -Vector::splat(lanes::row_of(&paths.rays.direction, row)),
-            scatters: all.at(surfaces, Same(row)),
-            depolarizes,
             beta,
             has_collapsed: has_collapsed(&paths.beta, row),
             weights: paths.mis.splat(row),
@@ -172,7 +170,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
     }
 
     /// Connects to the `live` vertices from `first` on.
-    #[inline(always)]
+    #[inline(never)]
     fn connect<M: LightModel<N>>(
         &mut self,
         connections: &mut ConnectionTable<N>,
@@ -184,7 +182,10 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         let offset = position - self.position;
         let distance2 = offset.length_squared();
         let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
-        let turn = self.scatters.turn(self.given, direction);
+        let turn = for_scatterer!(scene, self.event.met, all => {
+            all.at(self.surfaces, Same(self.row as usize)).turn(self.given, direction)
+        });
+        let turn = turn.unwrap_or(Turn::none());
         let light = turn_of_light(vertices, scene, -direction, (first, live));
         let sensor_end = End { weights: self.weights, turn: (&turn).into() };
         let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
@@ -239,7 +240,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         for lane in (0..LANES).filter(|lane| carrying >> lane & 1 == 1) {
             let (segment, mut cargo) = lanes.lane(lane);
             match &states[lane] {
-                Some(state) if !self.depolarizes || scene.has_straight_on => {
+                Some(state) if self.event.form != Form::Depolarizer || scene.has_straight_on => {
                     connections.push_polarized(segment, cargo, self.row, *state);
                     continue;
                 }

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
 use crate::polarization::{Arrival, SensorRow, Stokes, film_axis};
@@ -34,10 +32,10 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     met: Met,
 ) {
     if M::POLARIZED && scene.events[met.event()].form != Form::Depolarizer {
-        let of = (paths, surfaces);
-        for_scatterer!(scene, met, all => {
-            gather_polarized(measured, connections, of, all, scene.sensor.up());
-        });
+        for first in (0..connections.len).step_by(LANES) {
+            let some = first..connections.len.min(first + LANES);
+            gather_polarized(measured, connections, (paths, surfaces), (scene, met), some);
+        }
         return;
     }
     for index in 0..connections.len {
@@ -55,32 +53,13 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Connections to polarizing vertices.
-fn gather_polarized<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
-    measured: &mut Measured<N>,
-    connections: &ConnectionTable<N>,
-    of: (&PathTable<N, C>, &SurfaceColumns),
-    all: S,
-    film_up: Vec3,
-) {
-    // No such event gets here, and nothing is compiled for it.
-    if !S::POLARIZES {
-        return;
-    }
-    for first in (0..connections.len).step_by(LANES) {
-        let rows = first..connections.len.min(first + LANES);
-        gather_scattered(measured, connections, of, all, rows, film_up);
-    }
-}
-
-/// Eight of them.
-fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
+/// Eight of them at most, to polarizing vertices.
+fn gather_polarized<const N: usize, C: SensorSide<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
     (paths, surfaces): (&PathTable<N, C>, &SurfaceColumns),
-    all: S,
+    (scene, met): (SceneAt<N>, Met),
     rows: Range<usize>,
-    film_up: Vec3,
 ) {
     if rows.clone().all(|index| connections.blocked[index] != 0) {
         return;
@@ -88,7 +67,10 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
     let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
-    let (kernels, axis) = all.at(surfaces, lanes::each(target)).kernels(k_in, k_out);
+    let found = for_scatterer!(scene, met, all => {
+        all.at(surfaces, lanes::each(target)).kernels(k_in, k_out)
+    });
+    let Some((kernels, axis)) = found else { return };
     let kernels = kernels_of_lanes(&kernels);
     let (axis, k_in, k_out) = (axis.to_rows(), k_in.to_rows(), k_out.to_rows());
     for (lane, index) in rows.clone().enumerate() {
@@ -102,7 +84,7 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
         };
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
-        let along = (k_out[lane].into(), film_up);
+        let along = (k_out[lane].into(), scene.sensor.up());
         let value = connections.value[index];
         measure_polarized(measured, &paths.carriers, place, value, &light, along);
     }
