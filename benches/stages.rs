@@ -127,7 +127,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("advance_paths", |bench| {
-        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces));
+        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces, &scene));
     });
     group.finish();
 }

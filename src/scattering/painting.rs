@@ -6,15 +6,16 @@ use std::ops::{Deref, Range};
 
 use glam::Vec3;
 
-use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::NONE;
 use crate::scene::painting::{Painting, coverage_at, normal_at};
-use crate::scene::world::Textures;
+use crate::scene::world::{SurfaceModel, Textures};
 
 use super::Scene;
 use super::emitter::primitive;
 use super::surface::Surfaces;
+use super::surface::model::LaneRows;
 
 /// A scene, with the tables of models that have a row for every painted point at hand.
 pub struct SceneAt<'a, const N: usize> {
@@ -61,7 +62,7 @@ pub struct PaintedModels<const N: usize> {
 impl<const N: usize> PaintedModels<N> {
     /// Takes the tables of a scene, and forgets all points.
     pub fn start(&mut self, scene: &Scene<N>) {
-        if scene.is_painted() {
+        if scene.has_models_by_place {
             self.tables.restart(&scene.surfaces);
             self.keep();
         }
@@ -80,41 +81,82 @@ impl<const N: usize> PaintedModels<N> {
     /// The scene with these.
     #[inline(always)]
     pub fn of<'a>(&'a self, scene: &'a Scene<N>) -> SceneAt<'a, N> {
-        match scene.is_painted() {
+        match scene.has_models_by_place {
             true => SceneAt { scene, surfaces: &self.tables },
             false => scene.into(),
         }
     }
 }
 
-/// Finds the models and the shading normals of painted surfaces where they have been hit. Points of
-/// earlier calls are forgotten but for those that are kept, unless `adds`.
+/// Finds the models of surfaces where they have been hit that are not the same everywhere, and the
+/// shading normals of painted ones: those have parameters by pictures, and rough glass that touches
+/// other glass is between what is on its two sides there, for `paths` that have come by these rays
+/// from inside these dielectrics. Points of earlier calls are forgotten but for those that are
+/// kept, unless `adds`.
 #[inline(never)]
 pub fn paint<const N: usize>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,
-    hits: &HitColumns,
+    (hits, paths): (&HitColumns, (&RayColumns, &[u32])),
     (rows, adds): (Range<usize>, bool),
     scene: &Scene<N>,
 ) {
-    let Some(painting) = scene.optics.painting.as_deref() else { return };
     if !adds {
         models.forget();
     }
     for row in rows {
         let primitive = surfaces.primitive[row];
         surfaces.model[row] = NONE;
-        let Some((textures, material)) = textures_at(scene, painting, primitive) else { continue };
-        if !textures.parameters.is_empty()
-            && let Some(on) = scene.shapes.painted(primitive)
-        {
-            let at = (&on, [hits.u[row], hits.v[row]]);
-            let model = scene.optics.materials[material].model;
-            let model = painting.model_at(model, textures, at);
+        if scene.shapes.surface_of(primitive) == NONE {
+            continue;
+        }
+        let mut model = scene.optics.materials[scene.material_row(primitive)].model;
+        let painted = paint_row(&mut model, surfaces, hits, row, scene);
+        if nest(&mut model, surfaces, paths, row, scene) || painted {
             surfaces.model[row] = models.tables.append(&model);
         }
-        bend(surfaces, row, textures, hits, scene);
     }
+}
+
+/// Gives a model the parameters that pictures have where a row has been hit, and the row its shading
+/// normal; whether the model has any such parameters.
+fn paint_row<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    surfaces: &mut SurfaceColumns,
+    hits: &HitColumns,
+    row: usize,
+    scene: &Scene<N>,
+) -> bool {
+    let Some(painting) = scene.optics.painting.as_deref() else { return false };
+    let primitive = surfaces.primitive[row];
+    let Some((textures, _)) = textures_at(scene, painting, primitive) else { return false };
+    let on = scene.shapes.painted(primitive).filter(|_| !textures.parameters.is_empty());
+    if let Some(on) = &on {
+        *model = painting.model_at(*model, textures, (on, [hits.u[row], hits.v[row]]));
+    }
+    bend(surfaces, row, textures, hits, scene);
+    on.is_some()
+}
+
+/// Gives rough glass the index of refraction between what is on its two sides where a row has been
+/// hit; whether it is a model that other glass changes.
+fn nest<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    surfaces: &SurfaceColumns,
+    paths: (&RayColumns, &[u32]),
+    row: usize,
+    scene: &Scene<N>,
+) -> bool {
+    let SurfaceModel::RoughDielectric { ior, exterior_ior, .. } = model else { return false };
+    let Some(interfaces) = &scene.interfaces else { return false };
+    if scene.shapes.surfaces[surfaces.surface[row] as usize].solid == NONE {
+        return false;
+    }
+    let met = scene.interfaces_at(interfaces, surfaces, paths, [row; LANES], &LaneRows::Same(0));
+    let [of_interface, ..] = met.rows.numbers().to_array();
+    *ior = scene.surfaces.ior_of_interface(of_interface as usize);
+    *exterior_ior = [1.0; N];
+    true
 }
 
 /// Finds the shading normals of painted surfaces where they have been hit.

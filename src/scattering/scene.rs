@@ -69,6 +69,10 @@ pub struct Scene<const N: usize> {
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
     /// photons find some light.
     pub has_narrow_facets: bool,
+    /// Whether light that is connected, or drawn any way, may go through some surfaces.
+    pub passes_any_way: bool,
+    /// Whether surfaces may have rows in the tables of their models that are of the place.
+    pub has_models_by_place: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// How far off every emitter rays start and end.
@@ -137,6 +141,9 @@ impl<const N: usize> Scene<N> {
             |emitter: &Emitter| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
+        let passes_any_way = materials.iter().any(|it| it.kind.passes_any_way());
+        let has_models_by_place =
+            optics.painting.is_some() || (passes_any_way && interfaces.is_some());
         let has_straight_on = !straight_on_kinds.is_empty();
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =
@@ -160,6 +167,8 @@ impl<const N: usize> Scene<N> {
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
+            passes_any_way,
+            has_models_by_place,
             looks: Arc::default(),
             look: OnceLock::new(),
             rims: Arc::default(),
@@ -213,6 +222,8 @@ impl<const N: usize> Scene<N> {
             has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
+            passes_any_way: self.passes_any_way,
+            has_models_by_place: self.has_models_by_place,
             emitter_offsets: Arc::clone(&self.emitter_offsets),
             direct: Arc::clone(&self.direct),
             sensor_medium: self.sensor_medium,

@@ -193,7 +193,7 @@ impl<'a, M: Connecting<N>, const N: usize> OnSurfaces<'a, M, N> {
             shading: rows.vectors(&surfaces.shading_normal),
             two_sided: two_sided(materials, &material),
         };
-        let models = match self.scene.is_painted() {
+        let models = match self.scene.has_models_by_place {
             true => rows.rows().map(|row| self.scene.model_row(surfaces, row)),
             false => material.map(|row| materials[row].row as usize),
         };

@@ -542,6 +542,14 @@ impl<const N: usize> Surfaces<N> {
         self.add(&model).row
     }
 
+    /// The index of refraction behind an interface relative to before it, by its row.
+    pub fn ior_of_interface(&self, row: usize) -> [f32; N] {
+        match self.disperses() {
+            true => self.dispersive_dielectric[row].relative_ior(),
+            false => [self.dielectric[row].relative_ior(); N],
+        }
+    }
+
     /// Whether light may go on at one wavelength alone.
     pub fn disperses(&self) -> bool {
         !self.dispersive_dielectric.is_empty()

@@ -302,7 +302,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
         let material = LaneRows::Each(lanes::each(material));
         let materials = scene.surfaces.materials();
-        let rows = match scene.is_painted() {
+        let rows = match scene.has_models_by_place {
             true => LaneRows::Each(lanes::each(|lane| scene.model_row(surfaces, used(lane)))),
             false => material.map(|row| materials[row].row as usize),
         };

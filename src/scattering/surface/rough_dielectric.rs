@@ -332,7 +332,8 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let (reflectance, cos_t) = fresnel::dielectric_reflectance(cos_half, eta);
         let reflected = half * (cos_half + cos_half) - given;
         let refracted = half * (cos_half / eta - cos_t) - given * (one / eta);
-        let of_facets = Vector::select(decision.simd_lt(reflectance), reflected, refracted);
+        let reflects = decision.simd_lt(reflectance);
+        let of_facets = Vector::select(reflects, reflected, refracted);
         let (cosine, _) = warp::cosine_hemisphere(sided.normal, again);
         let passes = decision.simd_lt(sided.pick(|side| side.through));
         let mirrored = sided.normal * (cosine.dot(sided.normal) * F32s::splat(-2.0)) + cosine;
@@ -340,7 +341,10 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let direction = Vector::select(by_facets, of_facets, of_cosine).normalize();
         let pdf = self.pdf(facing, given, direction).fast_max(F32s::splat(PDF_MIN));
         let mut weight = self.values(facing, given, direction, side);
-        let scale = direction.dot(sided.normal).abs() / pdf;
+        let cos = direction.dot(sided.normal);
+        // What facets send to the other side than they should meets others.
+        let is_lost = by_facets & (cos.simd_gt(F32s::splat(0.0)) ^ reflects);
+        let scale = !is_lost & (cos.abs() / pdf);
         weight.iter_mut().for_each(|weight| *weight *= scale);
         Drawn { direction, pdf, weight }
     }
@@ -382,3 +386,6 @@ impl<const N: usize> Glossy<N> for RoughDielectric<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -73,7 +73,7 @@ fn connect<const N: usize, C>(
             let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
             *value = beta * *value * factor;
         }
-        let lanes = segments(paths, surfaces, (&chosen, offset), (value, weight), row);
+        let lanes = segments(arrived, scene, (&chosen, offset), (value, weight), row);
         connections.push_lanes(&lanes, lanes.carrying(live));
     }
 }
@@ -131,7 +131,7 @@ fn choose<const N: usize, C>(
     if !scene.choice.depends_on_vantage() {
         return choose_by_power(scene, choice, reference, u);
     }
-    let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
+    let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), scene, row);
     let of = scene.choice.choose(&from, choice, live);
     let emitters = lanes::each(|lane| of[lane].0);
     let chance = F32s::from(lanes::each(|lane| of[lane].1));
@@ -173,12 +173,13 @@ struct Chosen<const N: usize> {
 /// Eight connections to be tested, off the surfaces at both ends, with what they would carry.
 #[inline(always)]
 fn segments<const N: usize, C>(
-    paths: &PathTable<N, C>,
-    surfaces: &SurfaceColumns,
+    arrived: &Arrived<N, C>,
+    scene: &Scene<N>,
     (chosen, offset): (&DirectLanes<N>, F32s),
     (value, weight): ([F32s; N], F32s),
     row: usize,
 ) -> ConnectionLanes<N> {
+    let surfaces = arrived.surfaces;
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
     let start = lanes::load(&surfaces.offset, row);
@@ -196,7 +197,7 @@ fn segments<const N: usize, C>(
         value,
         weight,
         target: U32s::from(lanes::each(|lane| (row + lane) as u32)),
-        inside: paths.media.inside_of_lanes(row),
+        inside: arrived.inside_towards(scene, chosen.direction, row),
         from: Side::Sensor,
     }
 }

@@ -62,7 +62,7 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
             let Some(found) = found.as_ref().filter(|_| value.iter().any(|&v| v > 0.0)) else {
                 continue;
             };
-            let inside = vertices.inside[row + lane];
+            let inside = vertices.inside_towards(&scene, row + lane, found.direction);
             let segment =
                 Segment::between(Side::Light, origin[lane], found.lens.to_array(), inside);
             let cargo = Cargo { value, weight: weights[lane] };

@@ -12,7 +12,6 @@ use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
 use crate::transport::tables::measured::Measured;
-use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::LightPaths;
 use crate::transport::vertex::{departing_states, turn_of_light};
@@ -50,7 +49,7 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     (scene, measured): (SceneAt<N>, &Measured<N>),
 ) {
     connections.clear();
-    let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
+    let &Arrived { paths, ref rows, path_length, .. } = arrived;
     let mut places = [0.0; LANES];
     for row in rows.clone() {
         let lane = (row - rows.start) % LANES;
@@ -62,7 +61,7 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
         if of_path.is_empty() {
             continue;
         }
-        let mut sensor = SensorVertex::load(paths, surfaces, event, row);
+        let mut sensor = SensorVertex::load(arrived, &scene, row);
         let mut connect = |sensor: &mut SensorVertex<N>, first: usize| {
             let some = (first, LANES.min(of_path.end - first));
             sensor.connect::<M>(connections, light, scene, some);
@@ -94,8 +93,8 @@ struct SensorVertex<'a, const N: usize> {
     row: u32,
     surfaces: &'a SurfaceColumns,
     event: Event,
-    /// The medium around it.
-    inside: u32,
+    /// The medium around it, and the one behind, where light goes through the surface.
+    inside: [u32; 2],
     position: Vector<F32s>,
     normal: Vector<F32s>,
     offset: F32s,
@@ -112,12 +111,8 @@ struct SensorVertex<'a, const N: usize> {
 
 impl<'a, const N: usize> SensorVertex<'a, N> {
     #[inline(always)]
-    fn load<C>(
-        paths: &PathTable<N, C>,
-        surfaces: &'a SurfaceColumns,
-        event: Event,
-        row: usize,
-    ) -> Self {
+    fn load<C>(arrived: &Arrived<'a, N, C>, scene: &Scene<N>, row: usize) -> Self {
+        let &Arrived { paths, surfaces, event, .. } = arrived;
         let mut beta = [F32s::splat(0.0); N];
         for (beta, column) in beta.iter_mut().zip(&paths.beta) {
             *beta = F32s::splat(column[row]);
@@ -126,7 +121,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             row: row as u32,
             surfaces,
             event,
-            inside: paths.media.inside(row),
+            inside: [paths.media.inside(row), arrived.beyond(scene, row)],
             position: Vector::splat(lanes::row_of(&surfaces.position, row)),
             normal: Vector::splat(lanes::row_of(&surfaces.geometric_normal, row)),
             offset: F32s::splat(surfaces.offset[row]),
@@ -162,6 +157,18 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             *value /= chance;
         }
         carrying & lanes::mask_of(made)
+    }
+
+    /// The media in which connections along these directions start.
+    #[inline(always)]
+    fn inside_towards(&self, direction: Vector<F32s>) -> U32s {
+        let [here, beyond] = self.inside.map(U32s::splat);
+        if self.inside[0] == self.inside[1] {
+            return here;
+        }
+        let passes = self.normal.dot(direction) * self.normal.dot(self.given);
+        let passes: U32s = bytemuck::cast(passes.simd_lt(F32s::splat(0.0)));
+        (passes & beyond) | (!passes & here)
     }
 
     /// Makes what connections bring count for so many like it.
@@ -216,7 +223,7 @@ impl<'a, const N: usize> SensorVertex<'a, N> {
             value,
             weight: factor * distance2,
             target: U32s::splat(self.row),
-            inside: U32s::splat(self.inside),
+            inside: self.inside_towards(direction),
             from: Side::Sensor,
         };
         let carrying = lanes.carrying(live) & made;

@@ -9,7 +9,7 @@ use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form, spheroids};
 use crate::scattering::nesting::InterfaceLanes;
 use crate::scattering::painting::SceneAt;
-use crate::scattering::surface::model::{Choice, Incidence, OneOfTwo, Scattered};
+use crate::scattering::surface::model::{Choice, Incidence, LaneRows, OneOfTwo, Scattered};
 use crate::scattering::surface::{Connecting, Specular, SurfaceKind, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
@@ -99,7 +99,8 @@ fn scatter_part<const N: usize, const POLARIZED: bool>(
         },
         connecting: {
             let all = OnSurfaces::new(&scene, models);
-            scatter::<N, POLARIZED, _>(to, all, surfaces, rows.clone(), bounce);
+            let beyond = kind.passes_any_way().then_some(&*scene);
+            scatter::<N, POLARIZED, _>(to, all, (surfaces, beyond), rows.clone(), bounce);
         },
         else: {},
     });
@@ -120,7 +121,8 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
     for row in rows.clone().step_by(LANES) {
         let some = (row, LANES.min(rows.end - row));
         let mut at = Incidence::load(scene, models, surfaces, to.rays, some);
-        let nested = if M::NESTS { to.interfaces(&at, surfaces, scene, some) } else { None };
+        let given = at.models.rows;
+        let nested = if M::NESTS { to.interfaces(&given, surfaces, scene, some) } else { None };
         if let Some(InterfaceLanes { rows, .. }) = &nested {
             at.models.rows = *rows;
         }
@@ -143,22 +145,16 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
                 (row, to.end),
             );
         }
-        if to.media.present() {
-            let behind = nested.as_ref().map_or([None; LANES], |nested| nested.behind);
-            to.cross(surfaces, scene, &scattered.direction, (row, behind));
-        }
-        if let Some(InterfaceLanes { inside, .. }) = nested {
-            to.go_through(surfaces, &scattered.direction, &inside, row);
-        }
+        to.enter(surfaces, scene, &scattered.direction, (row, nested));
         to.depart_specular(&at, &scattered, bounce.side, row);
     }
 }
 
-/// Any way.
+/// Any way; if that may be through the surfaces, what is `beyond` is of this scene.
 fn scatter<const N: usize, const POLARIZED: bool, M: Connecting<N>>(
     to: &mut Departing<N>,
     all: OnSurfaces<M, N>,
-    surfaces: &SurfaceColumns,
+    (surfaces, beyond): (&SurfaceColumns, Option<&Scene<N>>),
     rows: Range<usize>,
     bounce: Bounce,
 ) {
@@ -200,6 +196,11 @@ fn scatter<const N: usize, const POLARIZED: bool, M: Connecting<N>>(
         let measure = direction.dot(facing.geometric).abs();
         let turn = TurnDensities { pdf: drawn.pdf, pdf_reverse, measure };
         to.mis.depart(row, to.end, turn);
+        if let Some(scene) = beyond {
+            let Consecutive(row, live) = some;
+            let nested = to.interfaces(&LaneRows::Same(0), surfaces, scene, (row, live));
+            to.enter(surfaces, scene, &direction, (row, nested));
+        }
     }
 }
 
@@ -231,11 +232,29 @@ impl<const N: usize> Departing<'_, N> {
         Choice { first, gain }
     }
 
+    /// Rows that go through their surfaces are in what is there from now on.
+    #[inline(always)]
+    fn enter(
+        &mut self,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
+        drawn: &Vector<F32s>,
+        (row, nested): (usize, Option<InterfaceLanes>),
+    ) {
+        if self.media.present() {
+            let behind = nested.as_ref().map_or([None; LANES], |nested| nested.behind);
+            self.cross(surfaces, scene, drawn, (row, behind));
+        }
+        if let Some(InterfaceLanes { inside, .. }) = nested {
+            self.go_through(surfaces, drawn, &inside, row);
+        }
+    }
+
     /// What rows have met that can be nested, in scenes where it is.
     #[inline(always)]
-    fn interfaces<M>(
+    fn interfaces(
         &self,
-        at: &Incidence<M>,
+        given: &LaneRows,
         surfaces: &SurfaceColumns,
         scene: &Scene<N>,
         (row, live): (usize, usize),
@@ -243,7 +262,7 @@ impl<const N: usize> Departing<'_, N> {
         let interfaces = scene.interfaces.as_ref()?;
         let paths = (self.rays, self.nested.inside.as_slice());
         let hits = lanes::each(|lane| row + lane.min(live - 1));
-        Some(scene.interfaces_at(interfaces, surfaces, paths, hits, &at.models.rows))
+        Some(scene.interfaces_at(interfaces, surfaces, paths, hits, given))
     }
 
     /// Rows are in the dielectric from now on that is on the side of the surface they go on to.

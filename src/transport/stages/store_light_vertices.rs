@@ -30,6 +30,11 @@ pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     for (to, row) in range.clone().zip(rows.clone()) {
         vertices.inside[to] = paths.media.inside(row);
     }
+    if event.met.passes_any_way() {
+        for (to, row) in range.clone().zip(rows.clone()) {
+            vertices.beyond[to] = arrived.beyond(&scene, row);
+        }
+    }
     vertices.event[range.clone()].fill(event.met.event() as u32);
     let (states, place) = (&mut vertices.states, &mut vertices.state[range.clone()]);
     keep_states(states, place, paths.carriers.columns(), rows.clone());
