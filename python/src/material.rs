@@ -16,7 +16,7 @@ const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
 const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, polarizer, \
-                      retarder, rough_conductor, thin_dielectric";
+                      retarder, rough_conductor, rough_dielectric, thin_dielectric";
 
 /// A material.
 pub fn material(keys: Keys) -> PyResult<Material> {
@@ -53,6 +53,11 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
         "rough_conductor" => rough_conductor(keys)?,
+        "rough_dielectric" => {
+            let [ior, exterior_ior] = indices(keys)?;
+            let (alpha, distribution, multiple_scattering) = facets(keys)?;
+            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+        }
         "thin_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
             Bsdf::ThinDielectric { ior, exterior_ior }
@@ -73,6 +78,12 @@ fn conductor(keys: &Keys) -> PyResult<Bsdf> {
 
 fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "rough_conductor")?;
+    let (alpha, distribution, multiple_scattering) = facets(keys)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+}
+
+/// What facets are like, and whether what several of them scatter is given back.
+fn facets(keys: &Keys) -> PyResult<(f32, Distribution, bool)> {
     let distribution = match keys.take::<String>("distribution")? {
         None => Distribution::default(),
         Some(name) => Distribution::named(&name).ok_or_else(|| {
@@ -81,7 +92,7 @@ fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
         })?,
     };
     let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha: alpha(keys)?, distribution, multiple_scattering })
+    Ok((alpha(keys)?, distribution, multiple_scattering))
 }
 
 /// The roughness of facets: itself, or its root.
@@ -94,7 +105,7 @@ fn alpha(keys: &Keys) -> PyResult<f32> {
             Err(keys.refuse("roughness", &problem, "it is the root of `alpha`"))
         }
         _ => {
-            let problem = "rough metal takes either `alpha` or `roughness`, its root";
+            let problem = "a rough surface takes either `alpha` or `roughness`, its root";
             Err(keys.refuse("", problem, "both are within [0, 1]"))
         }
     }

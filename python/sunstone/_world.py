@@ -106,6 +106,7 @@ class World(Editable):
             "polarizer",
             "retarder",
             "rough_conductor",
+            "rough_dielectric",
             "thin_dielectric",
         ],
         *,
@@ -135,13 +136,15 @@ class World(Editable):
                 `k`.
             eta: of the same: real part of the index of refraction n - i k.
             k: of the same: its extinction coefficient.
-            alpha: of "rough_conductor": roughness of its facets, from 0 to 1; smooth below 0.001.
+            alpha: of "rough_conductor" and "rough_dielectric": roughness of facets, from 0 to 1;
+                smooth below 0.001.
             roughness: of the same, instead of `alpha`: its root.
             distribution: of the same: how the normals of facets are distributed; "ggx" by default.
-            multiple_scattering: of the same: whether light that several facets have reflected is
+            multiple_scattering: of the same: whether light that several facets have scattered is
                 there; true by default.
-            ior: of "dielectric" (behind the front) and "thin_dielectric"; 1.5 by default. One that
-                depends on the wavelength disperses light by "dielectric"; in RGB that at 587.56 nm
+            ior: of "dielectric", "rough_dielectric" (behind the front) and "thin_dielectric"; 1.5
+                by default. One that depends on the wavelength disperses light by the former two; in
+                RGB that at 587.56 nm
                 holds for all.
             exterior_ior: of these: index of refraction outside; 1 by default.
             axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from

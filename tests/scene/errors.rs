@@ -216,7 +216,7 @@ fn materials_of_the_extension() {
             ],
         ),
         (|d| material(d, json!({"bsdf": "velvet"})), &["`velvet` is not a model", "conductor"]),
-        (|d| material(d, json!({"bsdf": "rough_dielectric"})), &["bsdf", "not supported yet"]),
+        (|d| material(d, json!({"bsdf": "rough_dielectric"})), &["alpha", "is missing"]),
         (|d| material(d, json!({"bsdf": "plastic"})), &["bsdf", "not supported yet"]),
         (
             |d| material(d, json!({"bsdf": "diffuse", "alpha": 0.1})),

@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 39] = [
+pub const SCENES: [Named; 41] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -51,6 +51,8 @@ pub const SCENES: [Named; 39] = [
     ("glass and water that touch", glass_and_water),
     ("rough metals", super::rough::metals),
     ("rough coats, orthographic", super::rough::coats),
+    ("rough glasses", super::rough::glasses),
+    ("rough glass and fog", super::rough::glass_and_fog),
 ];
 
 /// In which boundaries contradict each other.
