@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Bsdf, Material, Sides};
+use sunstone::world::{Bsdf, InternalReflection, Material, Sides};
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
@@ -15,8 +15,8 @@ const IOR: f32 = 1.5;
 const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
-const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, polarizer, \
-                      retarder, rough_conductor, rough_dielectric, thin_dielectric";
+const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, plastic, \
+                      polarizer, retarder, rough_conductor, rough_dielectric, thin_dielectric";
 
 /// A material.
 pub fn material(keys: Keys) -> PyResult<Material> {
@@ -43,6 +43,7 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
+        "plastic" => plastic(keys)?,
         "polarizer" => Bsdf::Polarizer {
             axis_deg: axis_deg()?,
             extinction_ratio: keys.take("extinction_ratio")?.unwrap_or(f64::INFINITY),
@@ -84,15 +85,50 @@ fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
 
 /// What facets are like, and whether what several of them scatter is given back.
 fn facets(keys: &Keys) -> PyResult<(f32, Distribution, bool)> {
-    let distribution = match keys.take::<String>("distribution")? {
-        None => Distribution::default(),
+    let distribution = distribution(keys)?;
+    let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
+    Ok((alpha(keys)?, distribution, multiple_scattering))
+}
+
+fn plastic(keys: &Keys) -> PyResult<Bsdf> {
+    let internal_reflection = match keys.take::<String>("internal_reflection")? {
+        None => InternalReflection::default(),
+        Some(name) => InternalReflection::named(&name).ok_or_else(|| {
+            let problem = format!("`{name}` is not what becomes of light reflected within");
+            keys.refuse("internal_reflection", &problem, "use one of lost, linear, nonlinear")
+        })?,
+    };
+    Ok(Bsdf::Plastic {
+        reflectance: keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into()),
+        ior: number(keys, "ior", IOR)?,
+        exterior_ior: number(keys, "exterior_ior", 1.0)?,
+        alpha: alpha(keys)?,
+        distribution: distribution(keys)?,
+        specular: keys.take("specular")?.unwrap_or(1.0),
+        internal_reflection,
+    })
+}
+
+/// An index of refraction that is one number.
+fn number(keys: &Keys, key: &str, default: f32) -> PyResult<f32> {
+    match keys.index(key)? {
+        None => Ok(default),
+        Some(Spectrum::Constant(value)) => Ok(value),
+        Some(Spectrum::Rgb(_) | Spectrum::Table(_) | Spectrum::Formula(_)) => {
+            Err(keys.refuse(key, "must be one number", "that of the sodium line, as 1.5"))
+        }
+    }
+}
+
+/// How the normals of facets are distributed.
+fn distribution(keys: &Keys) -> PyResult<Distribution> {
+    match keys.take::<String>("distribution")? {
+        None => Ok(Distribution::default()),
         Some(name) => Distribution::named(&name).ok_or_else(|| {
             let problem = format!("`{name}` is not a distribution of facets");
             keys.refuse("distribution", &problem, "use ggx or beckmann")
-        })?,
-    };
-    let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
-    Ok((alpha(keys)?, distribution, multiple_scattering))
+        }),
+    }
 }
 
 /// The roughness of facets: itself, or its root.
@@ -105,7 +141,7 @@ fn alpha(keys: &Keys) -> PyResult<f32> {
             Err(keys.refuse("roughness", &problem, "it is the root of `alpha`"))
         }
         _ => {
-            let problem = "a rough surface takes either `alpha` or `roughness`, its root";
+            let problem = "facets take either `alpha` or `roughness`, its root";
             Err(keys.refuse("", problem, "both are within [0, 1]"))
         }
     }

@@ -103,6 +103,7 @@ class World(Editable):
             "dielectric",
             "diffuse",
             "null",
+            "plastic",
             "polarizer",
             "retarder",
             "rough_conductor",
@@ -118,6 +119,8 @@ class World(Editable):
         roughness: float | None = None,
         distribution: Literal["beckmann", "ggx"] | None = None,
         multiple_scattering: bool | None = None,
+        specular: float | None = None,
+        internal_reflection: Literal["lost", "linear", "nonlinear"] | None = None,
         ior: Index | None = None,
         exterior_ior: Index | None = None,
         axis_deg: float | None = None,
@@ -131,21 +134,25 @@ class World(Editable):
         Args:
             name: what shapes call it.
             bsdf: how it scatters.
-            reflectance: of "diffuse", from 0 to 1; 0.8 by default.
+            reflectance: of "diffuse" and the base of "plastic", from 0 to 1; 0.8 by default.
             metal: of "conductor" and "rough_conductor", by its chemical symbol, or else `eta` and
                 `k`.
             eta: of the same: real part of the index of refraction n - i k.
             k: of the same: its extinction coefficient.
-            alpha: of "rough_conductor" and "rough_dielectric": roughness of facets, from 0 to 1;
-                smooth below 0.001.
+            alpha: of "rough_conductor", "rough_dielectric" and "plastic": roughness of facets, from 0
+                to 1; smooth below 0.001.
             roughness: of the same, instead of `alpha`: its root.
             distribution: of the same: how the normals of facets are distributed; "ggx" by default.
-            multiple_scattering: of the same: whether light that several facets have scattered is
-                there; true by default.
-            ior: of "dielectric", "rough_dielectric" (behind the front) and "thin_dielectric"; 1.5
-                by default. One that depends on the wavelength disperses light by the former two; in
-                RGB that at 587.56 nm
-                holds for all.
+            multiple_scattering: of "rough_conductor" and "rough_dielectric": whether light that
+                several facets have scattered is there; true by default.
+            specular: of "plastic": share of what its facets would reflect; 1 by default.
+            internal_reflection: of "plastic": what becomes of light that its interface reflects
+                back to the base: "lost", or scattered again, without loss ("linear") or like all
+                light ("nonlinear", by default).
+            ior: of "dielectric" and "rough_dielectric" (behind the front), "thin_dielectric" and
+                "plastic" (within; one number, from that outside to ten times it); 1.5 by default.
+                One that depends on the wavelength disperses light by the former two; in RGB that at
+                587.56 nm holds for all.
             exterior_ior: of these: index of refraction outside; 1 by default.
             axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
                 the x axis of the shape, counterclockwise about the normal; 0 by default.
@@ -168,6 +175,8 @@ class World(Editable):
                 roughness=roughness,
                 distribution=distribution,
                 multiple_scattering=multiple_scattering,
+                specular=specular,
+                internal_reflection=internal_reflection,
                 ior=ior,
                 exterior_ior=exterior_ior,
                 axis_deg=axis_deg,

@@ -96,7 +96,7 @@ impl<const N: usize> WalkTables<N> {
             surfaces: SurfaceColumns::new(ROWS),
             models: PaintedModels::default(),
             partition: Partition::default(),
-            departures: DepartureColumns::new(ROWS),
+            departures: DepartureColumns::with_sparse_kernels(ROWS),
             flights: FlightTable::new(ROWS),
             crossings: CrossingTable::new(ROWS),
             aside: (FlightTable::new(LANES), CrossingTable::new(LANES)),

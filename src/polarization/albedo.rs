@@ -55,7 +55,12 @@ impl Albedo {
 
     /// Of facets (GGX) of a dielectric of this index of refraction, relative to what is outside.
     pub fn of_coat(ior: f32, alpha: f32) -> Self {
-        Table::shared(Distribution::Ggx, Of::Coat { ior }).at(alpha)
+        Self::of_dielectric(Distribution::Ggx, ior, alpha)
+    }
+
+    /// The same of any distribution.
+    pub fn of_dielectric(distribution: Distribution, ior: f32, alpha: f32) -> Self {
+        Table::shared(distribution, Of::Coat { ior }).at(alpha)
     }
 
     /// Of facets of a dielectric of this index of refraction, relative to what is on the side that

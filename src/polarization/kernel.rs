@@ -140,6 +140,16 @@ pub struct SpheroidBlock<F> {
     pub s: F,
 }
 
+impl<F: Real> SpheroidBlock<F> {
+    /// The same with its zeros.
+    #[inline(always)]
+    pub fn dense(self) -> Dense<F> {
+        let Self { a, b, c, d, s } = self;
+        let (zero, one) = (F::zero(), F::one());
+        Dense([[one, a, zero, zero], [a, b, zero, zero], [zero, zero, c, s], [zero, zero, -s, d]])
+    }
+}
+
 impl<F: Real> Kernel<F> for SpheroidBlock<F> {
     #[inline(always)]
     fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {

@@ -5,7 +5,7 @@ use super::medium::Medium;
 use super::phase::{Scatters, for_phase};
 use super::surface::SurfaceKind;
 use crate::math::F32s;
-use crate::polarization::{Block, SpheroidBlock};
+use crate::polarization::{Block, Dense, SpheroidBlock};
 
 /// What a path has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,8 @@ pub enum Form {
     Block,
     /// a, b, c, d and s.
     Spheroid,
+    /// All that there are.
+    Dense,
 }
 
 /// A kernel's elements over M00, eight rows at a time.
@@ -52,8 +54,17 @@ pub trait Elements: Copy {
     /// How many there are.
     const FORM: Form;
 
-    /// All that there may be.
+    /// Those of a spheroid: all, of kernels of every form but [`Form::Dense`].
     fn spheroid(self) -> SpheroidBlock<F32s>;
+
+    /// All of them.
+    #[inline(always)]
+    fn dense(self) -> Dense<F32s>
+    where
+        Self: Sized,
+    {
+        self.spheroid().dense()
+    }
 }
 
 /// All elements of kernels at every wavelength.
@@ -95,6 +106,21 @@ impl Elements for SpheroidBlock<F32s> {
 
     #[inline(always)]
     fn spheroid(self) -> Self {
+        self
+    }
+}
+
+impl Elements for Dense<F32s> {
+    const FORM: Form = Form::Dense;
+
+    #[inline(always)]
+    fn spheroid(self) -> SpheroidBlock<F32s> {
+        let [[_, a, ..], [_, b, ..], [_, _, c, s], [_, _, _, d]] = self.0;
+        SpheroidBlock { a, b, c, d, s }
+    }
+
+    #[inline(always)]
+    fn dense(self) -> Self {
         self
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::geometry::SurfaceColumns;
 use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
-use crate::polarization::{SpheroidBlock, s_axis};
+use crate::polarization::{Arrival, Dense, Kernel, LightCarrier, SpheroidBlock, Stokes, s_axis};
 
 use super::Scene;
 use super::event::{Elements, Form, spheroids};
@@ -58,11 +58,66 @@ pub trait Vertices<const N: usize>: Copy {
 
     /// [`Self::merge`] and [`Self::kernels`] by one look; the axis may have any length.
     fn merge_polarized(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> ([F32s; N], Kernels<N>);
+
+    /// Whether the kernels are dense: [`Self::kernels`] are not all of them, and light is to be
+    /// given to [`Self::scatter`].
+    #[inline(always)]
+    fn is_dense(&self) -> bool {
+        false
+    }
+
+    /// All elements of the kernels that there are.
+    #[inline(always)]
+    fn leaving(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Leaving<N> {
+        Leaving::Blocks(self.kernels(k_in, k_out))
+    }
+
+    /// Light that arrives along `k_in` leaves along `k_out`.
+    fn scatter(&self, k_in: Vector<F32s>, k_out: Vector<F32s>, light: &mut LightLanes<N>);
+}
+
+/// Eight rays of light at every wavelength.
+#[derive(Clone, Copy, Debug)]
+pub struct LightLanes<const N: usize> {
+    /// Their states.
+    pub stokes: [Stokes<F32s>; N],
+    /// The reference axis, perpendicular to the light.
+    pub x: Vector<F32s>,
+}
+
+impl<const N: usize> LightLanes<N> {
+    /// The light after an event whose axis is `axis`; before, it travels along `k_in`.
+    #[inline(always)]
+    pub fn pass<K: Kernel<F32s>>(
+        &mut self,
+        k_in: Vector<F32s>,
+        (kernels, axis): &([K; N], Vector<F32s>),
+    ) {
+        let arrival = Arrival::between(self.x, *axis, k_in);
+        for (stokes, &kernel) in self.stokes.iter_mut().zip(kernels) {
+            let light = LightCarrier { stokes: *stokes, x: self.x };
+            *stokes = light.scatter(&arrival, kernel).stokes;
+        }
+        self.x = *axis;
+    }
 }
 
 /// Kernels over M00 at every wavelength, and the x axis of their frames: perpendicular to the
 /// light before and after.
 pub type Kernels<const N: usize> = ([SpheroidBlock<F32s>; N], Vector<F32s>);
+
+/// The same with all elements.
+pub type DenseKernels<const N: usize> = ([Dense<F32s>; N], Vector<F32s>);
+
+/// Kernels of some form.
+// One of them at a time is on the stack.
+#[allow(clippy::large_enum_variant, reason = "it is built, used and forgotten in one place")]
+pub enum Leaving<const N: usize> {
+    /// Blocks on the diagonal.
+    Blocks(Kernels<N>),
+    /// All elements.
+    Dense(DenseKernels<N>),
+}
 
 /// Which rows of columns eight lanes hold.
 pub trait RowLanes: Copy {
@@ -304,6 +359,24 @@ impl<M: Connecting<N>, const N: usize> Vertices<N> for SurfaceVertices<M, N> {
     fn merge_polarized(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> ([F32s; N], Kernels<N>) {
         (self.merge(k_in, k_out), self.kernels(k_in, k_out))
     }
+
+    #[inline(always)]
+    fn is_dense(&self) -> bool {
+        M::is_dense(&self.lanes)
+    }
+
+    #[inline(always)]
+    fn leaving(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Leaving<N> {
+        match M::is_dense(&self.lanes) {
+            true => Leaving::Dense(M::dense_kernels(&self.lanes, &self.kept.facing, k_in, k_out)),
+            false => Leaving::Blocks(self.kernels(k_in, k_out)),
+        }
+    }
+
+    #[inline(never)]
+    fn scatter(&self, k_in: Vector<F32s>, k_out: Vector<F32s>, light: &mut LightLanes<N>) {
+        light.pass(k_in, &M::dense_kernels(&self.lanes, &self.kept.facing, k_in, k_out));
+    }
 }
 
 /// A medium with the phase function `P`; any vertex in it is like any other.
@@ -387,6 +460,11 @@ impl<P: Scatters<N>, const N: usize> Vertices<N> for InMedium<'_, P, N> {
         let (values, kernels) = self.phase.values_and_kernels(half_sine2(k_in, k_out));
         // Where it vanishes, forwards, no turn is needed.
         (values, (kernels, k_in.cross(k_out)))
+    }
+
+    #[inline(never)]
+    fn scatter(&self, k_in: Vector<F32s>, k_out: Vector<F32s>, light: &mut LightLanes<N>) {
+        light.pass(k_in, &self.kernels(k_in, k_out));
     }
 }
 

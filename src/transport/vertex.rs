@@ -7,10 +7,9 @@ use crate::scattering::event::{Event, Form};
 use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::Facing;
 use crate::scattering::vertex::{KeptLanes, Scatterer, Turn, Vertices, for_scatterer};
-use crate::scene::baked::NONE;
 
 use super::LightModel;
-use super::tables::states::{LightState, kernels_of_lanes};
+use super::tables::states::{self, LightState};
 use super::tables::vertices::VertexTable;
 
 /// What the `live` light vertices from `row` on do to light that leaves them along `direction`,
@@ -108,19 +107,14 @@ fn scatter_states<const N: usize>(
 ) {
     let k_in = -Vector::load(&vertices.given, row);
     let found = for_scatterer!(scene, met, all => {
-        all.kept(keep(vertices, row, mask)).kernels(k_in, direction)
+        all.kept(keep(vertices, row, mask)).leaving(k_in, direction)
     });
-    let Some((kernels, axis)) = found else { return };
-    let kernels = kernels_of_lanes(&kernels);
-    let (axis, k_in) = (axis.to_rows(), k_in.to_rows());
+    let Some(leaving) = found else { return };
     let mask = mask.to_bits().to_array();
-    for lane in (0..LANES).filter(|&lane| mask[lane] != 0) {
-        let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
-        states[lane] = Some(match vertices.state[row + lane] {
-            NONE => LightState::first_event(&kernels[lane], axis),
-            state => vertices.states[state as usize].scatter(&kernels[lane], axis, k_in),
-        });
-    }
+    let lanes = (0..LANES).filter(|&lane| mask[lane] != 0);
+    let state = |lane: usize| vertices.states.get(vertices.state[row + lane] as usize);
+    let to = |lane: usize, light: &LightState<N>| states[lane] = Some(*light);
+    states::scatter_states(&leaving, k_in, lanes, state, to);
 }
 
 /// What is kept of eight vertices; `mask` are those of the scatterer that they are for.

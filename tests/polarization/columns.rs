@@ -1,6 +1,6 @@
 //! The stages that render, against the algebra and so against the 120 chains: light and sensor
-//! paths of three wavelengths that run through tables of columns, by every form of kernel, joined
-//! at every segment, with and without a depolarizer in between.
+//! paths of three wavelengths that run through tables of columns, by every form of kernel (dense
+//! ones with any elements), joined at every segment, with and without a depolarizer in between.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use glam::Vec3;
 use sunstone::internals::math::columns::Channels;
 use sunstone::internals::math::{Vector, lanes};
 use sunstone::internals::polarization::{Arrival, Block, LightCarrier, SensorMatrix, SensorRow};
-use sunstone::internals::polarization::{Stokes, kernel::SpheroidBlock};
+use sunstone::internals::polarization::{Dense, Stokes, kernel::SpheroidBlock};
 use sunstone::internals::scattering::Met;
 use sunstone::internals::scattering::event::{Event, Form};
 use sunstone::internals::transport::measure::{measure_polarized, measure_unpolarized};
@@ -87,12 +87,24 @@ impl Rows {
         }
     }
 
-    /// What the event of a row is at a wavelength; the first has the chain's own kernels.
-    fn exact(&self, row: usize, place: usize, wavelength: usize) -> Vertex<f64> {
+    /// What the event of a row is at a wavelength, and its matrix; the first has the chain's own
+    /// kernels, but where kernels are dense.
+    fn exact(&self, row: usize, place: usize, wavelength: usize) -> (Vertex<f64>, Dense<f64>) {
         let vertex = self.exact[row].events[place];
         let factor = self.factor(row, place, wavelength);
         let Block { a, c, s } = vertex.kernel;
-        Vertex { kernel: Block { a: a * factor, c, s: s * factor }, ..vertex }
+        let (a, s) = (a * factor, s * factor);
+        let Dense(mut matrix) = SpheroidBlock { a, b: 1.0, c, d: c, s }.dense();
+        if self.case.form == Form::Dense {
+            let channel = if self.event(row, place).achromatic { 0 } else { wavelength };
+            let seed = (row * 16 + place) * N + channel;
+            for (index, element) in matrix.as_flattened_mut().iter_mut().enumerate().skip(1) {
+                // Any numbers: the golden ratio's multiples fill the interval evenly.
+                let number = (((seed * 16 + index) as f64) * 0.618_033_988_749_895).fract();
+                *element = 0.5 * *element + 0.3 * (number - 0.5);
+            }
+        }
+        (vertex, Dense(matrix))
     }
 
     fn factor(&self, row: usize, place: usize, wavelength: usize) -> f64 {
@@ -139,8 +151,14 @@ impl Rows {
                 let SpheroidBlock { a, b, c, d, s } = match event.form {
                     Form::Spheroid if is_stored => full,
                     Form::Block if is_stored => block,
-                    Form::Spheroid | Form::Block | Form::Depolarizer => none,
+                    Form::Spheroid | Form::Block | Form::Depolarizer | Form::Dense => none,
                 };
+                let is_dense = event.form == Form::Dense && is_stored;
+                let (_, Dense(matrix)) = self.exact(row, at, n);
+                let elements = matrix.as_flattened()[1..].iter();
+                for (column, &element) in kernels.dense.iter_mut().zip(elements) {
+                    column[n][row] = if is_dense { element as f32 } else { unread };
+                }
                 (kernels.a[n][row], kernels.b[n][row], kernels.c[n][row]) = (a, b, c);
                 (kernels.d[n][row], kernels.s[n][row]) = (d, s);
             }
@@ -223,13 +241,15 @@ fn exact_light(rows: &Rows, row: usize, n: usize) -> Vec<LightCarrier<f64>> {
     let start = LightCarrier { stokes: traced.light.stokes.scaled(traced.beta), ..traced.light };
     let mut states = vec![start];
     for place in 0..rows.events(row) {
-        let (light, vertex) = (states[place], rows.exact(row, place, n));
+        let (light, (vertex, kernel)) = (states[place], rows.exact(row, place, n));
         states.push(match rows.event(row, place).form {
             Form::Depolarizer => {
                 let stokes = Stokes::unpolarized().scaled(light.depolarized());
                 LightCarrier { stokes, x: vertex.x }
             }
-            Form::Block | Form::Spheroid => light.scatter(&vertex.arrival(light.x), vertex.kernel),
+            Form::Block | Form::Spheroid | Form::Dense => {
+                light.scatter(&vertex.arrival(light.x), kernel)
+            }
         });
     }
     states
@@ -289,17 +309,17 @@ fn exact_sensor(rows: &Rows, row: usize, n: usize, depth: usize) -> Exact {
     let film_x = rows.exact[row].film_x;
     let mut sensor = Exact::Matrix(SensorMatrix::identity(film_x));
     for place in (0..rows.events(row)).rev().take(depth) {
-        let vertex = rows.exact(row, place, n);
+        let (vertex, kernel) = rows.exact(row, place, n);
         let depolarizes = rows.event(row, place).form == Form::Depolarizer;
         sensor = match sensor {
             Exact::Matrix(matrix) if depolarizes => {
                 Exact::RankOne(matrix.depolarized().0, SensorRow::intensity(vertex.x))
             }
             Exact::Matrix(matrix) => {
-                Exact::Matrix(matrix.collect(&vertex.departure(matrix.x), vertex.kernel))
+                Exact::Matrix(matrix.collect(&vertex.departure(matrix.x), kernel))
             }
             Exact::RankOne(column, row) => {
-                Exact::RankOne(column, row.collect(&vertex.departure(row.x), vertex.kernel))
+                Exact::RankOne(column, row.collect(&vertex.departure(row.x), kernel))
             }
         };
     }
@@ -383,7 +403,7 @@ fn check(case: Case, components: usize) -> f64 {
 #[test]
 fn columns_measure_what_the_algebra_measures() {
     let mut worst = 0.0_f64;
-    for form in [Form::Block, Form::Spheroid] {
+    for form in [Form::Block, Form::Spheroid, Form::Dense] {
         // All matrices apart, one for all wavelengths, and one that splits.
         for achromatic in [0, 1, 2, 5] {
             for depolarizer in [None, Some(0), Some(1), Some(2), Some(4)] {

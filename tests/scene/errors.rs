@@ -217,7 +217,6 @@ fn materials_of_the_extension() {
         ),
         (|d| material(d, json!({"bsdf": "velvet"})), &["`velvet` is not a model", "conductor"]),
         (|d| material(d, json!({"bsdf": "rough_dielectric"})), &["alpha", "is missing"]),
-        (|d| material(d, json!({"bsdf": "plastic"})), &["bsdf", "not supported yet"]),
         (
             |d| material(d, json!({"bsdf": "diffuse", "alpha": 0.1})),
             &["alpha", "means nothing for a diffuse"],

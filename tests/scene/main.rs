@@ -12,6 +12,7 @@ mod mended;
 mod mitsuba;
 mod mitsuba_errors;
 mod moving;
+mod plastic;
 mod reference;
 mod refused;
 mod room;

@@ -28,6 +28,29 @@ pub fn metals() -> World {
     pinhole(scene).load("rough metals")
 }
 
+/// Plastics of all sorts about a polarizer: what leaves them was refracted in two planes.
+pub fn plastics() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.4, 5.0);
+    let mut plastic = |mut keys: serde_json::Value| {
+        keys["bsdf"] = json!("plastic");
+        scene.material(keys)
+    };
+    let white = plastic(json!({"reflectance": 0.9, "alpha": 0.3, "ior": 1.6}));
+    let red = plastic(json!({"reflectance": [0.7, 0.2, 0.1], "roughness": 0.8,
+        "distribution": "beckmann", "internal_reflection": "lost", "specular": 0.5}));
+    let dense = plastic(json!({"reflectance": [0.2, 0.4, 0.8], "alpha": 0.25, "ior": 2.5,
+        "exterior_ior": 1.2, "internal_reflection": "linear"}));
+    let dense = scene.two_sided(dense);
+    let sheet = scene.material(json!({"bsdf": "polarizer", "axis_deg": 30}));
+    scene.sphere(v(-0.5, -0.4, -0.2), 0.45, white);
+    scene.ball(v(0.4, -0.2, -0.2), 0.4, 8, red);
+    scene.quad(v(0.0, -0.7, 0.3), v(0.7, 0.0, 0.1), v(0.0, 0.1, -0.4), dense);
+    scene.quad(v(-0.4, 0.4, 0.5), v(0.3, 0.0, 0.0), v(0.0, 0.3, 0.0), sheet);
+    scene.sphere(v(0.1, 0.4, -0.6), 0.3, dense);
+    pinhole(scene).load("plastics")
+}
+
 /// glTF's materials of partial metal and of plain coats, lit by points and a sky.
 pub fn coats() -> World {
     let mut scene = room(&[CEILING]);

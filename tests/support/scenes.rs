@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 41] = [
+pub const SCENES: [Named; 42] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -50,6 +50,7 @@ pub const SCENES: [Named; 41] = [
     ("large sphere light on the floor", sphere_on_the_floor),
     ("glass and water that touch", glass_and_water),
     ("rough metals", super::rough::metals),
+    ("plastics", super::rough::plastics),
     ("rough coats, orthographic", super::rough::coats),
     ("rough glasses", super::rough::glasses),
     ("rough glass and fog", super::rough::glass_and_fog),

@@ -72,6 +72,11 @@ const TANK: Case =
 const RAYLEIGH: Case =
     Case { name: "rayleigh", path_length_max: 20, exact: (0..4, 5_000), ill_posed: &[], margin: 0 };
 
+/// Polarized plastic and rough metal, which light each other. Their facets are narrow: the wider
+/// ones of Mitsuba are darker at grazing, as masking and shadowing are independent there.
+const PLASTIC: Case =
+    Case { name: "plastic", path_length_max: 5, exact: (0..4, 0), ill_posed: &[], margin: 0 };
+
 /// Without the edges of the cloud, for photons.
 const INSIDE_RAYLEIGH: Case = Case { exact: (0..4, 1_000), margin: 4, ..RAYLEIGH };
 
@@ -89,7 +94,11 @@ fn check_photons(
     photons: Photons,
 ) {
     let reference = reference(case.name);
-    let world = world(&in_package(&format!("scenes/reference/{}.gltf", case.name)));
+    let file = match case.name {
+        "plastic" => "tests/data/images/plastic/scene.xml".to_owned(),
+        name => format!("scenes/reference/{name}.gltf"),
+    };
+    let world = world(&in_package(&file));
     let size = [reference.width as u32, reference.height as u32];
     let scene = scene::<1>(&world, MONO, size);
     let settings = settings(integrator, Mode::Polarized, MONO, iterations, case.path_length_max);
@@ -221,6 +230,18 @@ fn path_renders_mirror() {
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn path_renders_brewster() {
     check(&BREWSTER, Integrator::Path, 256, 4);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn path_renders_plastic() {
+    check(&PLASTIC, Integrator::Path, 128, 4);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn bdpt_renders_plastic() {
+    check(&PLASTIC, Integrator::Bdpt, 64, 4);
 }
 
 #[test]

@@ -5,13 +5,15 @@
 use super::facing::Facing;
 use super::metallic_roughness::MetallicRoughness;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
+use super::plastic::Plastic;
 use super::rough_conductor::RoughConductor;
 use super::rough_dielectric::RoughDielectric;
 use super::surface_models;
 use crate::math::{F32s, Vector};
 use crate::polarization::SpheroidBlock;
+use crate::scattering::event::{Elements, Form, spheroids};
 use crate::scattering::side::Side;
-use crate::scattering::vertex::Kernels;
+use crate::scattering::vertex::{DenseKernels, Kernels};
 
 /// A glossy model.
 pub trait Glossy<const N: usize>: Surface {
@@ -20,12 +22,18 @@ pub trait Glossy<const N: usize>: Surface {
     /// Whether light goes through.
     const TRANSMITS: bool = false;
 
+    /// What their kernels are.
+    const FORM: Form = <<Self::Lanes as Lobes<N>>::Kernel as Elements>::FORM;
+
     /// Those of some rows.
     fn lanes(models: &ModelLanes<Self>) -> Self::Lanes;
 }
 
 /// Eight glossy surfaces; see [`Connecting`].
 pub trait Lobes<const N: usize>: Copy {
+    /// What the kernels are made of.
+    type Kernel: Elements;
+
     /// The scattering function per steradian, between two directions away from the surface, for a
     /// path of the `side` that comes from `given`.
     fn values(
@@ -45,7 +53,12 @@ pub trait Lobes<const N: usize>: Copy {
 
     /// The kernels for light that travels along `k_in` and then along `k_out`, and the x axis of
     /// their frames, a unit vector perpendicular to both.
-    fn kernels(&self, facing: &Facing, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N>;
+    fn kernels(
+        &self,
+        facing: &Facing,
+        k_in: Vector<F32s>,
+        k_out: Vector<F32s>,
+    ) -> ([Self::Kernel; N], Vector<F32s>);
 }
 
 macro_rules! declare {
@@ -158,7 +171,34 @@ macro_rules! declare {
                 k_out: Vector<F32s>,
             ) -> Kernels<N> {
                 match of {
-                    $(GlossyLanes::$glossy(of) => of.kernels(facing, k_in, k_out),)*
+                    $(GlossyLanes::$glossy(of) => {
+                        let (kernels, axis) = of.kernels(facing, k_in, k_out);
+                        (spheroids(&kernels), axis)
+                    })*
+                }
+            }
+
+            #[inline(always)]
+            fn is_dense(of: &GlossyLanes<N>) -> bool {
+                match of {
+                    $(GlossyLanes::$glossy(_) => {
+                        matches!(<$glossy_model as Glossy<N>>::FORM, Form::Dense)
+                    })*
+                }
+            }
+
+            #[inline(never)]
+            fn dense_kernels(
+                of: &GlossyLanes<N>,
+                facing: &Facing,
+                k_in: Vector<F32s>,
+                k_out: Vector<F32s>,
+            ) -> DenseKernels<N> {
+                match of {
+                    $(GlossyLanes::$glossy(of) => {
+                        let (kernels, axis) = of.kernels(facing, k_in, k_out);
+                        (kernels.map(Elements::dense), axis)
+                    })*
                 }
             }
         }

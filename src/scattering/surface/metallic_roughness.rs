@@ -21,7 +21,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
+use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, peak};
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
@@ -144,6 +144,8 @@ impl<const N: usize> MetallicRoughnesses<N> {
 }
 
 impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
+    type Kernel = SpheroidBlock<F32s>;
+
     #[inline(always)]
     fn facets(&self) -> &Facets {
         &self.facets
@@ -180,7 +182,7 @@ impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
     }
 
     #[inline(always)]
-    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N] {
+    fn kernels(&self, reflection: &FacetReflection, _: &FacetPlane) -> [Self::Kernel; N] {
         let (cos, depolarized) = (reflection.cos_half, self.depolarized(reflection));
         let [has_metal, has_coat] = self.kinds();
         let mut of_coat = FacetLobe::none();

@@ -18,6 +18,7 @@ mod glossy;
 mod metallic_roughness;
 pub mod model;
 mod null;
+mod plastic;
 mod polarizer;
 mod retarder;
 mod rough;
@@ -27,9 +28,7 @@ mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
-pub use glossy::GlossyTable;
-
-use glossy::Glossy;
+pub use glossy::{Glossy, GlossyTable};
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 
 use absorber::Absorber;
@@ -39,6 +38,7 @@ use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
+use plastic::Plastic;
 use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
@@ -78,6 +78,10 @@ macro_rules! surface_models {
                     rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
+                Plastic {
+                    reflectance, ior, exterior_ior, alpha, distribution, specular,
+                    internal_reflection
+                } => plastic: Plastic<N>,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -231,7 +235,7 @@ macro_rules! declare {
                         <&[$any_model] as Connecting<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$glossy => (
-                        <<GlossyTable<'_, N> as Connecting<N>>::Kernel as Elements>::FORM,
+                        <$glossy_model as Glossy<N>>::FORM,
                         <GlossyTable<'_, N> as Connecting<N>>::ACHROMATIC,
                     ),)*
                     $(Self::$both => (
@@ -586,58 +590,4 @@ fn append<M: Surface>(table: &mut Vec<M>, model: M) -> Added {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
-        use SurfaceKind::{
-            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
-            RoughConductor, RoughDielectric, ThinDielectric,
-        };
-        let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
-        let expected = [
-            Absorber,
-            Conductor,
-            Dielectric,
-            DispersiveDielectric,
-            ThinDielectric,
-            Diffuse,
-            RoughConductor,
-            RoughDielectric,
-            MetallicRoughness,
-        ];
-        assert_eq!(met, expected.map(Met::Surface));
-        let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();
-        assert!(sorts.is_sorted_by_key(|sort| *sort == Sort::Connecting));
-    }
-
-    #[test]
-    fn every_kind_has_its_event() {
-        let events: Vec<Event> = SurfaceKind::events().collect();
-        assert_eq!(events.len(), SurfaceKind::EVENTS);
-        for &kind in SurfaceKind::ALL {
-            let event = events[kind.event()];
-            let is_met = kind.is_specular() || kind.connects();
-            assert_eq!(event.met == Met::Surface(kind), is_met || kind == SurfaceKind::ALL[END]);
-            assert_eq!(event.connects(), kind.connects());
-            if kind.is_specular() {
-                assert_ne!(event.form, Form::Depolarizer, "{kind:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn materials_are_rows_of_the_tables_of_their_models() {
-        let glass = SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 };
-        let gray = |reflectance| SurfaceModel::Diffuse { reflectance: [reflectance] };
-        let models = [gray(0.5), glass, gray(0.0), SurfaceModel::Absorber, glass];
-        let baked = models.map(|model| baked::Material { model, two_sided: false });
-        let surfaces = Surfaces::new(&baked, None);
-        let rows: Vec<u32> = surfaces.materials().iter().map(|material| material.row).collect();
-        assert_eq!(rows, [0, 0, 1, 0, 1]);
-        assert_eq!((surfaces.diffuse().len(), surfaces.dielectric().len()), (2, 2));
-        let survival: Vec<f32> = surfaces.materials().iter().map(|it| it.survival).collect();
-        assert_eq!(survival, [0.5, 1.0, 0.05, 0.05, 1.0]);
-    }
-}
+mod tests;

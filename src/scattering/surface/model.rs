@@ -12,6 +12,7 @@ use crate::polarization::Block;
 use crate::scattering::Scene;
 use crate::scattering::event::Elements;
 use crate::scattering::side::Side;
+use crate::scattering::vertex::DenseKernels;
 use crate::scene::baked::{self, Shapes};
 
 use super::Material;
@@ -181,6 +182,25 @@ pub trait Connecting<const N: usize>: Copy {
         k_in: Vector<F32s>,
         k_out: Vector<F32s>,
     ) -> ([Self::Kernel; N], Vector<F32s>);
+
+    /// Whether their kernels are dense, which none but some glossy models' are: then
+    /// [`Connecting::dense_kernels`] has all elements, and [`Connecting::kernels`] has not.
+    #[inline(always)]
+    fn is_dense(_of: &Self::Lanes) -> bool {
+        false
+    }
+
+    /// [`Connecting::kernels`] with all elements.
+    #[inline(always)]
+    fn dense_kernels(
+        of: &Self::Lanes,
+        facing: &Facing,
+        k_in: Vector<F32s>,
+        k_out: Vector<F32s>,
+    ) -> DenseKernels<N> {
+        let (kernels, axis) = Self::kernels(of, facing, k_in, k_out);
+        (kernels.map(Elements::dense), axis)
+    }
 }
 
 /// A direction that was drawn.

@@ -18,8 +18,8 @@ use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
     ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
+use crate::scattering::event::Elements;
 use crate::scattering::side::Side;
-use crate::scattering::vertex::Kernels;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
 pub const MISSING_MIN: f32 = 1e-4;
@@ -113,6 +113,18 @@ impl<const N: usize> Reflected<N> {
     }
 }
 
+/// How light goes by the facets that reflect it.
+pub struct FacetPlane {
+    /// The surface's normal, on the side of the light.
+    pub normal: Vector<F32s>,
+    /// Across the facets' plane of incidence.
+    pub axis: Vector<F32s>,
+    /// Along the light that arrives.
+    pub k_in: Vector<F32s>,
+    /// Along the light that leaves.
+    pub k_out: Vector<F32s>,
+}
+
 /// Eight rough surfaces, from which directions are drawn by facets, or else by the cosine.
 pub trait Rough<const N: usize> {
     /// The facets.
@@ -126,8 +138,11 @@ pub trait Rough<const N: usize> {
     /// are not both above the surface.
     fn values(&self, reflection: &FacetReflection) -> [F32s; N];
 
+    /// What the kernels are made of.
+    type Kernel: Elements;
+
     /// The kernels, over the axis of the facets' plane of incidence.
-    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N];
+    fn kernels(&self, reflection: &FacetReflection, plane: &FacetPlane) -> [Self::Kernel; N];
 
     /// What facets reflect between two directions.
     #[inline(always)]
@@ -142,6 +157,8 @@ pub trait Rough<const N: usize> {
 }
 
 impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
+    type Kernel = R::Kernel;
+
     #[inline(always)]
     fn values(
         &self,
@@ -184,9 +201,16 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     }
 
     #[inline(always)]
-    fn kernels(&self, facing: &Facing, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Kernels<N> {
+    fn kernels(
+        &self,
+        facing: &Facing,
+        k_in: Vector<F32s>,
+        k_out: Vector<F32s>,
+    ) -> ([Self::Kernel; N], Vector<F32s>) {
         let reflection = self.reflect(facing, -k_in, k_out);
-        (Rough::kernels(self, &reflection), s_axis(reflection.half, k_in))
+        let axis = s_axis(reflection.half, k_in);
+        let plane = FacetPlane { normal: facing.shading_towards(k_out), axis, k_in, k_out };
+        (Rough::kernels(self, &reflection, &plane), axis)
     }
 }
 
@@ -204,4 +228,4 @@ pub fn missing(terms: &[F32s; TERMS], cos: F32s) -> F32s {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

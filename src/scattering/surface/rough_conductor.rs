@@ -2,7 +2,7 @@
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, Reflected, Rough, is_above, missing, peak};
+use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, peak};
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
@@ -78,6 +78,8 @@ impl<const N: usize> RoughConductors<N> {
 }
 
 impl<const N: usize> Rough<N> for RoughConductors<N> {
+    type Kernel = SpheroidBlock<F32s>;
+
     #[inline(always)]
     fn facets(&self) -> &Facets {
         &self.facets
@@ -104,7 +106,7 @@ impl<const N: usize> Rough<N> for RoughConductors<N> {
     }
 
     #[inline(always)]
-    fn kernels(&self, reflection: &FacetReflection) -> [SpheroidBlock<F32s>; N] {
+    fn kernels(&self, reflection: &FacetReflection, _: &FacetPlane) -> [Self::Kernel; N] {
         let several = self.several(reflection);
         let mut kernels = [FacetLobe::none().beside(several); N];
         for (n, kernel) in kernels.iter_mut().enumerate() {

@@ -259,6 +259,8 @@ impl<const N: usize> RoughDielectrics<N> {
 }
 
 impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
+    type Kernel = SpheroidBlock<F32s>;
+
     #[inline(always)]
     fn values(
         &self,

@@ -37,6 +37,7 @@ pub const MATERIAL: Keys = Keys {
         "eta",
         "exterior_ior",
         "extinction_ratio",
+        "internal_reflection",
         "ior",
         "k",
         "metal",
@@ -44,6 +45,7 @@ pub const MATERIAL: Keys = Keys {
         "reflectance",
         "retardance_deg",
         "roughness",
+        "specular",
     ],
     planned: &[],
 };

@@ -25,7 +25,9 @@ use crate::math::Range;
 use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Boundary, Bsdf, Emission, Material, Name, Sides, Skin, tabulated};
+use crate::scene::world::{
+    Boundary, Bsdf, Emission, InternalReflection, Material, Name, Sides, Skin, tabulated,
+};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// Index of refraction that glTF gives to dielectrics.
@@ -55,12 +57,13 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 10] = [
+const MODELS: [Model; 11] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
+    Model { name: "plastic", keys: &PLASTIC, read: plastic },
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
@@ -73,10 +76,19 @@ const ROUGH_CONDUCTOR: [&str; 7] =
 /// Keys of rough glass.
 const ROUGH_DIELECTRIC: [&str; 6] =
     ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
+/// Keys of plastic.
+const PLASTIC: [&str; 8] = [
+    "alpha",
+    "distribution",
+    "exterior_ior",
+    "internal_reflection",
+    "ior",
+    "reflectance",
+    "roughness",
+    "specular",
+];
 /// Keys that go with any model.
 const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
-/// Values of `bsdf` that later versions will know.
-const PLANNED_MODELS: [&str; 1] = ["plastic"];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -347,6 +359,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Plastic { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
@@ -365,10 +378,6 @@ fn extension_model(
 ) -> Result<Bsdf, SceneError> {
     let names = MODELS.map(|model| model.name);
     let remedy = format!("use one of {}", names.join(", "));
-    if PLANNED_MODELS.contains(&model) {
-        let problem = format!("`{model}` is not supported yet");
-        return Err(SceneError::new(body.field("bsdf"), problem, remedy));
-    }
     let Some(Model { keys, read, .. }) = MODELS.iter().find(|known| known.name == model) else {
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
@@ -452,16 +461,44 @@ fn rough_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, Scen
 
 /// What facets are like, and whether what several of them scatter is given back.
 fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
-    let distribution = match body.word("distribution")? {
-        None => Distribution::default(),
+    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
+    Ok((alpha(body)?, distribution(body)?, multiple_scattering))
+}
+
+fn plastic(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
+    let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+    let base_color = Spectrum::Rgb([red, green, blue]);
+    let number = |key| body.number(key).map(|value| value.map(|value| value as f32));
+    let internal_reflection = match body.word("internal_reflection")? {
+        None => InternalReflection::default(),
+        Some(name) => InternalReflection::named(name).ok_or_else(|| {
+            let names = InternalReflection::ALL.map(InternalReflection::name);
+            let problem = format!("`{name}` is not what becomes of light reflected within");
+            let remedy = format!("use one of {}", names.join(", "));
+            SceneError::new(body.field("internal_reflection"), problem, remedy)
+        })?,
+    };
+    Ok(Bsdf::Plastic {
+        reflectance: body.spectrum("reflectance")?.unwrap_or(base_color),
+        ior: number("ior")?.unwrap_or_else(|| khr_ior(material)),
+        exterior_ior: number("exterior_ior")?.unwrap_or(1.0),
+        alpha: alpha(body)?,
+        distribution: distribution(body)?,
+        specular: number("specular")?.unwrap_or(1.0),
+        internal_reflection,
+    })
+}
+
+/// How the normals of facets are distributed.
+fn distribution(body: &Body) -> Result<Distribution, SceneError> {
+    match body.word("distribution")? {
+        None => Ok(Distribution::default()),
         Some(name) => Distribution::named(name).ok_or_else(|| {
             let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
             let problem = format!("`{name}` is not a distribution of facets");
             SceneError::new(body.field("distribution"), problem, remedy)
-        })?,
-    };
-    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    Ok((alpha(body)?, distribution, multiple_scattering))
+        }),
+    }
 }
 
 /// The roughness of facets: itself, or its root.

@@ -317,7 +317,9 @@ fn image_of(texture: &Value) -> Option<usize> {
 /// The color of a model that has one as red, green and blue.
 fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
     let (parameter, spectrum) = match bsdf {
-        Bsdf::Diffuse { reflectance } => (Parameter::Reflectance, reflectance),
+        Bsdf::Diffuse { reflectance } | Bsdf::Plastic { reflectance, .. } => {
+            (Parameter::Reflectance, reflectance)
+        }
         Bsdf::MetallicRoughness { base_color, .. } => (Parameter::BaseColor, base_color),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
@@ -343,6 +345,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
+        | Bsdf::Plastic { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::ThinDielectric { .. }

@@ -297,6 +297,17 @@ impl Writer {
                     "distribution": distribution.name(),
                     "multiple_scattering": multiple_scattering})
             }
+            Bsdf::Plastic {
+                reflectance,
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                specular,
+                internal_reflection,
+            } => json!({"bsdf": "plastic", "reflectance": of(reflectance), "ior": ior,
+                "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
+                "specular": specular, "internal_reflection": internal_reflection.name()}),
             Bsdf::MetallicRoughness { base_color, .. } => {
                 let color = match base_color {
                     Spectrum::Constant(value) => [*value; 3],

@@ -7,7 +7,7 @@ use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::Bsdf;
+use crate::scene::world::{Bsdf, InternalReflection};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -23,16 +23,19 @@ pub struct Surface {
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 11] = [
+const TYPES: [(&str, Read); 14] = [
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", |fields| diffuse(fields).map(one_sided)),
     ("mask", mask),
     ("null", |_| Ok(one_sided(Bsdf::Null))),
+    ("plastic", |fields| plastic(fields).map(one_sided)),
     ("polarizer", |fields| polarizer(fields).map(one_sided)),
+    ("pplastic", |fields| polarized_plastic(fields).map(one_sided)),
     ("retarder", |fields| retarder(fields).map(one_sided)),
     ("roughconductor", |fields| rough_conductor(fields).map(one_sided)),
     ("roughdielectric", |fields| rough_dielectric(fields).map(one_sided)),
+    ("roughplastic", |fields| rough_plastic(fields).map(one_sided)),
     ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
     ("twosided", two_sided),
 ];
@@ -79,10 +82,12 @@ pub fn read(fields: &Fields) -> Result<Surface, SceneError> {
 }
 
 /// What fields of models are called here.
-const NAMES: [(&str, &str); 5] = [
+const NAMES: [(&str, &str); 7] = [
     ("ior", "int_ior"),
     ("exterior_ior", "ext_ior"),
     ("ior over exterior_ior", "int_ior"),
+    ("reflectance", "diffuse_reflectance"),
+    ("specular", "specular_reflectance"),
     ("axis_deg", "theta"),
     ("retardance_deg", "delta"),
 ];
@@ -161,7 +166,7 @@ fn rough_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
     Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
 }
 
-/// The roughness and the distribution of facets.
+/// The roughness of facets, and how their normals are distributed.
 fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
     let distribution = match fields.text("distribution")? {
         None => Distribution::Beckmann,
@@ -182,6 +187,50 @@ fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
         }
     };
     Ok((alpha as f32, distribution))
+}
+
+/// What Mitsuba has is the model of Baek et al.: light that is reflected within is lost.
+fn polarized_plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let of_facets = facets(fields)?;
+    plastic_of(fields, of_facets, InternalReflection::Lost)
+}
+
+fn rough_plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let of_facets = facets(fields)?;
+    plastic_of(fields, of_facets, internal_reflection(fields)?)
+}
+
+/// Its mirrors are the least rough facets.
+fn plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+    plastic_of(fields, (0.0, Distribution::Ggx), internal_reflection(fields)?)
+}
+
+fn internal_reflection(fields: &Fields) -> Result<InternalReflection, SceneError> {
+    let is_nonlinear = fields.boolean("nonlinear")?.unwrap_or(false);
+    Ok(if is_nonlinear { InternalReflection::Nonlinear } else { InternalReflection::Linear })
+}
+
+fn plastic_of(
+    fields: &Fields,
+    (alpha, distribution): (f32, Distribution),
+    internal_reflection: InternalReflection,
+) -> Result<Bsdf, SceneError> {
+    let reflectance = fields.spectrum_or("diffuse_reflectance", Kind::Share, 0.5)?;
+    let Spectrum::Constant(specular) =
+        fields.spectrum_or("specular_reflectance", Kind::Share, 1.0)?
+    else {
+        let problem = "must be one number: facets of a dielectric have no color";
+        return Err(fields.wrong("specular_reflectance", problem, "remove it"));
+    };
+    Ok(Bsdf::Plastic {
+        reflectance,
+        ior: index(fields, "int_ior", "polypropylene")?,
+        exterior_ior: index(fields, "ext_ior", "air")?,
+        alpha,
+        distribution,
+        specular,
+        internal_reflection,
+    })
 }
 
 /// A number, if there is one.

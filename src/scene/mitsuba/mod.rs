@@ -244,6 +244,7 @@ impl Import<'_> {
             | Bsdf::RoughConductor { .. }
             | Bsdf::RoughDielectric { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Plastic { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
             | Bsdf::ThinDielectric { .. }
@@ -372,7 +373,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
-        | Bsdf::MetallicRoughness { .. })
+        | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Plastic { .. })
             if is_same =>
         {
             bsdf
@@ -382,6 +384,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Plastic { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. } => return None,
     };

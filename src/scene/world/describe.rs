@@ -107,6 +107,26 @@ fn model(bsdf: &Bsdf) -> String {
             let coat = format!("coat of ior {ior} and share {specular}");
             format!("metallic-roughness, color {color}, metallic {metallic}, alpha {alpha}, {coat}")
         }
+        Bsdf::Plastic {
+            reflectance,
+            ior,
+            exterior_ior,
+            alpha,
+            distribution,
+            specular,
+            internal_reflection,
+        } => {
+            let (color, facets) = (spectrum(reflectance), distribution.name());
+            let outside = match exterior_ior {
+                1.0 => String::new(),
+                ior => format!(" in {ior}"),
+            };
+            let within = internal_reflection.name();
+            format!(
+                "plastic, reflectance {color}, ior {ior}{outside}, {facets} facets of alpha \
+                 {alpha} and share {specular}, internal reflection {within}"
+            )
+        }
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }

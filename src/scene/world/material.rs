@@ -3,6 +3,7 @@
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
+use crate::scene::world::InternalReflection;
 use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
@@ -70,6 +71,25 @@ pub enum SurfaceModel<S> {
         /// Share of what the coat would reflect that is there, within [0, 1].
         specular: f32,
     },
+    /// Plastic: a base that depolarizes, under a dielectric interface of facets that light goes
+    /// through polarized on its way in and out.
+    Plastic {
+        /// Reflectance of the base, within [0, 1].
+        reflectance: S,
+        /// Index of refraction within, at least that outside and at most ten times it.
+        ior: f32,
+        /// Index of refraction outside, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
+        /// Roughness of the facets, within [0, 1]; see [`SurfaceModel::RoughConductor`]. At least
+        /// 0.001 is computed with.
+        alpha: f32,
+        /// How the normals of facets are distributed.
+        distribution: Distribution,
+        /// Share of what the facets would reflect that is there, within [0, 1].
+        specular: f32,
+        /// What becomes of light that the interface reflects within.
+        internal_reflection: InternalReflection,
+    },
     /// Smooth boundary between two dielectrics.
     Dielectric {
         /// Index of refraction behind the front, greater than zero.
@@ -115,7 +135,7 @@ pub enum SurfaceModel<S> {
 /// A parameter of some models that may differ from place to place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// `reflectance` of [`SurfaceModel::Diffuse`].
+    /// `reflectance` of [`SurfaceModel::Diffuse`] and [`SurfaceModel::Plastic`].
     Reflectance,
     /// `base_color` of [`SurfaceModel::MetallicRoughness`].
     BaseColor,
@@ -143,7 +163,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
     pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
         let number = value[0].clamp(0.0, 1.0);
         match self {
-            Self::Diffuse { reflectance } => match parameter {
+            Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. } => match parameter {
                 Parameter::Reflectance => *reflectance = value,
                 Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
             },
@@ -277,6 +297,7 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -300,6 +321,7 @@ impl Bsdf {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
@@ -337,6 +359,14 @@ impl Bsdf {
                 Range::UNIT.check("metallic", *metallic)?;
                 Range::UNIT.check("alpha", *alpha)?;
                 COAT_IOR.check("ior", *ior)?;
+                Range::UNIT.check("specular", *specular)
+            }
+            Self::Plastic { reflectance, ior, exterior_ior, alpha, specular, .. } => {
+                reflectance.check("reflectance", Range::UNIT)?;
+                let [within, outside] = [*ior, *exterior_ior].map(Spectrum::Constant);
+                check_indices(&within, &outside)?;
+                COAT_IOR.check("ior over exterior_ior", ior / exterior_ior)?;
+                Range::UNIT.check("alpha", *alpha)?;
                 Range::UNIT.check("specular", *specular)
             }
             Self::Dielectric { ior, exterior_ior } => {
@@ -446,6 +476,23 @@ impl<S> SurfaceModel<S> {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
                 SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
             }
+            &Self::Plastic {
+                ref reflectance,
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                specular,
+                internal_reflection,
+            } => SurfaceModel::Plastic {
+                reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                specular,
+                internal_reflection,
+            },
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -491,6 +538,7 @@ impl<S> SurfaceModel<S> {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -507,7 +555,8 @@ impl<S> SurfaceModel<S> {
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
-            | Self::MetallicRoughness { .. } => Passage::Closed,
+            | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. } => Passage::Closed,
             Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::RoughDielectric { .. } => Passage::Body,

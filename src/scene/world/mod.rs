@@ -31,6 +31,7 @@ mod medium;
 mod mesh;
 mod particles;
 mod phase_matrix;
+mod plastic;
 mod shape;
 mod texture;
 mod transform;
@@ -55,6 +56,7 @@ pub use self::mesh::{Geometry, Mesh};
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,

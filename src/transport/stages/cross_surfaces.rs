@@ -58,7 +58,7 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
             }
             let blocks = crossings.kernels(index, kind);
             let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
-            kernels.store_events((event.form, event.achromatic), &(blocks, axis), (row, row + 1));
+            kernels.store_events((event.form, event.achromatic), (&blocks, axis), (row, row + 1));
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::transport::sides::SensorSide;
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::measured::{Measured, PolarizedSplat, Splats};
 use crate::transport::tables::paths::PathTable;
-use crate::transport::tables::states::{LightState, kernels_of_lanes};
+use crate::transport::tables::states::scatter_states;
 
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
@@ -68,26 +68,19 @@ fn gather_polarized<const N: usize, C: SensorSide<N>>(
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
     let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
     let found = for_scatterer!(scene, met, all => {
-        all.at(surfaces, lanes::each(target)).kernels(k_in, k_out)
+        all.at(surfaces, lanes::each(target)).leaving(k_in, k_out)
     });
-    let Some((kernels, axis)) = found else { return };
-    let kernels = kernels_of_lanes(&kernels);
-    let (axis, k_in, k_out) = (axis.to_rows(), k_in.to_rows(), k_out.to_rows());
-    for (lane, index) in rows.clone().enumerate() {
-        if connections.blocked[index] != 0 {
-            continue;
-        }
-        let (axis, k_in) = (axis[lane].into(), k_in[lane].into());
-        let light = match connections.state[index] {
-            NONE => LightState::first_event(&kernels[lane], axis),
-            state => connections.states[state as usize].scatter(&kernels[lane], axis, k_in),
-        };
+    let Some(leaving) = found else { return };
+    let (first, k_out) = (rows.start, k_out.to_rows());
+    let open = (0..rows.len()).filter(|lane| connections.blocked[first + lane] == 0);
+    let state = |lane: usize| connections.states.get(connections.state[first + lane] as usize);
+    scatter_states(&leaving, k_in, open, state, |lane, light| {
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
         let along = (k_out[lane].into(), scene.sensor.up());
-        let value = connections.value[index];
-        measure_polarized(measured, &paths.carriers, place, value, &light, along);
-    }
+        let value = connections.value[first + lane];
+        measure_polarized(measured, &paths.carriers, place, value, light, along);
+    });
 }
 
 /// Appends open connections to the sensor to the lists of splats, in their order, polarized light

@@ -10,7 +10,7 @@ use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::painting::SceneAt;
 use crate::scattering::phase::half_sine2;
 use crate::scattering::surface::model::reflect;
-use crate::scattering::vertex::{KeptLanes, Same, Scatterer, Vertices, for_scatterer};
+use crate::scattering::vertex::{KeptLanes, LightLanes, Same, Scatterer, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene};
 use crate::transport::clearing::{Clearing, Nearby};
 use crate::transport::collapse::{has_collapsed, met_by_collapsed};
@@ -458,6 +458,10 @@ fn add_polarized<const N: usize, const COMMON: bool>(
 ) {
     let k_in = photons.directions_of(rows);
     let within = within & peak.leaves(k_in);
+    if vertex.is_dense() {
+        let out = [k_in, k_out, axis_out];
+        return add_densely::<N, COMMON>(sums, (vertex, collapsed), photons, out, (rows, within));
+    }
     let (shares, (kernels, axis)) = vertex.merge_polarized(k_in, k_out);
     let x = k_in.any_perpendicular();
     let arrival = Arrival::between(x, axis, k_in);
@@ -471,6 +475,35 @@ fn add_polarized<const N: usize, const COMMON: bool>(
     for (n, Stokes(sums)) in sums.iter_mut().enumerate() {
         let light = if COMMON || n == 0 { common } else { arrived(n) };
         let Stokes(scattered) = light.pass(kernels[n]).turned(&to_sums).stokes;
+        let power = within & (powers[n] * shares[n]);
+        for (sum, &component) in sums.iter_mut().zip(&scattered) {
+            *sum = power.mul_add(component, *sum);
+        }
+    }
+}
+
+/// [`add_polarized`] at vertices with dense kernels.
+#[inline(never)]
+fn add_densely<const N: usize, const COMMON: bool>(
+    sums: &mut [Stokes<F32s>; N],
+    (vertex, collapsed): (&impl Vertices<N>, bool),
+    photons: &PhotonTable<N>,
+    [k_in, k_out, axis_out]: [Vector<F32s>; 3],
+    (rows, within): (&[u32; LANES], F32s),
+) {
+    let arrived = |n: usize| {
+        let [s1, s2, s3] = photons.states_of(rows, if COMMON { 0 } else { n });
+        Stokes([F32s::splat(1.0), s1, s2, s3])
+    };
+    let stokes = std::array::from_fn(arrived);
+    let mut light = LightLanes { stokes, x: k_in.any_perpendicular() };
+    vertex.scatter(k_in, k_out, &mut light);
+    let to_sums = Arrival::between(light.x, axis_out, k_out);
+    let shares = vertex.merge(k_in, k_out);
+    let powers: [F32s; N] = powers_met(collapsed, |n| photons.power_of(rows, n));
+    for (n, Stokes(sums)) in sums.iter_mut().enumerate() {
+        let leaving = LightCarrier { stokes: light.stokes[n], x: light.x };
+        let Stokes(scattered) = leaving.turned(&to_sums).stokes;
         let power = within & (powers[n] * shares[n]);
         for (sum, &component) in sums.iter_mut().zip(&scattered) {
             *sum = power.mul_add(component, *sum);

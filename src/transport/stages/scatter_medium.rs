@@ -54,8 +54,8 @@ pub fn scatter_medium<const N: usize, const POLARIZED: bool, C: CarrierTable>(
                     }
                     let (k_in, k_out) = bounce.side.along_light(before, after);
                     let kind = (part.event.form, part.event.achromatic);
-                    let found = (kernels, s_axis(k_in, k_out));
-                    departures.kernels.store_events(kind, &found, (row, end));
+                    let found = (&kernels, s_axis(k_in, k_out));
+                    departures.kernels.store_events(kind, found, (row, end));
                 }
                 weigh(paths, medium, (&phase.values(angle), &gains), row, end);
                 after.store(&mut departures.direction, row, end);

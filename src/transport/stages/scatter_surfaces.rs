@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::geometry::{RayColumns, SurfaceColumns};
 use crate::math::columns::Channels;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
-use crate::scattering::event::{Elements, Form, spheroids};
+use crate::scattering::event::{Elements, Form};
 use crate::scattering::nesting::InterfaceLanes;
 use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::model::{Choice, Incidence, LaneRows, OneOfTwo, Scattered};
@@ -138,10 +138,9 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
         };
         let scattered = M::scatter::<POLARIZED>(&at, choose, bounce.side);
         if POLARIZED {
-            let kernels = (spheroids(&scattered.kernels), scattered.axis);
             to.departures.kernels.store_events(
                 (M::Kernel::FORM, M::ACHROMATIC),
-                &kernels,
+                (&scattered.kernels, scattered.axis),
                 (row, to.end),
             );
         }
@@ -184,13 +183,15 @@ fn scatter<const N: usize, const POLARIZED: bool, M: Connecting<N>>(
         direction.store(&mut to.departures.direction, row, to.end);
         if POLARIZED && !matches!(M::Kernel::FORM, Form::Depolarizer) {
             let (k_in, k_out) = side.along_light(before, direction);
-            let (kernels, axis) = M::kernels(&of, &facing, k_in, k_out);
-            let kernels = (spheroids(&kernels), axis);
-            to.departures.kernels.store_events(
-                (M::Kernel::FORM, M::ACHROMATIC),
-                &kernels,
-                (row, to.end),
-            );
+            let kernels = &mut to.departures.kernels;
+            if M::is_dense(&of) {
+                let (dense, axis) = M::dense_kernels(&of, &facing, k_in, k_out);
+                kernels.store_events((Form::Dense, false), (&dense, axis), (row, to.end));
+            } else {
+                let (sparse, axis) = M::kernels(&of, &facing, k_in, k_out);
+                let form = (M::Kernel::FORM, M::ACHROMATIC);
+                kernels.store_events(form, (&sparse, axis), (row, to.end));
+            }
         }
         let pdf_reverse = M::pdf(&of, &facing, direction, given);
         let measure = direction.dot(facing.geometric).abs();

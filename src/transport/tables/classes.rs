@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn classes_follow_from_the_columns() {
         for class in SensorClass::ALL {
-            for (form, achromatic) in [Form::Block, Form::Spheroid]
+            for (form, achromatic) in [Form::Block, Form::Spheroid, Form::Dense]
                 .into_iter()
                 .flat_map(|form| [false, true].map(|achromatic| (form, achromatic)))
             {

@@ -4,6 +4,7 @@
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::kernel::SpheroidBlock;
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::scattering::vertex::{DenseKernels, Leaving, LightLanes};
 
 /// A [`LightCarrier`] of every wavelength, with one axis.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,7 @@ pub struct LightState<const N: usize> {
 }
 
 /// Kernels of one event.
-pub type RowKernels<const N: usize> = [SpheroidBlock<f32>; N];
+type RowKernels<const N: usize> = [SpheroidBlock<f32>; N];
 
 impl<const N: usize> LightState<N> {
     /// What every wavelength carries, for the axis `x`.
@@ -32,6 +33,12 @@ impl<const N: usize> LightState<N> {
     #[inline(always)]
     pub fn at(&self, n: usize) -> LightCarrier<f32> {
         LightCarrier { stokes: self.stokes[n], x: self.x }
+    }
+
+    /// Unpolarized light.
+    #[inline(always)]
+    pub fn unpolarized(x: Vector<f32>) -> Self {
+        Self { stokes: [Stokes::unpolarized(); N], x }
     }
 
     /// Unpolarized light after an event whose axis is `x`.
@@ -57,9 +64,7 @@ impl<const N: usize> LightState<N> {
 
 /// Eight events as rows.
 #[inline(always)]
-pub fn kernels_of_lanes<const N: usize>(
-    kernels: &[SpheroidBlock<F32s>; N],
-) -> [RowKernels<N>; LANES] {
+fn kernels_of_lanes<const N: usize>(kernels: &[SpheroidBlock<F32s>; N]) -> [RowKernels<N>; LANES] {
     let none = SpheroidBlock { a: 0.0, b: 0.0, c: 0.0, d: 0.0, s: 0.0 };
     let mut rows = [[none; N]; LANES];
     for (n, kernel) in kernels.iter().enumerate() {
@@ -70,4 +75,59 @@ pub fn kernels_of_lanes<const N: usize>(
         }
     }
     rows
+}
+
+/// Says `to` what light leaves the vertices in some lanes by their kernels, which has arrived there
+/// along `k_in` in a state, or unpolarized.
+#[inline(always)]
+pub fn scatter_states<'a, const N: usize>(
+    leaving: &Leaving<N>,
+    k_in: Vector<F32s>,
+    lanes: impl Iterator<Item = usize> + Clone,
+    state: impl Fn(usize) -> Option<&'a LightState<N>>,
+    mut to: impl FnMut(usize, &LightState<N>),
+) {
+    let (kernels, axis) = match leaving {
+        Leaving::Blocks(kernels) => kernels,
+        Leaving::Dense(kernels) => {
+            let mut rows =
+                k_in.any_perpendicular().to_rows().map(|x| LightState::unpolarized(x.into()));
+            lanes.clone().for_each(|lane| rows[lane] = *state(lane).unwrap_or(&rows[lane]));
+            scatter_densely(kernels, k_in, &mut rows);
+            lanes.for_each(|lane| to(lane, &rows[lane]));
+            return;
+        }
+    };
+    let kernels = kernels_of_lanes(kernels);
+    let (axis, k_in) = (axis.to_rows(), k_in.to_rows());
+    for lane in lanes {
+        let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
+        let light = match state(lane) {
+            None => LightState::first_event(&kernels[lane], axis),
+            Some(state) => state.scatter(&kernels[lane], axis, k_in),
+        };
+        to(lane, &light);
+    }
+}
+
+/// Eight rows of light by vertices with dense kernels: out of line, as they are few, and what they
+/// do takes longer than a call.
+#[inline(never)]
+fn scatter_densely<const N: usize>(
+    kernels: &DenseKernels<N>,
+    k_in: Vector<F32s>,
+    rows: &mut [LightState<N>; LANES],
+) {
+    let lanes = |of: &dyn Fn(&LightState<N>) -> f32| F32s::from(rows.each_ref().map(of));
+    let component = |n: usize, i: usize| lanes(&|row| row.stokes[n].0[i]);
+    let stokes = |n: usize| Stokes([0, 1, 2, 3].map(|i| component(n, i)));
+    let x = Vector::gather(|lane| <[f32; 3]>::from(rows[lane].x));
+    let mut light = LightLanes { stokes: std::array::from_fn(stokes), x };
+    light.pass(k_in, kernels);
+    let x = light.x.to_rows();
+    let components = light.stokes.map(|Stokes(of)| of.map(F32s::to_array));
+    for (lane, row) in rows.iter_mut().enumerate() {
+        let stokes = components.map(|of| Stokes(of.map(|component| component[lane])));
+        *row = LightState { stokes, x: x[lane].into() };
+    }
 }

@@ -6,37 +6,39 @@ use super::*;
 use crate::math::hash::{combine, mix};
 use crate::math::{LANES, lanes};
 use crate::polarization::kernel::Kernel;
-use crate::polarization::{Distribution, Rotation, Stokes};
+use crate::polarization::{Dense, Distribution, Rotation, Stokes};
 use crate::scattering::phase::half_sine2;
 use crate::scattering::side::Side;
 use crate::scattering::surface::glossy::{GlossyLanes, GlossyTable};
 use crate::scattering::surface::metallic_roughness::MetallicRoughness;
 use crate::scattering::surface::model::{Connecting, LaneRows, Surface};
+use crate::scattering::surface::plastic::Plastic;
 use crate::scattering::surface::rough_conductor::RoughConductor;
+use crate::scene::world::InternalReflection;
 
 /// Numbers in [0, 1) that depend on nothing but their place.
-struct Numbers(u32);
+pub struct Numbers(pub u32);
 
 impl Numbers {
-    fn next(&mut self) -> f32 {
+    pub fn next(&mut self) -> f32 {
         self.0 += 1;
         (mix(combine(self.0, 0x51ab)) >> 8) as f32 / (1 << 24) as f32
     }
 
-    fn lanes(&mut self) -> F32s {
+    pub fn lanes(&mut self) -> F32s {
         let mut numbers = [0.0; LANES];
         numbers.iter_mut().for_each(|number| *number = self.next());
         F32s::from(numbers)
     }
 
     /// Unit vectors above the surface.
-    fn directions(&mut self) -> Vector<F32s> {
+    pub fn directions(&mut self) -> Vector<F32s> {
         directions(self.lanes() * F32s::splat(0.98) + F32s::splat(0.01), self.lanes())
     }
 }
 
 /// Those of these cosines and turns about the normal.
-fn directions(cos: F32s, turns: F32s) -> Vector<F32s> {
+pub fn directions(cos: F32s, turns: F32s) -> Vector<F32s> {
     let (sine, cosine) = warp::sin_cos_turns(turns);
     let sin = (F32s::splat(1.0) - cos * cos).sqrt();
     Vector::new(sin * cosine, sin * sine, cos)
@@ -44,16 +46,17 @@ fn directions(cos: F32s, turns: F32s) -> Vector<F32s> {
 
 /// One of the models.
 #[derive(Clone, Copy, Debug)]
-enum Model {
+pub enum Model {
     Metal(RoughConductor<1>),
     Mixed(MetallicRoughness<1>),
+    Plastic(Plastic<1>),
 }
 
 /// What one says between two directions, and what it draws.
-struct Said {
-    value: F32s,
-    kernel: SpheroidBlock<F32s>,
-    axis: Vector<F32s>,
+pub struct Said {
+    pub value: F32s,
+    pub kernel: Dense<F32s>,
+    pub axis: Vector<F32s>,
 }
 
 impl Model {
@@ -61,6 +64,7 @@ impl Model {
         match self {
             Self::Metal(model) => GlossyTable::RoughConductor(std::slice::from_ref(model)),
             Self::Mixed(model) => GlossyTable::MetallicRoughness(std::slice::from_ref(model)),
+            Self::Plastic(model) => GlossyTable::Plastic(std::slice::from_ref(model)),
         }
     }
 
@@ -85,12 +89,27 @@ impl Model {
     fn random(numbers: &mut Numbers, alpha_min: f32) -> Self {
         let alpha = alpha_min + (1.0 - alpha_min) * numbers.next();
         let of = [numbers.next(), numbers.next(), numbers.next()];
-        match (of[2] * 4.0) as u32 {
+        match (of[2] * 6.0) as u32 {
             0 => Self::metal(0.05 + 3.0 * of[0], 7.0 * of[1], alpha, Distribution::Ggx, true),
             1 => Self::metal(0.05 + 3.0 * of[0], 7.0 * of[1], alpha, Distribution::Beckmann, true),
-            2 => Self::mixed(of[0], 0.0, alpha, if of[1] < 0.5 { 1.2 } else { 2.0 }),
+            2 => Self::plastic(of[0], 1.5, (alpha, Distribution::Beckmann), numbers),
+            3 => Self::plastic(of[0], 2.0, (alpha, Distribution::Ggx), numbers),
+            4 => Self::mixed(of[0], 0.0, alpha, if of[1] < 0.5 { 1.2 } else { 2.0 }),
             _ => Self::mixed(of[0], of[1], alpha, 1.5),
         }
+    }
+
+    /// With any share of what its facets reflect, and anything within.
+    fn plastic(
+        reflectance: f32,
+        ior: f32,
+        (alpha, distribution): (f32, Distribution),
+        numbers: &mut Numbers,
+    ) -> Self {
+        let within = InternalReflection::ALL[(numbers.next() * 3.0) as usize];
+        let specular = numbers.next();
+        let of = Plastic::of([reflectance], ior, 1.0, alpha, distribution, specular, within);
+        Self::Plastic(of)
     }
 
     fn facing() -> Facing {
@@ -98,10 +117,10 @@ impl Model {
         Facing { geometric: up, shading: up, two_sided: F32s::splat(0.0) }
     }
 
-    fn say(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Said {
+    pub fn say(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Said {
         let (of, facing) = (self.lanes(), Self::facing());
         let [value] = GlossyTable::shape(&of, &facing, given, drawn, Side::Sensor);
-        let ([kernel], axis) = GlossyTable::kernels(&of, &facing, -given, drawn);
+        let ([kernel], axis) = GlossyTable::dense_kernels(&of, &facing, -given, drawn);
         Said { value, kernel, axis }
     }
 
@@ -119,11 +138,12 @@ impl Model {
         match self {
             Self::Metal(model) => model.scattered(),
             Self::Mixed(model) => model.scattered(),
+            Self::Plastic(model) => model.scattered(),
         }
     }
 
     /// The share of light of the cosine that is reflected: the mean weight of what is drawn.
-    fn albedo(&self, cos: f32) -> f64 {
+    pub fn albedo(&self, cos: f32) -> f64 {
         // Finely where the first number chooses, and more where the long tail is.
         const PLACES: usize = 256;
         const HEIGHTS: usize = 32;
@@ -302,7 +322,7 @@ fn what_is_drawn_weighs_what_is_reflected() {
 }
 
 /// The stated error of the albedo, and a little for the sums here.
-fn furnace(alpha: f32) -> f64 {
+pub fn furnace(alpha: f32) -> f64 {
     if alpha < 0.2 { 0.016 } else { 0.008 }
 }
 
