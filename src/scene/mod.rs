@@ -15,6 +15,7 @@ mod gltf;
 pub mod instanced;
 mod mitsuba;
 pub mod painting;
+pub mod panorama;
 mod view;
 pub mod warnings;
 pub mod world;

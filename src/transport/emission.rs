@@ -53,8 +53,8 @@ pub struct MetEmitter<const N: usize> {
     pub row: usize,
     /// The distance from its last vertex.
     pub t: f32,
-    /// The primitive, or that none is met.
-    pub primitive: u32,
+    /// The row of the emitter.
+    pub emitter: usize,
     /// What the path's throughput is multiplied by for coming so far.
     pub reaches: [f32; N],
 }
@@ -74,18 +74,18 @@ pub struct Finding {
 pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     measured: &mut Measured<N>,
     paths: &PathTable<N, C>,
-    MetEmitter { row, t, primitive, reaches }: MetEmitter<N>,
+    MetEmitter { row, t, emitter, reaches }: MetEmitter<N>,
     scene: &Scene<N>,
     Finding { path_length, strategy, .. }: Finding,
 ) {
     let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
     let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
     let position = if t.is_finite() { origin + direction * t } else { origin };
-    let Some(met) = met_emission(scene, primitive, position, direction) else { return };
+    let Some(met) = met_emission(scene, emitter, position, direction) else { return };
     let MetEmission { emission_pdf, cos_at_light, .. } = met;
     // Where the last vertex connects to nothing, nobody asks how.
     let densities = |connects: bool| {
-        let (from, emitter) = (paths.vantage(row), scene.emitter_seen(primitive) as usize);
+        let from = paths.vantage(row);
         let of_choice = || direct_pdf(scene, emitter, &from, (position, direction));
         let direct_pdf = if connects { of_choice() } else { 0.0 };
         EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
@@ -93,10 +93,10 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
         Strategy::Bidirectional if path_length == 1 => {
-            let direct_pdf = scene.glimpses.start_pdf(scene.emitter_seen(primitive) as usize);
-            let emitter = EmitterDensities { direct_pdf, emission_pdf: 0.0, cos_at_light };
+            let direct_pdf = scene.glimpses.start_pdf(emitter);
+            let densities = EmitterDensities { direct_pdf, emission_pdf: 0.0, cos_at_light };
             let distance2 = if scene.sensor.is_finite() { distance2 } else { 1.0 };
-            mis::weight_of_emission_met(paths.mis.row(row), emitter, distance2)
+            mis::weight_of_emission_met(paths.mis.row(row), densities, distance2)
         }
         _ if path_length == 1 => 1.0,
         Strategy::Unidirectional | Strategy::Merging => {

@@ -10,4 +10,5 @@ pub mod random;
 pub mod rendering;
 pub mod rough;
 pub mod scenes;
+pub mod skies;
 pub mod statistics;

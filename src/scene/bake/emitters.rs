@@ -1,5 +1,6 @@
 //! Everything that emits, and how likely it is to start a path.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -27,15 +28,14 @@ pub struct Emitters {
     pub rows: Arc<Vec<Emitter>>,
     /// For every triangle and sphere its row, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
-    /// The row of the environment, or [`NONE`].
-    pub environment: u32,
+    /// The rows of what is infinitely far away and can be seen.
+    pub skies: Range<u32>,
 }
 
 /// That table in the making.
 struct Table {
     rows: Vec<Emitter>,
     emitter_of_primitive: Vec<u32>,
-    environment: u32,
     /// Power of each row in W, averaged over the wavelengths.
     powers: Vec<f64>,
 }
@@ -112,12 +112,15 @@ pub fn lamps(world: &World) -> Vec<Lamp> {
     // Air among other bodies.
     lamps.push(lamp("air", black()));
     lamps.extend(world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, _, light)| {
-        lamp(&name.0, light.intensity.clone())
+        // Suns are said to have an irradiance, and are seen by their radiance.
+        let faced = match light.kind {
+            PunctualKind::Sun { diameter } => emitter::Sun::new(Vec3::Z, diameter).faced(),
+            PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Directional => 1.0,
+        };
+        lamp(&name.0, light.intensity.clone().scaled((1.0 / faced) as f32))
     }));
     lamps.extend(
-        world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-            lamp(&name.0, sky.radiance.clone())
-        }),
+        world.in_order::<(&Name, &Environment), _>(|(name, sky)| lamp(&name.0, sky.mean())),
     );
     lamps
 }
@@ -140,13 +143,13 @@ pub fn positions(world: &World, origin: DVec3) -> Vec<Vec3> {
             PunctualKind::Point | PunctualKind::Spot { .. } => {
                 Some(place.about(origin).translation.as_vec3())
             }
-            PunctualKind::Directional => None,
+            PunctualKind::Directional | PunctualKind::Sun { .. } => None,
         });
     positions.into_iter().flatten().collect()
 }
 
-/// Primitives first, in their order, then punctual lights, then the environment, each as bright as
-/// its lamp. Rows without power are left out, so every probability is greater than zero.
+/// Primitives first, in their order, then punctual lights, suns last, then the environment, each as
+/// bright as its lamp. Rows without power are left out, so every probability is greater than zero.
 ///
 /// # Errors
 /// When nothing has any.
@@ -155,31 +158,35 @@ pub fn emitters(
     shapes: &Shapes,
     brightness: &[Brightness],
 ) -> Result<Emitters, SceneError> {
-    let mut table = Table {
-        rows: Vec::new(),
-        emitter_of_primitive: Vec::new(),
-        environment: NONE,
-        powers: Vec::new(),
-    };
-    let mut lamp = table.add_primitives(world, shapes, brightness);
+    let mut table =
+        Table { rows: Vec::new(), emitter_of_primitive: Vec::new(), powers: Vec::new() };
+    let lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
     let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(_, place, light)| {
         punctual(light.kind, &place.about(shapes.origin), &passable)
     });
-    for model in lights {
+    let (mut skies, lamp_of_skies) = (Vec::new(), lamp + lights.len() as u32);
+    for (model, lamp) in lights.into_iter().zip(lamp..) {
+        match model {
+            EmitterModel::Sun(_) => skies.push((model, lamp)),
+            model => drop(table.add(shapes, model, (lamp, brightness))),
+        }
+    }
+    let environments = world.in_order::<(&Name, &Environment), _>(|(_, sky)| {
+        let gradient = emitter::Environment { gradient: sky.gradient };
+        sky.panorama().map_or_else(|| gradient.into(), EmitterModel::from)
+    });
+    skies.extend(environments.into_iter().zip(lamp_of_skies..));
+    let first = table.rows.len() as u32;
+    for (model, lamp) in skies {
         table.add(shapes, model, (lamp, brightness));
-        lamp += 1;
     }
-    for gradient in world.in_order::<(&Name, &Environment), _>(|(_, sky)| sky.gradient) {
-        let sky = emitter::Environment { gradient };
-        table.environment = table.add(shapes, sky, (lamp, brightness));
-        lamp += 1;
-    }
+    let skies = first..table.rows.len() as u32;
     table.set_probabilities()?;
     Ok(Emitters {
         rows: Arc::new(table.rows),
         emitter_of_primitive: Arc::new(table.emitter_of_primitive),
-        environment: table.environment,
+        skies,
     })
 }
 
@@ -189,6 +196,7 @@ fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> Emitte
     match kind {
         PunctualKind::Point => emitter::Point { position: position() }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),
+        PunctualKind::Sun { diameter } => emitter::Sun::new(direction, diameter).into(),
         PunctualKind::Spot { inner, outer } => {
             let cos_inner = cos(inner) as f32;
             let cos_outer = (cos(outer) as f32).min(cos_inner - LEAST_CONE);

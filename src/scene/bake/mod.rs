@@ -167,7 +167,7 @@ fn optics_of<const N: usize>(
     let emitters = emitters::emitters(world, shapes, &brightness)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
     let painting = painting(world, carried).map(Arc::new);
-    Ok(Optics { held, painting, ..with_emitters(materials, media, lamps, emitters) })
+    Ok(Optics { held, painting, ..with_emitters(materials, media, lamps, (emitters, carried)) })
 }
 
 /// Refuses spectra that do not cover the wavelengths of a render, or says which are held beyond
@@ -238,7 +238,10 @@ pub fn bake_optics_at<const N: usize>(
         let lamps = emitters::radiance(&common.lamps, carried)?;
         media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
         let painting = painting(world, carried).map(Arc::new);
-        Ok(Optics { painting, ..with_emitters(materials, media, lamps, emitters.clone()) })
+        Ok(Optics {
+            painting,
+            ..with_emitters(materials, media, lamps, (emitters.clone(), carried))
+        })
     };
     bake().map_err(|error: SceneError| error.in_file(&world.file))
 }
@@ -247,16 +250,17 @@ fn with_emitters<const N: usize>(
     materials: Vec<Material<N>>,
     media: Vec<baked::Medium<N>>,
     lamps: Vec<[f32; N]>,
-    emitters: Emitters,
+    (emitters, carried): (Emitters, &Carried<N>),
 ) -> Optics<N> {
-    let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
+    let Emitters { rows: emitters, emitter_of_primitive, skies } = emitters;
     Optics {
         materials,
         media,
         emitters,
         lamps,
         emitter_of_primitive,
-        environment,
+        skies,
+        carried: *carried,
         painting: None,
         held: Vec::new(),
     }

@@ -66,7 +66,11 @@ pub const FILM: Keys =
 pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
-pub const LIGHT: Keys = Keys { definition: "light", known: &["emission", "units"], planned: &[] };
+pub const LIGHT: Keys = Keys {
+    definition: "light",
+    known: &["angular_diameter_deg", "emission", "units"],
+    planned: &[],
+};
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
     Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };
@@ -114,8 +118,11 @@ pub const MATRIX: Keys = Keys {
     planned: &[],
 };
 /// Keys of the environment.
-pub const ENVIRONMENT: Keys =
-    Keys { definition: "environment", known: &["gradient", "radiance"], planned: &["uri"] };
+pub const ENVIRONMENT: Keys = Keys {
+    definition: "environment",
+    known: &["gradient", "radiance", "rotation", "uri"],
+    planned: &[],
+};
 /// Keys of a tabulated spectrum.
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };

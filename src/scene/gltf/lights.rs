@@ -36,8 +36,8 @@ impl Import<'_> {
         if light.range.is_some() {
             self.warnings.add(&label, "range is ignored, light fades with distance alone");
         }
-        let kind = kind(light, &label)?;
         let body = Body::of(value, &label, &LIGHT)?;
+        let kind = wide(kind(light, &label)?, &body)?;
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
         let intensity = color.scaled(light.intensity * unit(&body)?);
@@ -51,6 +51,10 @@ impl Import<'_> {
             "intensity" => {
                 let color = if body.has("emission") { "emission" } else { "color" };
                 SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))
+            }
+            "angular_diameter" => {
+                let field = body.field("angular_diameter_deg");
+                SceneError::at(&field, fault.of(""))
             }
             _ => SceneError::at(&label, fault),
         })
@@ -74,6 +78,21 @@ fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {
         Checked::Invalid => {
             let remedy = "use point, spot or directional";
             Err(SceneError::new(format!("{label}, type"), "is not known", remedy))
+        }
+    }
+}
+
+/// A direction that takes up an angle, if it says so: a sun.
+fn wide(kind: PunctualKind, body: &Body) -> Result<PunctualKind, SceneError> {
+    const KEY: &str = "angular_diameter_deg";
+    let Some(degrees) = body.number(KEY)? else { return Ok(kind) };
+    match kind {
+        // Which is what zero says.
+        PunctualKind::Directional if degrees == 0.0 => Ok(kind),
+        PunctualKind::Directional => Ok(PunctualKind::Sun { diameter: degrees.to_radians() }),
+        PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Sun { .. } => {
+            let problem = "is for directional lights";
+            Err(SceneError::new(body.field(KEY), problem, "remove it, or use such a light"))
         }
     }
 }

@@ -35,7 +35,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use hecs::Entity;
 
 use self::document::Document;
@@ -50,9 +50,10 @@ use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
-    Ball, Boundary, Environment, Filling, Geometry, Name, SKY, SKY_GRADIENT, World,
+    Backdrop, Ball, Boundary, Environment, Filling, Geometry, Name, SKY, SKY_GRADIENT, World,
 };
 use crate::math::text::listed;
+use crate::spectrum::Spectrum;
 
 /// How a camera is stated.
 const STATE_CAMERA: &str =
@@ -390,6 +391,32 @@ impl<'a> Import<'a> {
         }
     }
 
+    /// The picture of what is around, if an environment has one.
+    fn backdrop(&mut self, environment: &Body) -> Result<Option<Backdrop>, SceneError> {
+        let Some(uri) = environment.word("uri")? else {
+            if environment.has("rotation") {
+                let problem = "turns the picture of `uri`, and there is none";
+                return Err(SceneError::new(environment.field("rotation"), problem, "remove it"));
+            }
+            return Ok(None);
+        };
+        let field = environment.field("uri");
+        let rotation = match environment.numbers("rotation")?.as_deref() {
+            None => DQuat::IDENTITY,
+            Some(&[x, y, z, w]) => DQuat::from_xyzw(x, y, z, w),
+            Some(_) => {
+                let problem = "must be four numbers";
+                let remedy = "a quaternion [x, y, z, w] of length 1, as nodes have";
+                return Err(SceneError::new(environment.field("rotation"), problem, remedy));
+            }
+        };
+        let picture = self.document.picture_around(uri, &field)?;
+        let source = if uri.starts_with("data:") { String::new() } else { uri.to_owned() };
+        let backdrop = Backdrop { picture, rotation, source };
+        backdrop.doubt().into_iter().for_each(|text| self.warnings.add(&field, text));
+        Ok(Some(backdrop))
+    }
+
     /// Adds the environment that the scene, or the root of the file, describes.
     fn add_environment(&mut self, scene: usize) -> Result<(), SceneError> {
         let value = &self.document.value;
@@ -399,16 +426,25 @@ impl<'a> Import<'a> {
             let body = Body::of(object, label, &SCENE)?;
             let Some(environment) = body.object("environment", &ENVIRONMENT)? else { continue };
             let field = body.field("environment");
-            let Some(radiance) = environment.emission("radiance", self.document)? else {
-                return Err(SceneError::new(field, "has no `radiance`", "add it"));
+            let backdrop = self.backdrop(&environment)?;
+            let radiance = environment.emission("radiance", self.document)?;
+            let radiance = match (radiance, &backdrop) {
+                (Some(radiance), _) => radiance,
+                (None, Some(_)) => Spectrum::Constant(1.0),
+                (None, None) => {
+                    let problem = "has neither `radiance` nor `uri`";
+                    return Err(SceneError::new(field, problem, "add one of them"));
+                }
             };
             if let Some(other) = &found {
                 let problem = format!("is described twice, by {other} too");
                 return Err(SceneError::new(field, problem, "keep one of them"));
             }
-            let sky = Environment { radiance, gradient: gradient(&environment)? };
-            let put = match sky.radiance.values().iter().all(|value| *value == 0.0) {
-                true => sky.check(),
+            let sky = Environment { radiance, gradient: gradient(&environment)?, backdrop };
+            let checked = sky.check().map_err(|fault| environment.place(fault));
+            checked?;
+            let put = match sky.mean().values().iter().all(|value| *value == 0.0) {
+                true => Ok(()),
                 false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
             };
             put.map_err(|fault| environment.place(fault))?;

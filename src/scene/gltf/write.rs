@@ -18,9 +18,9 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform,
-    Window, World,
+    Backdrop, Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens,
+    MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures,
+    Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -109,6 +109,7 @@ impl Writer {
             let material = self.material(&name, &bsdf, sides, emission.as_ref());
             self.materials.push(material);
         }
+        findings.note(check_backdrops(world));
         self.shapes(world);
         self.lights(world, &mut scene);
         self.camera(world);
@@ -376,7 +377,9 @@ impl Writer {
         for (name, Punctual { kind, intensity }, place) in lights {
             let mut light = match kind {
                 PunctualKind::Point => json!({"type": "point"}),
-                PunctualKind::Directional => json!({"type": "directional"}),
+                PunctualKind::Directional | PunctualKind::Sun { .. } => {
+                    json!({"type": "directional"})
+                }
                 PunctualKind::Spot { inner, outer } => json!({
                     "type": "spot",
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer},
@@ -384,7 +387,10 @@ impl Writer {
             };
             let emission = self.spectrum(&name, &intensity);
             light["name"] = json!(called(&name));
-            let body = json!({"units": "radiometric", "emission": emission});
+            let mut body = json!({"units": "radiometric", "emission": emission});
+            if let PunctualKind::Sun { diameter } = kind {
+                body["angular_diameter_deg"] = json!(diameter.to_degrees());
+            }
             light["extensions"] = json!({EXTENSION: body});
             let reference = json!({"KHR_lights_punctual": {"light": self.lights.len()}});
             let node = json!({"name": called(&name), "matrix": matrix(place),
@@ -394,10 +400,16 @@ impl Writer {
         }
         let skies =
             world.in_order::<(&Name, &Environment), _>(|(name, sky)| (name.clone(), sky.clone()));
-        for (name, Environment { radiance, gradient }) in skies {
+        for (name, Environment { radiance, gradient, backdrop }) in skies {
             let mut sky = json!({"radiance": self.spectrum(&name, &radiance)});
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
+            }
+            if let Some(Backdrop { rotation, source, .. }) = backdrop {
+                let text = "has a picture, which is to lie beside the new file as beside the old";
+                self.warnings.add(&name.0, text);
+                sky["uri"] = json!(source);
+                sky["rotation"] = json!(rotation.to_array());
             }
             scene.insert("environment".into(), sky);
         }
@@ -454,6 +466,21 @@ impl Writer {
             let node = json!({"name": name, "matrix": matrix(place), "camera": self.cameras.len()});
             self.nodes.push(node);
             self.cameras.push(camera);
+        }
+    }
+}
+
+/// Refuses pictures of what is around that have no file to refer to.
+fn check_backdrops(world: &World) -> Result<(), SceneError> {
+    let without = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+        let source = sky.backdrop.as_ref().map(|backdrop| backdrop.source.as_str());
+        (source == Some("")).then(|| name.0.clone())
+    });
+    match without.into_iter().flatten().next() {
+        None => Ok(()),
+        Some(name) => {
+            let problem = "has a picture that is no file, which is not written yet";
+            Err(SceneError::new(name, problem, "keep the scene's own file"))
         }
     }
 }

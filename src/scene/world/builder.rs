@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DQuat, Vec3};
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Asked, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Backdrop, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium,
+    Mesh, Name, Order, Picture, Punctual, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -228,7 +228,29 @@ impl World {
         radiance: impl Into<Spectrum>,
         gradient: Vec3,
     ) -> Result<Entity, SceneError> {
-        let environment = Environment { radiance: radiance.into(), gradient };
+        self.replace_environment(Environment { gradient, ..Environment::constant(radiance) })
+    }
+
+    /// The same for what a picture of all directions says: the bytes of an OpenEXR, Radiance, PNG,
+    /// JPEG or WebP file (these three as sRGB), equirectangular, times a factor. In its own space
+    /// its middle shows +x, right of that lies +z, and the upper edge is +y; the rotation turns
+    /// that to world space.
+    ///
+    /// # Errors
+    /// When the picture cannot be read or has negative or infinite values, the factor is negative
+    /// or not finite, or the rotation is none.
+    pub fn set_environment_map(
+        &mut self,
+        bytes: &[u8],
+        factor: [f32; 3],
+        rotation: DQuat,
+    ) -> Result<Entity, SceneError> {
+        let picture = Arc::new(Picture::around(bytes, "environment")?);
+        let backdrop = Some(Backdrop { picture, rotation, source: String::new() });
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    fn replace_environment(&mut self, environment: Environment) -> Result<Entity, SceneError> {
         let name = Name("environment".to_owned());
         let added = self.put_environment(name, environment);
         let added = added.map_err(|fault| SceneError::at("environment", fault))?;

@@ -46,7 +46,7 @@ pub use self::asked::{Asked, Walk};
 pub use self::camera::{Lens, Resolution};
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
-pub use self::light::{Environment, Punctual, PunctualKind};
+pub use self::light::{Backdrop, Environment, Punctual, PunctualKind, SUN_DIAMETER};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
@@ -56,6 +56,7 @@ pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub(super) use self::texture::half_hash;
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };
@@ -163,8 +164,11 @@ impl World {
     pub(crate) fn lamp_names(&self) -> Vec<String> {
         let lamps = self.in_order::<(&Name, &Punctual), _>(|(name, light)| {
             let shines = light.intensity.values().iter().any(|value| *value > 0.0);
-            let is_lamp = shines && light.kind != PunctualKind::Directional;
-            is_lamp.then(|| name.0.clone())
+            let has_place = match light.kind {
+                PunctualKind::Point | PunctualKind::Spot { .. } => true,
+                PunctualKind::Directional | PunctualKind::Sun { .. } => false,
+            };
+            (shines && has_place).then(|| name.0.clone())
         });
         lamps.into_iter().flatten().collect()
     }

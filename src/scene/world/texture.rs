@@ -11,6 +11,8 @@ use glam::Vec2;
 use super::material::{Bsdf, Parameter};
 use crate::image::texels::{Coding, Texels};
 use crate::math::{Fault, Range};
+use crate::scene::error::SceneError;
+use crate::scene::panorama::Directions;
 
 /// What a picture shows beyond its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,6 +70,8 @@ pub struct Picture {
     /// The mean of all texels, by coding.
     means: [OnceLock<[f32; 4]>; 2],
     least_alpha: OnceLock<f32>,
+    /// How directions are drawn, if it shows what is around.
+    directions: OnceLock<Directions>,
 }
 
 impl fmt::Debug for Picture {
@@ -79,7 +83,34 @@ impl fmt::Debug for Picture {
 impl Picture {
     /// The picture of some texels, whose file had a checksum.
     pub fn new(texels: Texels, checksum: u128) -> Self {
-        Self { texels, checksum, means: Default::default(), least_alpha: OnceLock::new() }
+        Self {
+            texels,
+            checksum,
+            means: Default::default(),
+            least_alpha: OnceLock::new(),
+            directions: OnceLock::new(),
+        }
+    }
+
+    /// That of a file of a picture, which errors call by a label.
+    pub(in crate::scene) fn decoded(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
+        let texels = Texels::decode(bytes)
+            .map_err(|[problem, remedy]| SceneError::new(label, problem, remedy))?;
+        if let Some([column, row]) = texels.find_unusable() {
+            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+            return Err(SceneError::new(label, problem, "clean the picture up"));
+        }
+        Ok(Self::new(texels, half_hash(bytes)))
+    }
+
+    /// The same of what is around a scene: refuses Stokes vectors, of which S0 alone would be seen.
+    pub(in crate::scene) fn around(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
+        if Texels::has_stokes_vectors(bytes) {
+            let problem = "holds Stokes vectors, and environments are unpolarized";
+            let remedy = "keep its channels R, G and B alone";
+            return Err(SceneError::new(label, problem, remedy));
+        }
+        Self::decoded(bytes, label)
     }
 
     /// The texels.
@@ -100,6 +131,11 @@ impl Picture {
         })
     }
 
+    /// How directions are drawn by it where it shows what is around.
+    pub fn directions(&self) -> &Directions {
+        self.directions.get_or_init(|| Directions::new(self))
+    }
+
     /// The mean of all texels.
     fn mean(&self, coding: Coding) -> [f32; 4] {
         *self.means[coding as usize].get_or_init(|| {
@@ -114,6 +150,12 @@ impl Picture {
             sum.map(|sum| (sum / (f64::from(width) * f64::from(height))) as f32)
         })
     }
+}
+
+/// Half the BLAKE3 of some bytes.
+pub(in crate::scene) fn half_hash(bytes: &[u8]) -> u128 {
+    let whole = blake3::hash(bytes);
+    whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
 }
 
 /// The four texels about a point, row by row, and how far it is from the first to the right and

@@ -50,7 +50,8 @@ fn connect<const N: usize, C>(
         let Chosen { lanes: mut chosen, offset, emitters, chance: of_choice } =
             choose(paths, surfaces, scene, (row, live), path_length);
         if scene.has_painted_lamps {
-            scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
+            let at = (chosen.point, chosen.direction);
+            scene.tint_lanes(&mut chosen.radiance, emitters, at);
         }
         let given = -Vector::load(&paths.rays.direction, row);
         let turn = turn_of(Consecutive(row, live), given, chosen.direction);
