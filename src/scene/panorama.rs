@@ -200,6 +200,9 @@ impl Directions {
     fn add_up(&mut self, sums: &[RowSums]) {
         let [width, height] = self.size;
         let (mut brightness, mut squares, mut middle) = (0.0, 0.0, DVec3::ZERO);
+        // What light of a column that falls off to both its neighbors keeps of its direction.
+        let half = PI / width as f64;
+        let kept = (sin(half) / half).powi(2);
         for (row, of) in sums.iter().enumerate() {
             let share = 0.5 * row_integral(row, height) / width as f64;
             let (sine, cosine) = sin_cos(polar_angle(row as f64, height));
@@ -208,7 +211,7 @@ impl Directions {
             }
             brightness += share * of.brightness;
             squares += share * of.squares;
-            let [x, z] = of.across;
+            let [x, z] = of.across.map(|it| kept * it);
             middle += share * DVec3::new(sine * x, cosine * of.brightness, sine * z);
         }
         if brightness > 0.0 {

@@ -188,7 +188,12 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
             [0.0, 0.0, 0.0] => String::new(),
             gradient => format!(", gradient {gradient:?}"),
         };
-        format!("  {}: radiance {}{gradient}", name.0, spectrum(&sky.radiance))
+        let picture = sky.backdrop.as_ref().map_or_else(String::new, |backdrop| {
+            let [width, height] = backdrop.picture.texels().size();
+            let [red, green, blue] = sky.panorama().map_or([0.0; 3], |panorama| panorama.mean());
+            format!(" times a picture of {width} x {height}, mean [{red}, {green}, {blue}]")
+        });
+        format!("  {}: radiance {}{gradient}{picture}", name.0, spectrum(&sky.radiance))
     });
     lines(text, &[lights, skies].concat())
 }
