@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::corners::Corners;
+use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
 use super::painting::Painting;
@@ -104,6 +105,8 @@ pub struct Optics<const N: usize> {
     /// irradiance, as their models have it; not negative, finite. By materials first, then by
     /// punctual lights, then by environments.
     pub lamps: Vec<[f32; N]>,
+    /// How what lamps emit is polarized.
+    pub states: EmittedStates<N>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The row of the constant environment in `emitters`, or [`NONE`].

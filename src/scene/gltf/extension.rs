@@ -44,6 +44,7 @@ pub const MATERIAL: Keys = Keys {
         "reflectance",
         "retardance_deg",
         "roughness",
+        "stokes",
     ],
     planned: &[],
 };
@@ -66,7 +67,8 @@ pub const FILM: Keys =
 pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
-pub const LIGHT: Keys = Keys { definition: "light", known: &["emission", "units"], planned: &[] };
+pub const LIGHT: Keys =
+    Keys { definition: "light", known: &["emission", "stokes", "units"], planned: &[] };
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
     Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };
@@ -114,8 +116,11 @@ pub const MATRIX: Keys = Keys {
     planned: &[],
 };
 /// Keys of the environment.
-pub const ENVIRONMENT: Keys =
-    Keys { definition: "environment", known: &["gradient", "radiance"], planned: &["uri"] };
+pub const ENVIRONMENT: Keys = Keys {
+    definition: "environment",
+    known: &["gradient", "radiance", "stokes"],
+    planned: &["uri"],
+};
 /// Keys of a tabulated spectrum.
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };
@@ -179,7 +184,8 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         }
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
-        ("host" | "material" | "particles", "k")
+        ("environment" | "light" | "material", "stokes")
+        | ("host" | "material" | "particles", "k")
         | ("material", "reflectance")
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
@@ -214,7 +220,11 @@ impl<'a> Body<'a> {
     }
 
     /// The keys of an object within the extension.
-    fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
+    pub(super) fn nested(
+        object: &'a Value,
+        label: String,
+        keys: &Keys,
+    ) -> Result<Self, SceneError> {
         let prefix = format!("{label}.");
         let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
         body.add_object(object, &label, keys)?;

@@ -407,9 +407,16 @@ impl<'a> Import<'a> {
                 return Err(SceneError::new(field, problem, "keep one of them"));
             }
             let sky = Environment { radiance, gradient: gradient(&environment)? };
+            let stokes = environment.stokes("stokes")?;
             let put = match sky.radiance.values().iter().all(|value| *value == 0.0) {
                 true => sky.check(),
-                false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
+                false => {
+                    let put = self.world.put_environment(Name("environment".into()), sky);
+                    put.and_then(|sky| match stokes {
+                        Some(stokes) => self.world.put_stokes(sky, stokes),
+                        None => Ok(()),
+                    })
+                }
             };
             put.map_err(|fault| environment.place(fault))?;
             found = Some(field);
