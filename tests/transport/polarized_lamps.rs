@@ -33,7 +33,7 @@ const STATES: [[f32; 3]; 4] =
 fn world_with_lamp(place: DVec3, right: DVec3, stokes: [f32; 3]) -> World {
     let mut world = World::new("lamp");
     let lamp = world.add_material("lamp", Material::emitter(RADIANCE)).unwrap();
-    world.set_emitted_stokes(lamp, EmittedStokes::new(stokes)).unwrap();
+    world.set_emitted_stokes(lamp, EmittedStokes::new(stokes).unwrap()).unwrap();
     let towards = -place.normalize();
     let turn = DMat3::from_cols(right, towards.cross(right), towards);
     let quad = Geometry::quad(Vec3::ZERO, 0.6 * Vec3::X, 0.6 * Vec3::Y);

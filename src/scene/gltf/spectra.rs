@@ -91,8 +91,7 @@ impl Body<'_> {
             }
         };
         let stokes = EmittedStokes::new([of(0, s1)?, of(1, s2)?, of(2, s3)?]);
-        stokes.check().map_err(|fault| SceneError::at(field, fault.of("")))?;
-        Ok(Some(stokes))
+        stokes.map(Some).map_err(|fault| SceneError::at(field, fault.of("")))
     }
 
     /// A number or a color. `others` is what else might stand there.

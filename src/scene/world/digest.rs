@@ -115,7 +115,7 @@ mod tests {
         world.add_mesh("box", Geometry::cuboid(-Vec3::ONE, Vec3::ONE), wall, here).unwrap();
         world.add_sphere("ball", 0.5, lamp, DVec3::ZERO).unwrap();
         let sigmas = (Some(0.1.into()), Some(0.2.into()));
-        world.set_emitted_stokes(lamp, EmittedStokes::new([1.0, 0.0, 0.0])).unwrap();
+        world.set_emitted_stokes(lamp, EmittedStokes::new([1.0, 0.0, 0.0]).unwrap()).unwrap();
         let fog = Medium { sigma_a: sigmas.0, sigma_s: sigmas.1, phase: Phase::isotropic() };
         let medium = world.add_medium("fog", fog).unwrap();
         world.set_scene_medium(medium).unwrap();

@@ -26,8 +26,12 @@ pub struct EmittedStokes {
 
 impl EmittedStokes {
     /// S1, S2 and S3 over S0.
-    pub fn new<S: Into<Spectrum>>(stokes: [S; 3]) -> Self {
-        Self { stokes: stokes.map(Into::into) }
+    ///
+    /// # Errors
+    /// When light would be polarized more than wholly.
+    pub fn new<S: Into<Spectrum>>(stokes: [S; 3]) -> Result<Self, Fault> {
+        let stokes = Self { stokes: stokes.map(Into::into) };
+        stokes.check().map(|()| stokes)
     }
 
     /// What is wrong with one where nothing is emitted.
