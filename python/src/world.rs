@@ -7,14 +7,14 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::hecs::Entity;
-use sunstone::world::{Filling, Lens, Punctual, Skin};
+use sunstone::world::{EmittedStokes, Filling, Lens, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
 use crate::keys::{Keys, extract};
 use crate::place::{looking, place};
 use crate::scene::Scene;
-use crate::spectra::lamp;
+use crate::spectra::{lamp, stokes};
 use crate::{material, medium};
 
 /// Kinds of lights.
@@ -40,8 +40,9 @@ impl World {
     /// Adds a material.
     fn add_material(&mut self, name: &str, keys: &Bound<PyDict>) -> PyResult<()> {
         let place = free_place("material", name, &self.materials)?;
-        let material = material::material(Keys::of(place, keys)?)?;
+        let (material, stokes) = material::material(Keys::of(place, keys)?)?;
         let entity = self.world()?.add_material(name, material).map_err(of_any)?;
+        self.polarize(entity, stokes)?;
         self.materials.insert(name.to_owned(), entity);
         Ok(())
     }
@@ -111,9 +112,11 @@ impl World {
                 return Err(keys.refuse("kind", &problem, LIGHTS));
             }
         };
+        let stokes = keys.stokes("stokes")?;
         let place = looking(&keys)?;
         keys.finish(&format!("a light of kind \"{kind}\""))?;
-        self.world()?.add_light(name, light, place).map(drop).map_err(of_any)
+        let entity = self.world()?.add_light(name, light, place).map_err(of_any)?;
+        self.polarize(entity, stokes)
     }
 
     /// Sets the camera.
@@ -132,9 +135,15 @@ impl World {
     }
 
     /// Sets the environment.
-    fn set_environment(&mut self, radiance: &Bound<PyAny>) -> PyResult<()> {
+    fn set_environment(
+        &mut self,
+        radiance: &Bound<PyAny>,
+        state: Option<&Bound<PyAny>>,
+    ) -> PyResult<()> {
         let radiance = lamp("environment, radiance", radiance)?;
-        self.world()?.set_environment(radiance).map(drop).map_err(of_any)
+        let state = state.map(|state| stokes("environment, stokes", state)).transpose()?;
+        let entity = self.world()?.set_environment(radiance).map_err(of_any)?;
+        self.polarize(entity, state)
     }
 
     /// Fills what is outside all boundaries.
@@ -163,6 +172,12 @@ impl World {
 impl World {
     fn world(&mut self) -> PyResult<&mut sunstone::World> {
         self.world.as_mut().ok_or_else(gone)
+    }
+
+    /// Has what was just added emit in a state.
+    fn polarize(&mut self, emitter: Entity, stokes: Option<EmittedStokes>) -> PyResult<()> {
+        let Some(stokes) = stokes else { return Ok(()) };
+        self.world()?.set_emitted_stokes(emitter, stokes).map_err(of_any)
     }
 
     /// What a shape is made of, and what is on its two sides.

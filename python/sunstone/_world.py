@@ -27,6 +27,9 @@ Index = Union[Spectrum, str, Mapping[str, Mapping[str, Any]]]
 #: What shines: a spectrum, {"illuminant": "D65"}, {"blackbody_k": 3000}, or
 #: {"lines": [[nm, power, width_nm], ...], "shape": "gaussian"}; with "scale" if need be.
 Lamp = Union[Spectrum, Mapping[str, Any]]
+#: How what is emitted is polarized: S1, S2 and S3 over S0, each a spectrum, whose squares add up to 1
+#: at most. For light along k the frame is (x, k cross x, k), x less what of it is along k.
+Stokes = Sequence[Spectrum]
 #: Three numbers.
 Vector = Union[Sequence[float], npt.NDArray[Any]]
 
@@ -123,6 +126,7 @@ class World(Editable):
         extinction_ratio: float | None = None,
         retardance_deg: float | None = None,
         emission: Lamp | None = None,
+        stokes: Stokes | None = None,
         two_sided: bool = False,
     ) -> None:
         """Adds a material.
@@ -150,6 +154,7 @@ class World(Editable):
                 default.
             retardance_deg: of "retarder", in degrees.
             emission: radiance in W/(m^2 sr) that it emits besides.
+            stokes: how that is polarized; unpolarized by default. x is the x axis of the shape.
             two_sided: the back is like the front; else it is black and dark.
         """
         self._add(
@@ -171,6 +176,7 @@ class World(Editable):
                 extinction_ratio=extinction_ratio,
                 retardance_deg=retardance_deg,
                 emission=emission,
+                stokes=stokes,
                 two_sided=two_sided,
             ),
         )
@@ -307,6 +313,7 @@ class World(Editable):
         *,
         inner: float | None = None,
         outer: float | None = None,
+        stokes: Stokes | None = None,
         position: Vector | None = None,
         direction: Vector | None = None,
         target: Vector | None = None,
@@ -321,6 +328,7 @@ class World(Editable):
                 faces it.
             inner: of "spot": half angle of full intensity in radians; 0 by default.
             outer: of "spot": half angle of the cone in radians, at most pi/2.
+            stokes: how its light is polarized; unpolarized by default. x is its x axis.
             position: where it is, in meters.
             direction: where it shines.
             target: or else what it shines on.
@@ -334,6 +342,7 @@ class World(Editable):
                 intensity=intensity,
                 inner=inner,
                 outer=outer,
+                stokes=stokes,
                 position=position,
                 direction=direction,
                 target=target,
@@ -394,9 +403,14 @@ class World(Editable):
             ),
         )
 
-    def set_environment(self, radiance: Lamp) -> None:
-        """Has light of a radiance in W/(m^2 sr) come from everywhere outside."""
-        self._add("set_environment", plain(radiance))
+    def set_environment(self, radiance: Lamp, *, stokes: Stokes | None = None) -> None:
+        """Has light come from everywhere outside.
+
+        Args:
+            radiance: in W/(m^2 sr).
+            stokes: how it is polarized; unpolarized by default. x is that of the scene.
+        """
+        self._add("set_environment", plain(radiance), plain(stokes))
 
     def set_scene_medium(self, name: str | None) -> None:
         """Fills what is outside all boundaries with a medium, or with none."""

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::corners::Corners;
+use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
 use super::painting::Painting;
@@ -106,6 +107,8 @@ pub struct Optics<const N: usize> {
     /// irradiance, as their models have it; not negative, finite. By materials first, then by
     /// punctual lights, then by environments.
     pub lamps: Vec<[f32; N]>,
+    /// How what lamps emit is polarized.
+    pub states: EmittedStates<N>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The rows in `emitters` of what is infinitely far away and can be seen: suns and environment.

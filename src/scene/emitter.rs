@@ -18,7 +18,7 @@ macro_rules! for_all_emitters {
 }
 pub(crate) use for_all_emitters;
 
-/// Something that emits unpolarized light.
+/// Something that emits light; how that is polarized, its lamp says (`Optics::states`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
     /// Its model, with the parameters of that.

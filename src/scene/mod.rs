@@ -8,6 +8,7 @@
 mod bake;
 pub mod baked;
 pub mod corners;
+pub mod emitted;
 pub mod emitter;
 mod error;
 mod file;

@@ -1,20 +1,23 @@
-//! How light paths leave their emitters, and sensor paths meet them, whichever stage asks.
+//! How light paths leave their emitters, and sensor paths meet them, whichever stage asks, and in
+//! what states of polarization.
 
 use glam::Vec3;
 
-use crate::math::{LANES, lanes};
+use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
+use crate::scattering::emitter::state::emitted_state;
 use crate::scattering::emitter::{
     EmissionSample, MetEmission, direct_pdf, met_emission, sample_emission,
 };
 
 use super::Strategy;
-use super::measure::measure_unpolarized;
+use super::measure::{measure_polarized, measure_unpolarized};
 use super::mis::{self, EmitterDensities};
 use super::sampler::{Purpose, draw};
 use super::sides::SensorSide;
 use super::tables::measured::Measured;
 use super::tables::paths::{IdentityColumns, PathTable};
+use super::tables::states::LightState;
 
 /// How the paths of eight rows leave their emitters.
 pub fn sample_emissions<const N: usize>(
@@ -44,6 +47,20 @@ pub fn emitters_of_paths<const N: usize>(
 ) -> [usize; LANES] {
     let choice = identity.draw(row, 0, Purpose::EmitterOfPath).map(|u| u.to_array());
     lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])))
+}
+
+/// The state of the light that an emitter sends from `position` along `direction`, if it is
+/// polarized.
+#[inline(always)]
+pub fn state_sent<const N: usize>(
+    scene: &Scene<N>,
+    emitter: usize,
+    (position, direction): (Vec3, Vec3),
+) -> Option<LightState<N>> {
+    if !scene.has_polarized_lamps {
+        return None;
+    }
+    emitted_state(scene, emitter, (position, direction)).map(|state| LightState::emitted(&state))
 }
 
 /// An emitter that a sensor path meets.
@@ -109,6 +126,33 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
         }
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);
-    let slot = paths.identity.slot[row] as usize;
-    measure_unpolarized(measured, &paths.carriers, (row, slot), value);
+    let place = (row, paths.identity.slot[row] as usize);
+    if scene.has_polarized_lamps && paths.carriers.columns().is_some() {
+        if let Some(light) = state_sent(scene, emitter, (position, -direction)) {
+            return measure_state(
+                measured,
+                &paths.carriers,
+                place,
+                (value, light),
+                scene,
+                direction,
+            );
+        }
+    }
+    measure_unpolarized(measured, &paths.carriers, place, value);
+}
+
+/// Adds polarized light that a row meets along its `direction`.
+// Rare, and out of the loops of those who measure.
+#[inline(never)]
+fn measure_state<const N: usize, C: SensorSide<N>>(
+    measured: &mut Measured<N>,
+    carriers: &C,
+    place: (usize, usize),
+    (value, light): ([f32; N], LightState<N>),
+    scene: &Scene<N>,
+    direction: Vec3,
+) {
+    let along = (Vector::from((-direction).to_array()), scene.sensor.up());
+    measure_polarized(measured, carriers, place, value, &light, along);
 }

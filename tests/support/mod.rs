@@ -6,6 +6,7 @@ pub mod evidence;
 pub mod filters;
 pub mod gltf;
 pub mod painted;
+pub mod polarized;
 pub mod random;
 pub mod rendering;
 pub mod rough;

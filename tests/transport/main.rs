@@ -28,6 +28,7 @@ mod nesting;
 mod painted;
 mod parts;
 mod plates;
+mod polarized_lamps;
 mod reference_images;
 mod skies;
 mod slabs;

@@ -3,7 +3,8 @@
 //!
 //! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
 //! when connecting, `emission` that of starting a light path there; both include the probability
-//! of choosing the emitter, each its own (`choice`). All light starts unpolarized.
+//! of choosing the emitter, each its own (`choice`). How light is polarized as it starts is known
+//! apart from all that (`state`): nothing is drawn by it.
 
 mod area;
 mod directional;
@@ -22,6 +23,7 @@ pub mod choice;
 pub mod direct;
 pub mod glimpse;
 pub mod lamps;
+pub mod state;
 pub mod tree;
 
 use glam::Vec3;

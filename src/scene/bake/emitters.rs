@@ -9,12 +9,13 @@ use super::beside::Passable;
 use super::outside_table;
 use crate::math::elementary::cos;
 use crate::scene::baked::{NONE, Shapes};
+use crate::scene::emitted::{EmittedStates, LampState};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
 use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Textures, Transform,
-    World,
+    Bsdf, Emission, EmittedStokes, Environment, Name, Passage, Punctual, PunctualKind, Sides,
+    Textures, Transform, World,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -47,6 +48,29 @@ pub struct Lamp {
     pub name: String,
     /// Radiance, radiant intensity or irradiance.
     pub spectrum: Spectrum,
+    /// How it is polarized, if it is.
+    pub state: Option<State>,
+}
+
+/// How a lamp is polarized.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// In its frame.
+    pub stokes: EmittedStokes,
+    /// [`LampState::axes`].
+    pub axes: Option<[Vec3; 2]>,
+}
+
+impl State {
+    /// Of a lamp in a place, if it is a surface in none.
+    fn of(stokes: Option<&EmittedStokes>, place: Option<DAffine3>) -> Option<Self> {
+        let stokes = stokes.filter(|stokes| !stokes.is_unpolarized())?.clone();
+        let axes = place.map(|place| {
+            let DAffine3 { matrix3, .. } = place;
+            [matrix3.x_axis, matrix3.y_axis].map(|axis| axis.normalize().as_vec3())
+        });
+        Some(Self { stokes, axes })
+    }
 }
 
 impl Lamp {
@@ -104,25 +128,52 @@ impl Brightness {
 /// The lamps of a world in the order of `Optics::lamps`. What does not emit is black.
 pub fn lamps(world: &World) -> Vec<Lamp> {
     let black = || Spectrum::Constant(0.0);
-    let lamp = |name: &str, spectrum: Spectrum| Lamp { name: name.to_owned(), spectrum };
-    let mut lamps =
-        world.in_order::<(&Name, &Bsdf, Option<&Emission>), _>(|(name, _, emission)| {
-            lamp(&name.0, emission.map_or_else(black, |emission| emission.radiance.clone()))
-        });
+    let lamp = |name: &str, spectrum, state| Lamp { name: name.to_owned(), spectrum, state };
+    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, Option<&'a EmittedStokes>);
+    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, stokes)| {
+        let radiance = emission.map_or_else(black, |emission| emission.radiance.clone());
+        lamp(&name.0, radiance, State::of(stokes, None))
+    });
     // Air among other bodies.
-    lamps.push(lamp("air", black()));
-    lamps.extend(world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, _, light)| {
+    lamps.push(lamp("air", black(), None));
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a EmittedStokes>);
+    lamps.extend(world.in_order::<Light, _>(|(name, place, light, stokes)| {
         // Suns are said to have an irradiance, and are seen by their radiance.
         let faced = match light.kind {
             PunctualKind::Sun { diameter } => emitter::Sun::new(Vec3::Z, diameter).faced(),
             PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Directional => 1.0,
         };
-        lamp(&name.0, light.intensity.clone().scaled((1.0 / faced) as f32))
+        let intensity = light.intensity.clone().scaled((1.0 / faced) as f32);
+        lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
     }));
-    lamps.extend(
-        world.in_order::<(&Name, &Environment), _>(|(name, sky)| lamp(&name.0, sky.mean())),
-    );
+    type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+    lamps.extend(world.in_order::<Sky, _>(|(name, sky, stokes)| {
+        lamp(&name.0, sky.mean(), State::of(stokes, Some(DAffine3::IDENTITY)))
+    }));
     lamps
+}
+
+/// How what lamps emit is polarized at the wavelengths of the render.
+///
+/// # Errors
+/// When a table does not cover them.
+pub fn states<const N: usize>(
+    lamps: &[Lamp],
+    carried: &Carried<N>,
+) -> Result<EmittedStates<N>, SceneError> {
+    let is_polarized = |lamp: &&Lamp| lamp.state.is_some() && !lamp.is_black();
+    if lamps.iter().find(is_polarized).is_none() {
+        return Ok(EmittedStates::default());
+    }
+    let of_lamp = |lamp: &Lamp| {
+        let Some(State { stokes, axes }) = &lamp.state else { return Ok(None) };
+        let sampled = stokes.sampled(carried).map_err(|error| outside_table(&lamp.name, error))?;
+        Ok(Some(LampState { stokes: sampled, axes: *axes }))
+    };
+    let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
+    let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
+    let is_chromatic = all().any(|it| !it.stokes.stokes.iter().all(Spectrum::is_flat));
+    Ok(EmittedStates { of_lamps, is_chromatic })
 }
 
 /// What lamps emit at the wavelengths of the render.

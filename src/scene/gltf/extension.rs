@@ -44,6 +44,7 @@ pub const MATERIAL: Keys = Keys {
         "reflectance",
         "retardance_deg",
         "roughness",
+        "stokes",
     ],
     planned: &[],
 };
@@ -68,7 +69,7 @@ pub const ANALYZER: Keys =
 /// Keys of a punctual light.
 pub const LIGHT: Keys = Keys {
     definition: "light",
-    known: &["angular_diameter_deg", "emission", "units"],
+    known: &["angular_diameter_deg", "emission", "stokes", "units"],
     planned: &[],
 };
 /// Keys of a scene, or of the root of the file.
@@ -120,7 +121,7 @@ pub const MATRIX: Keys = Keys {
 /// Keys of the environment.
 pub const ENVIRONMENT: Keys = Keys {
     definition: "environment",
-    known: &["gradient", "radiance", "rotation", "uri"],
+    known: &["gradient", "radiance", "rotation", "stokes", "uri"],
     planned: &[],
 };
 /// Keys of a tabulated spectrum.
@@ -186,7 +187,8 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         }
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
-        ("host" | "material" | "particles", "k")
+        ("environment" | "light" | "material", "stokes")
+        | ("host" | "material" | "particles", "k")
         | ("material", "reflectance")
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
@@ -221,7 +223,11 @@ impl<'a> Body<'a> {
     }
 
     /// The keys of an object within the extension.
-    fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
+    pub(super) fn nested(
+        object: &'a Value,
+        label: String,
+        keys: &Keys,
+    ) -> Result<Self, SceneError> {
         let prefix = format!("{label}.");
         let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
         body.add_object(object, &label, keys)?;

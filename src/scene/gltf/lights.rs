@@ -40,12 +40,17 @@ impl Import<'_> {
         let kind = wide(kind(light, &label)?, &body)?;
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
+        let stokes = body.stokes("stokes")?;
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
             light.check()
         } else {
-            self.world.put_light(Name(label.clone()), light, place).map(|_| ())
+            let put = self.world.put_light(Name(label.clone()), light, place);
+            put.and_then(|light| match stokes {
+                Some(stokes) => self.world.put_stokes(light, stokes),
+                None => Ok(()),
+            })
         };
         put.map_err(|fault| match fault.field.as_str() {
             "intensity" => {

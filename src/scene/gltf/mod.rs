@@ -443,9 +443,16 @@ impl<'a> Import<'a> {
             let sky = Environment { radiance, gradient: gradient(&environment)?, backdrop };
             let checked = sky.check().map_err(|fault| environment.place(fault));
             checked?;
+            let stokes = environment.stokes("stokes")?;
             let put = match sky.mean().values().iter().all(|value| *value == 0.0) {
                 true => Ok(()),
-                false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
+                false => {
+                    let put = self.world.put_environment(Name("environment".into()), sky);
+                    put.and_then(|sky| match stokes {
+                        Some(stokes) => self.world.put_stokes(sky, stokes),
+                        None => Ok(()),
+                    })
+                }
             };
             put.map_err(|fault| environment.place(fault))?;
             found = Some(field);

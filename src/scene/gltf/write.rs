@@ -18,9 +18,9 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Backdrop, Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens,
-    MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures,
-    Transform, Window, World,
+    Backdrop, Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene,
+    Geometry, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides,
+    Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -94,11 +94,12 @@ impl Writer {
             let medium = self.medium(&name, &medium);
             self.media.extend(findings.note(medium));
         }
-        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
-        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, emission)| {
-            (entity, name.clone(), bsdf.clone(), *sides, emission.cloned())
+        type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>);
+        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
+        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
+            (entity, name.clone(), bsdf.clone(), *sides, (light.0.cloned(), light.1.cloned()))
         });
-        for (entity, name, bsdf, sides, emission) in materials {
+        for (entity, name, bsdf, sides, (emission, stokes)) in materials {
             let is_painted = world.entities().get::<&Textures>(entity);
             if is_painted.is_ok_and(|textures| !textures.is_empty()) {
                 let problem = "textures are not written yet";
@@ -106,7 +107,8 @@ impl Writer {
                 findings.note::<()>(Err(error));
             }
             self.numbers.insert(entity, self.materials.len());
-            let material = self.material(&name, &bsdf, sides, emission.as_ref());
+            let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
             self.materials.push(material);
         }
         findings.note(check_backdrops(world));
@@ -370,11 +372,19 @@ impl Writer {
         }
     }
 
+    /// How what is emitted is polarized, if it is.
+    fn stokes(&mut self, name: &Name, stokes: Option<&EmittedStokes>, body: &mut Value) {
+        if let Some(EmittedStokes { stokes }) = stokes {
+            body["stokes"] = json!(stokes.each_ref().map(|it| self.spectrum(name, it)));
+        }
+    }
+
     fn lights(&mut self, world: &World, scene: &mut Map<String, Value>) {
-        let lights = world.in_order::<(&Name, &Punctual, &Transform), _>(|(name, light, place)| {
-            (name.clone(), light.clone(), place.0)
+        type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, &'a Transform);
+        let lights = world.in_order::<Light, _>(|(name, light, stokes, place)| {
+            (name.clone(), light.clone(), stokes.cloned(), place.0)
         });
-        for (name, Punctual { kind, intensity }, place) in lights {
+        for (name, Punctual { kind, intensity }, stokes, place) in lights {
             let mut light = match kind {
                 PunctualKind::Point => json!({"type": "point"}),
                 PunctualKind::Directional | PunctualKind::Sun { .. } => {
@@ -391,6 +401,7 @@ impl Writer {
             if let PunctualKind::Sun { diameter } = kind {
                 body["angular_diameter_deg"] = json!(diameter.to_degrees());
             }
+            self.stokes(&name, stokes.as_ref(), &mut body);
             light["extensions"] = json!({EXTENSION: body});
             let reference = json!({"KHR_lights_punctual": {"light": self.lights.len()}});
             let node = json!({"name": called(&name), "matrix": matrix(place),
@@ -398,9 +409,10 @@ impl Writer {
             self.nodes.push(node);
             self.lights.push(light);
         }
-        let skies =
-            world.in_order::<(&Name, &Environment), _>(|(name, sky)| (name.clone(), sky.clone()));
-        for (name, Environment { radiance, gradient, backdrop }) in skies {
+        type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+        let skies = world
+            .in_order::<Sky, _>(|(name, sky, stokes)| (name.clone(), sky.clone(), stokes.cloned()));
+        for (name, Environment { radiance, gradient, backdrop }, stokes) in skies {
             let mut sky = json!({"radiance": self.spectrum(&name, &radiance)});
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
@@ -411,6 +423,7 @@ impl Writer {
                 sky["uri"] = json!(source);
                 sky["rotation"] = json!(rotation.to_array());
             }
+            self.stokes(&name, stokes.as_ref(), &mut sky);
             scene.insert("environment".into(), sky);
         }
     }

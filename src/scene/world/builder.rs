@@ -9,8 +9,9 @@ use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Asked, Backdrop, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium,
-    Mesh, Name, Order, Picture, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Backdrop, Ball, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens,
+    MadeOf, Material, Medium, Mesh, Name, Order, Picture, Punctual, Resolution, Skin, Textures,
+    Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -89,6 +90,30 @@ impl World {
         checked.map_err(|fault| SceneError::at(&name, fault))?;
         self.insert(material, textures);
         Ok(())
+    }
+
+    /// Has what a material, a light or the environment of this world emits be polarized.
+    ///
+    /// ```
+    /// use sunstone::world::{EmittedStokes, Material, World};
+    ///
+    /// let mut world = World::new("desk");
+    /// let display = world.add_material("display", Material::emitter(200.0))?;
+    /// // Along the y axis of the node.
+    /// world.set_emitted_stokes(display, EmittedStokes::new([-1.0, 0.0, 0.0])?)?;
+    /// assert!(EmittedStokes::new([0.9, 0.9, 0.0]).is_err(), "none is polarized more than wholly");
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is none of these, does not emit, or the state is not physical.
+    pub fn set_emitted_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
+        self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
     }
 
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
@@ -395,6 +420,21 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Adds a state of polarization to what emits.
+    pub(in crate::scene) fn put_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), Fault> {
+        stokes.check()?;
+        type Emitting<'a> = hecs::Or<hecs::Or<&'a Emission, &'a Punctual>, &'a Environment>;
+        if !self.entities.satisfies::<Emitting>(emitter) {
+            return Err(EmittedStokes::without_emission());
+        }
+        self.insert(emitter, stokes);
+        Ok(())
     }
 
     /// Drops triangles without area from a geometry, checks the others, and keeps in mind that it

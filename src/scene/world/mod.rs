@@ -3,15 +3,16 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`Textures`] if any of it differs from place to place |
+//! | | [`EmittedStokes`] if it emits polarized light, [`Textures`] if any of it differs from place to place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
-//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`EmittedStokes`] |
+//! | | if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
-//! | environment | [`Order`], [`Name`], [`Environment`] |
+//! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
 //!
 //! Each component knows what is wrong with it. Readers of files parse and add with the functions
 //! of `builder`, as programs do, and these check what they add; `check` looks at the whole again
@@ -24,6 +25,7 @@ mod camera;
 mod check;
 mod describe;
 mod digest;
+mod emitted;
 mod frame;
 mod light;
 mod material;
@@ -44,6 +46,7 @@ use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
 pub use self::camera::{Lens, Resolution};
+pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::light::{Backdrop, Environment, Punctual, PunctualKind, SUN_DIAMETER};
