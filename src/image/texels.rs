@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use exr::prelude as exr_files;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
-use super::rgbe::{self, RgbePicture};
+use super::rgbe;
 use crate::math::elementary::pow;
 
 /// Most columns and rows of a picture.
@@ -78,7 +78,8 @@ impl Texels {
         let told = |problem: String| [problem, FORMATS.to_owned()];
         if bytes.starts_with(RADIANCE) {
             let told = |problem| [format!("is a Radiance picture, and {problem}"), FORMATS.into()];
-            return rgbe::decode(bytes).map(Self::of_radiance).map_err(told);
+            let picture = rgbe::decode(bytes).map_err(told)?;
+            return Ok(Self::of_colors(picture.width, picture.pixels));
         }
         if bytes.starts_with(OPENEXR) {
             return Self::decode_exr(bytes)
@@ -123,9 +124,11 @@ impl Texels {
         Self { width, height, channels, values }
     }
 
-    fn of_radiance(RgbePicture { width, height, pixels, .. }: RgbePicture) -> Self {
-        let values = Values::Floats(pixels.into_flattened());
-        Self { width: width as u32, height: height as u32, channels: 3, values }
+    /// Linear ones of red, green and blue, in rows of a width.
+    pub fn of_colors(width: usize, colors: Vec<[f32; 3]>) -> Self {
+        let height = (colors.len() / width) as u32;
+        let values = Values::Floats(colors.into_flattened());
+        Self { width: width as u32, height, channels: 3, values }
     }
 
     /// Whether the bytes of a file are OpenEXR with Stokes vectors, as films are written.

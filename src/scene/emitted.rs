@@ -9,6 +9,8 @@ pub struct EmittedStates<const N: usize> {
     pub of_lamps: Vec<Option<LampState<N>>>,
     /// Whether any is another at other wavelengths.
     pub is_chromatic: bool,
+    /// Whether a picture says how the environment's light is polarized.
+    pub by_picture: bool,
 }
 
 /// The state of what a lamp emits.
@@ -25,7 +27,7 @@ pub struct LampState<const N: usize> {
 impl<const N: usize> EmittedStates<N> {
     /// Whether any lamp is polarized.
     pub fn any(&self) -> bool {
-        !self.of_lamps.is_empty()
+        self.by_picture || !self.of_lamps.is_empty()
     }
 
     /// That of a lamp, if it is polarized.

@@ -87,6 +87,46 @@ impl Panorama {
         })
     }
 
+    /// Whether its light is polarized.
+    pub fn is_polarized(&self) -> bool {
+        self.picture.is_polarized()
+    }
+
+    /// How the light from a direction is polarized, if it is: S1, S2 and S3 over S0 in the columns
+    /// of a render, and the reference axis, to the right in the picture.
+    // Once for each number of columns, and not where it is asked for.
+    #[inline(never)]
+    pub fn state<const N: usize>(
+        &self,
+        direction: Vec3,
+        carried: &Carried<N>,
+    ) -> Option<([[f32; 3]; N], Vec3)> {
+        let texels = self.picture.texels();
+        let own = self.turn * direction;
+        let place = Place::of(own, texels.size().map(|it| it as usize));
+        let (mut states, mut sums) = ([[0.0; 3]; N], [0.0; N]);
+        for ([column, row], share) in place.corners() {
+            let [red, green, blue, _] = texels.at(column as u32, row as u32, CODING);
+            let [r, g, b] = self.factor;
+            let of_texel = columns([r * red, g * green, b * blue], Some(Role::Emission), carried);
+            let [red, green, blue] = self.picture.state_at(column, row)?;
+            for component in 0..3 {
+                let rgb = [red, green, blue].map(|state| state[component]);
+                let shares = columns(rgb, Some(Role::Index), carried);
+                for n in 0..N {
+                    states[n][component] += share * of_texel[n] * shares[n];
+                }
+            }
+            sums.iter_mut().zip(of_texel).for_each(|(sum, of_texel)| *sum += share * of_texel);
+        }
+        for (state, sum) in states.iter_mut().zip(sums) {
+            let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            state.iter_mut().for_each(|value| *value *= over);
+        }
+        let right = Vec3::new(-own.z, 0.0, own.x).try_normalize().unwrap_or(Vec3::Z);
+        Some((states, self.turn.transpose() * right))
+    }
+
     /// The direction, to where the light comes from, that two numbers in [0, 1) draw, and its
     /// density per steradian: greater than zero.
     pub fn draw(&self, u: [f32; 2]) -> (Vec3, f32) {
@@ -333,6 +373,19 @@ impl Place {
         let (sine, cosine) = sin_cos(self.polar_angle());
         let (z, x) = sin_cos(azimuth(self.cell[0] as f64 + self.shares[0], self.size[0]));
         DVec3::new(sine * x, cosine, sine * z)
+    }
+
+    /// The columns and rows about it, and their shares.
+    fn corners(&self) -> [([usize; 2], f32); 4] {
+        let ([upper, lower], [_, down]) = self.rows();
+        let [left, right] = self.columns();
+        let [across, down] = [self.shares[0], down].map(|share| share as f32);
+        [
+            ([left, upper], (1.0 - across) * (1.0 - down)),
+            ([right, upper], across * (1.0 - down)),
+            ([left, lower], (1.0 - across) * down),
+            ([right, lower], across * down),
+        ]
     }
 
     /// The texels about it.

@@ -258,3 +258,67 @@ fn pictures_of_mitsuba_lie_as_there_and_are_written() {
     assert!(of_mitsuba(&body(scaled)).is_ok());
     fs::remove_file(&path).unwrap();
 }
+
+#[test]
+fn clear_skies_are_read_written_and_refused() {
+    let sky = |body: Value| under(&json!({"sky": body, "radiance": 0.5}));
+    let sun = DVec3::new(0.5, 0.7, 0.1);
+    let document = sky(json!({"sun_direction": sun.to_array(), "turbidity": 4}));
+    let world = load_json(&document).unwrap();
+    let found = panorama(&world);
+    assert!(found.is_polarized());
+    let seen = |at: DVec3| found.radiance(at.normalize().as_vec3(), &Carried::RGB);
+    // Blue above, brighter about the sun and towards the horizon, dark below it.
+    let [zenith, at_sun, horizon] = [DVec3::Y, sun, DVec3::new(-1.0, 0.03, 0.2)].map(seen);
+    assert!(zenith[2] > zenith[0] && at_sun[1] > 2.0 * zenith[1] && horizon[1] > zenith[1]);
+    assert_eq!(seen(DVec3::NEG_Y), [0.0; 3]);
+    let (state, _) =
+        found.state::<3>(Vec3::new(0.7, -0.5, 0.1).normalize(), &Carried::RGB).unwrap();
+    assert_eq!(state, [[0.0; 3]; 3]);
+    // Mirrored in the plane of sun and zenith, nothing changes.
+    let side = sun.cross(DVec3::Y).normalize();
+    let [left, right] = [1.0, -1.0].map(|sign| seen(sign * side + 0.8 * DVec3::Y + 0.3 * sun));
+    for (left, right) in left.into_iter().zip(right) {
+        assert!((left / right - 1.0).abs() < 1e-3, "{left} {right}");
+    }
+    let path = scratch("clear.gltf");
+    Written::of(&world).unwrap().save(&path).unwrap();
+    let again = panorama(&load(&path).unwrap());
+    fs::remove_file(&path).unwrap();
+    assert_eq!(again.mean(), found.mean());
+    let up = [0, 1, 0];
+    for (body, expected) in [
+        (json!({}), "sky.sun_direction: is missing"),
+        (json!({"sun_direction": [1, 0]}), "sky.sun_direction: must be three"),
+        (json!({"sun_direction": [1, -0.1, 0]}), "sky.sun_direction: [1, -0.1, 0] is not above"),
+        (json!({"sun_direction": [0, 0, 0]}), "sky.sun_direction: [0, 0, 0] is not above"),
+        (json!({"sun_direction": up, "turbidity": 1}), "sky.turbidity: 1 is not known"),
+        (json!({"sun_direction": up, "max_degree": 1.5}), "sky.max_degree: 1.5 must be within"),
+        (json!({"sun_direction": up, "haze": 1}), "sky.haze: is not a key"),
+    ] {
+        let error = load_json(&sky(body)).map(|_| ()).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+    }
+    for (key, value) in [
+        ("uri", json!("a.exr")),
+        ("gradient", json!([0, 1, 0])),
+        ("rotation", json!([0, 0, 0, 1])),
+        ("stokes", json!([0.1, 0, 0])),
+    ] {
+        let both = json!({"sky": {"sun_direction": up}, key: value});
+        let error = load_json(&under(&both)).map(|_| ()).unwrap_err();
+        assert!(error.contains(&format!("environment.{key}: does not go with `sky`")), "{error}");
+    }
+}
+
+/// Of the paper's formulas by hand, for a turbidity of 3 and the sun 45 degrees from the zenith.
+#[test]
+fn the_zenith_is_as_bright_as_is_published() {
+    let sky = json!({"sky": {"sun_direction": [1, 1, 0], "turbidity": 3}});
+    let found = panorama(&load_json(&under(&sky)).unwrap());
+    let [red, green, blue] = found.radiance(Vec3::Y, &Carried::RGB).map(f64::from);
+    let luminance = 0.212_639 * red + 0.715_169 * green + 0.072_192 * blue;
+    // 7.1649 tan 0.65886 + 1.7727 thousand candelas a square meter.
+    let expected = (7.1649 * 0.65886_f64.tan() + 1.7727) * 1000.0 / 683.0;
+    assert!((luminance / expected - 1.0).abs() < 2e-3, "{luminance} for {expected}");
+}

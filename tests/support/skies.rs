@@ -9,17 +9,18 @@ use glam::{DAffine3, DQuat, DVec3, Mat3, Quat, Vec3};
 use sunstone::internals::image::texels::Texels;
 use sunstone::internals::scene::World;
 use sunstone::internals::scene::panorama::Panorama;
-use sunstone::world::{Bsdf, Geometry, Lens, Material, Picture, Punctual, Transform};
+use sunstone::world::{Bsdf, ClearSky, Geometry, Lens, Material, Picture, Punctual, Transform};
 
 use super::random::Random;
 use super::scenes::{Named, v};
 
 /// All of them.
-pub const SKIES: [Named; 4] = [
+pub const SKIES: [Named; 5] = [
     ("a sky by a picture", pictured),
     ("a single texel shines on glass", single_texel),
     ("a sky by a picture, suns and lamps", pictured_with_lamps),
     ("a wide sun and mirrors", mirrored_sun),
+    ("a clear sky on glass and metal", clear),
 ];
 
 /// An OpenEXR file of a picture, by column and row.
@@ -140,6 +141,17 @@ fn mirrored_sun() -> World {
     let shape = Geometry::quad(v(0.9, 0.0, -0.4), v(0.0, 0.0, 0.7), v(-0.2, 0.8, 0.0));
     world.add_mesh("mirror", shape, metal, Transform::IDENTITY).expect("sound");
     add_sun(&mut world, DVec3::new(0.6, -1.0, -0.5), 2.0, 0.7);
+    world
+}
+
+fn clear() -> World {
+    let mut world = stage(Bsdf::dielectric(1.5));
+    let metal = Material::from(Bsdf::metal("Cu").expect("it is tabulated")).two_sided();
+    let metal = world.add_material("mirror", metal).expect("sound");
+    let shape = Geometry::quad(v(0.9, 0.0, -0.4), v(0.0, 0.0, 0.7), v(-0.2, 0.8, 0.0));
+    world.add_mesh("mirror", shape, metal, Transform::IDENTITY).expect("sound");
+    let sun = DVec3::new(-0.4, 0.5, 0.6);
+    world.set_clear_sky(ClearSky { sun, turbidity: 3.0, max_degree: 0.8 }, 0.1).expect("sound");
     world
 }
 

@@ -15,7 +15,7 @@ use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::scene::panorama::Panorama;
 use sunstone::internals::spectrum::{Carried, Color};
-use sunstone::world::{Bsdf, Geometry, Lens, Material, Transform};
+use sunstone::world::{Bsdf, ClearSky, Geometry, Lens, Material, Transform};
 
 use crate::support::random::Random;
 use crate::support::rendering::{replicates, scene, settings};
@@ -368,5 +368,93 @@ fn a_picture_of_one_color_is_a_constant_environment() {
         }
         let sky = panorama(size, |_, _| [1.0; 3], Quat::IDENTITY);
         assert!((sky.spread() - 1.0).abs() < 1e-5 && sky.middle().length() < 1e-5);
+    }
+}
+
+/// OpenEXR of Stokes vectors that are S0 of red, green and blue times the same shares.
+fn polarized(s0: [f32; 3], shares: [f32; 3]) -> Vec<u8> {
+    let (width, height) = (16, 8);
+    let mut image = StokesImage::new(width, height, Color::Rgb, 4);
+    for (plane, values) in image.planes.iter_mut().enumerate() {
+        let share = [1.0, shares[0], shares[1], shares[2]][plane / 3];
+        values.fill(s0[plane % 3] * share);
+    }
+    let path = std::env::temp_dir().join(format!("sunstone-sky-{}.exr", std::process::id()));
+    image.save(&path).expect("a scratch folder");
+    let bytes = std::fs::read(&path).expect("what was just written");
+    std::fs::remove_file(&path).expect("what was just written");
+    bytes
+}
+
+/// Compares what is seen of a sky, by a camera that looks along a direction and is rolled, with
+/// shares of S0.
+fn look(world: &mut World, (at, roll): (DVec3, f64), expected: [f64; 3], tolerance: f64) {
+    let place = Transform::looking(DVec3::ZERO, at, DVec3::Y);
+    let place = Transform(place.0 * glam::DAffine3::from_rotation_z(roll));
+    world.set_camera("eye", Lens::pinhole(0.01), place).expect("sound");
+    let scene = scene::<3>(world, Color::Rgb, [2, 2]);
+    // So narrow a look is met by few light paths.
+    for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
+        let options = settings(integrator, Mode::Polarized, Color::Rgb, 4, 2);
+        let image = &replicates(&scene, &options, 1)[0];
+        for (component, expected) in (1..4).zip(expected) {
+            for channel in 0..3 {
+                let [s0, value] = [channel, 3 * component + channel]
+                    .map(|plane| image.planes[plane].iter().map(|it| f64::from(*it)).sum::<f64>());
+                let found = value / s0;
+                assert!(
+                    (found - expected).abs() < tolerance,
+                    "{integrator:?}, {at}, S{component}: {found} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Seen upright, a picture has the Stokes vectors of its texels, and by a rolled camera those of
+/// the rolled frame.
+#[test]
+fn polarized_pictures_are_seen_in_the_frame_of_the_film() {
+    let mut world = World::new("sky");
+    let bytes = polarized([0.5, 1.0, 2.0], [0.5, -0.3, 0.2]);
+    world.set_environment_map(&bytes, [1.0; 3], DQuat::IDENTITY).expect("sound");
+    for at in [DVec3::X, DVec3::new(-1.0, 0.7, 0.4), DVec3::new(0.2, -1.0, -0.9)] {
+        look(&mut world, (at, 0.0), [0.5, -0.3, 0.2], 2e-3);
+        let roll = 0.4_f64;
+        let (sine, cosine) = (2.0 * roll).sin_cos();
+        let rolled = [0.5 * cosine - 0.3 * sine, -0.3 * cosine - 0.5 * sine, 0.2];
+        look(&mut world, (at, roll), rolled, 2e-3);
+    }
+    // Turned with the picture: a quarter turn about the line of sight exchanges the axes.
+    let turned = DQuat::from_axis_angle(DVec3::X, PI / 2.0);
+    world.set_environment_map(&bytes, [1.0; 3], turned).expect("sound");
+    look(&mut world, (DVec3::X, 0.0), [-0.5, 0.3, 0.2], 2e-3);
+}
+
+/// Air that scatters unpolarized sunlight once sends along a unit vector e across the line of sight
+/// an intensity of 1 - (e . s)^2 (Rayleigh): by that the Stokes vectors in all frames.
+#[test]
+fn clear_skies_are_polarized_as_single_scattering_is() {
+    let sun = DVec3::new(0.3, 0.6, -0.5).normalize();
+    let mut world = World::new("sky");
+    world.set_clear_sky(ClearSky { sun, turbidity: 2.5, max_degree: 1.0 }, 1.0).expect("sound");
+    for at in [
+        DVec3::new(1.0, 0.3, 0.2),
+        DVec3::new(-0.4, 0.8, 0.3),
+        DVec3::new(0.1, 0.5, 1.0),
+        DVec3::new(-1.0, 0.05, -0.4),
+    ] {
+        let at = at.normalize();
+        for roll in [0.0, 0.9] {
+            let right = at.cross(DVec3::Y).normalize();
+            let up = right.cross(at);
+            let (sine, cosine) = f64::sin_cos(roll);
+            let (right, up) = (right * cosine + up * sine, up * cosine - right * sine);
+            let along = |e: DVec3| 1.0 - e.normalize().dot(sun).powi(2);
+            let s0 = along(right) + along(up);
+            let s1 = (along(right) - along(up)) / s0;
+            let s2 = (along(right + up) - along(right - up)) / s0;
+            look(&mut world, (at, roll), [s1, s2, 0.0], 5e-3);
+        }
     }
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::scattering::Scene;
+use crate::scene::emitter::EmitterModel;
 
 use super::primitive;
 
@@ -28,6 +29,12 @@ pub fn emitted_state<const N: usize>(
     (_position, direction): (Vec3, Vec3),
 ) -> Option<EmittedState<N>> {
     let emitter = &scene.optics.emitters[row];
+    if let EmitterModel::Panorama(panorama) = &emitter.model
+        && panorama.is_polarized()
+    {
+        let (stokes, x) = panorama.state(-direction, &scene.optics.carried)?;
+        return Some(EmittedState { stokes, x });
+    }
     let lamp = scene.optics.states.of(emitter.lamp)?;
     let [axis, other] = lamp.axes.unwrap_or_else(|| {
         let surface = scene.shapes.surface_of(primitive(&emitter.model));

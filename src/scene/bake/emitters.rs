@@ -153,17 +153,21 @@ pub fn lamps(world: &World) -> Vec<Lamp> {
     lamps
 }
 
-/// How what lamps emit is polarized at the wavelengths of the render.
+/// How what lamps emit is polarized at the wavelengths of the render, and whether it is a picture
+/// that says so of the environment ([`has_polarized_picture`]).
 ///
 /// # Errors
 /// When a table does not cover them.
 pub fn states<const N: usize>(
     lamps: &[Lamp],
     carried: &Carried<N>,
+    by_picture: bool,
 ) -> Result<EmittedStates<N>, SceneError> {
     let is_polarized = |lamp: &&Lamp| lamp.state.is_some() && !lamp.is_black();
     if lamps.iter().find(is_polarized).is_none() {
-        return Ok(EmittedStates::default());
+        // Colors of pictures may differ in it.
+        let is_chromatic = by_picture;
+        return Ok(EmittedStates { is_chromatic, by_picture, ..EmittedStates::default() });
     }
     let of_lamp = |lamp: &Lamp| {
         let Some(State { stokes, axes }) = &lamp.state else { return Ok(None) };
@@ -173,7 +177,13 @@ pub fn states<const N: usize>(
     let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
     let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
     let is_chromatic = all().any(|it| !it.stokes.stokes.iter().all(Spectrum::is_flat));
-    Ok(EmittedStates { of_lamps, is_chromatic })
+    let is_chromatic = is_chromatic || by_picture;
+    Ok(EmittedStates { of_lamps, is_chromatic, by_picture })
+}
+
+/// Whether a picture says how the environment's light is polarized.
+pub fn has_polarized_picture(world: &World) -> bool {
+    world.in_order::<&Environment, _>(Environment::is_polarized).contains(&true)
 }
 
 /// What lamps emit at the wavelengths of the render.

@@ -164,7 +164,7 @@ fn optics_of<const N: usize>(
     let materials = material_rows(world, shapes, carried)?;
     let media = media::media(world, carried, None)?;
     let lamps = emitters::lamps(world);
-    let states = emitters::states(&lamps, carried)?;
+    let states = emitters::states(&lamps, carried, emitters::has_polarized_picture(world))?;
     let lamps = emitters::radiance(&lamps, carried)?;
     let brightness: Vec<Brightness> = lamps.iter().map(Brightness::of_columns).collect();
     let emitters = emitters::emitters(world, shapes, &brightness)?;
@@ -239,7 +239,8 @@ pub fn bake_optics_at<const N: usize>(
     let bake = || {
         let materials = material_rows(world, shapes, carried)?;
         let media = media::media(world, carried, Some(&common.suspensions))?;
-        let states = emitters::states(&common.lamps, carried)?;
+        let states =
+            emitters::states(&common.lamps, carried, emitters::has_polarized_picture(world))?;
         let lamps = emitters::radiance(&common.lamps, carried)?;
         media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
         let painting = painting(world, carried).map(Arc::new);

@@ -121,7 +121,13 @@ pub const MATRIX: Keys = Keys {
 /// Keys of the environment.
 pub const ENVIRONMENT: Keys = Keys {
     definition: "environment",
-    known: &["gradient", "radiance", "rotation", "stokes", "uri"],
+    known: &["gradient", "radiance", "rotation", "sky", "stokes", "uri"],
+    planned: &[],
+};
+/// Keys of a clear sky.
+pub const CLEAR_SKY: Keys = Keys {
+    definition: "clear_sky",
+    known: &["max_degree", "sun_direction", "turbidity"],
     planned: &[],
 };
 /// Keys of a tabulated spectrum.
@@ -147,7 +153,7 @@ pub const EMISSION: Keys = Keys {
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 19] = [
+pub const ALL: [&Keys; 20] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -156,6 +162,7 @@ pub const ALL: [&Keys; 19] = [
     &LIGHT,
     &SCENE,
     &ENVIRONMENT,
+    &CLEAR_SKY,
     &MEDIUM,
     &PARTICLES,
     &DISTRIBUTION,
@@ -176,6 +183,7 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("camera", "film") => Some(&FILM),
         ("film", "analyzer") => Some(&ANALYZER),
         ("scene", "environment") => Some(&ENVIRONMENT),
+        ("environment", "sky") => Some(&CLEAR_SKY),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),

@@ -41,7 +41,7 @@ use hecs::Entity;
 use self::document::Document;
 pub use self::edit::{Edit, Editable};
 pub use self::edited::{EditedFile, keys_of_kind};
-use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
+use self::extension::{Body, CLEAR_SKY as SKY_KEYS, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
@@ -50,7 +50,8 @@ use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
-    Backdrop, Ball, Boundary, Environment, Filling, Geometry, Name, SKY, SKY_GRADIENT, World,
+    Backdrop, BackdropSource, Ball, Boundary, ClearSky, Environment, Filling, Geometry, Name, SKY,
+    SKY_GRADIENT, World,
 };
 use crate::math::text::listed;
 use crate::spectrum::Spectrum;
@@ -182,6 +183,24 @@ fn how_to_light() -> String {
         "give the scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
          {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights"
     )
+}
+
+/// A clear sky.
+fn clear_sky(body: &Body) -> Result<ClearSky, SceneError> {
+    let sun = match body.numbers("sun_direction")?.as_deref() {
+        Some(&[x, y, z]) => DVec3::new(x, y, z),
+        Some(_) => {
+            let place = body.field("sun_direction");
+            return Err(SceneError::new(place, "must be three numbers", "a vector to the sun"));
+        }
+        None => return Err(body.missing("sun_direction", "give a vector to the sun, y > 0")),
+    };
+    let number = |key: &str, default: f64| Ok(body.number(key)?.unwrap_or(default));
+    let turbidity = number("turbidity", ClearSky::TURBIDITY)?;
+    let max_degree = number("max_degree", ClearSky::MAX_DEGREE)?;
+    let sky = ClearSky { sun, turbidity, max_degree };
+    sky.check().map_err(|fault| body.place(fault))?;
+    Ok(sky)
 }
 
 /// What makes a sky brighter on one side.
@@ -393,6 +412,19 @@ impl<'a> Import<'a> {
 
     /// The picture of what is around, if an environment has one.
     fn backdrop(&mut self, environment: &Body) -> Result<Option<Backdrop>, SceneError> {
+        if let Some(sky) = environment.object("sky", &SKY_KEYS)? {
+            let refuse = |key: &str| {
+                let problem = "does not go with `sky`";
+                Err(SceneError::new(environment.field(key), problem, "keep one of them"))
+            };
+            if let Some(key) = ["gradient", "rotation", "stokes", "uri"]
+                .into_iter()
+                .find(|key| environment.has(key))
+            {
+                return refuse(key);
+            }
+            return clear_sky(&sky).map(|sky| Some(sky.into()));
+        }
         let Some(uri) = environment.word("uri")? else {
             if environment.has("rotation") {
                 let problem = "turns the picture of `uri`, and there is none";
@@ -411,7 +443,10 @@ impl<'a> Import<'a> {
             }
         };
         let picture = self.document.picture_around(uri, &field)?;
-        let source = if uri.starts_with("data:") { String::new() } else { uri.to_owned() };
+        let source = match uri.starts_with("data:") {
+            true => BackdropSource::Memory,
+            false => BackdropSource::File(uri.to_owned()),
+        };
         let backdrop = Backdrop { picture, rotation, source };
         backdrop.doubt().into_iter().for_each(|text| self.warnings.add(&field, text));
         Ok(Some(backdrop))
@@ -432,7 +467,7 @@ impl<'a> Import<'a> {
                 (Some(radiance), _) => radiance,
                 (None, Some(_)) => Spectrum::Constant(1.0),
                 (None, None) => {
-                    let problem = "has neither `radiance` nor `uri`";
+                    let problem = "has neither `radiance` nor `uri` nor `sky`";
                     return Err(SceneError::new(field, problem, "add one of them"));
                 }
             };

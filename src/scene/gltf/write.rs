@@ -18,9 +18,9 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Backdrop, Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene,
-    Geometry, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides,
-    Textures, Transform, Window, World,
+    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    Filling, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind,
+    Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -417,11 +417,22 @@ impl Writer {
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
             }
-            if let Some(Backdrop { rotation, source, .. }) = backdrop {
-                let text = "has a picture, which is to lie beside the new file as beside the old";
-                self.warnings.add(&name.0, text);
-                sky["uri"] = json!(source);
-                sky["rotation"] = json!(rotation.to_array());
+            match backdrop {
+                None => {}
+                Some(Backdrop { rotation, source: BackdropSource::File(uri), .. }) => {
+                    let text =
+                        "has a picture, which is to lie beside the new file as beside the old";
+                    self.warnings.add(&name.0, text);
+                    sky["uri"] = json!(uri);
+                    sky["rotation"] = json!(rotation.to_array());
+                }
+                Some(Backdrop { source: BackdropSource::ClearSky(clear), .. }) => {
+                    let ClearSky { sun, turbidity, max_degree } = clear;
+                    sky["sky"] = json!({"sun_direction": sun.to_array(), "turbidity": turbidity,
+                        "max_degree": max_degree});
+                }
+                // Which has been refused.
+                Some(Backdrop { source: BackdropSource::Memory, .. }) => {}
             }
             self.stokes(&name, stokes.as_ref(), &mut sky);
             scene.insert("environment".into(), sky);
@@ -486,8 +497,8 @@ impl Writer {
 /// Refuses pictures of what is around that have no file to refer to.
 fn check_backdrops(world: &World) -> Result<(), SceneError> {
     let without = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-        let source = sky.backdrop.as_ref().map(|backdrop| backdrop.source.as_str());
-        (source == Some("")).then(|| name.0.clone())
+        let source = sky.backdrop.as_ref().map(|backdrop| &backdrop.source);
+        (source == Some(&BackdropSource::Memory)).then(|| name.0.clone())
     });
     match without.into_iter().flatten().next() {
         None => Ok(()),

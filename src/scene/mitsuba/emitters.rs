@@ -14,7 +14,8 @@ use crate::math::elementary::cbrt;
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Backdrop, Emission, Environment, Name, Picture, Punctual, PunctualKind, Transform,
+    Backdrop, BackdropSource, Emission, Environment, Name, Picture, Punctual, PunctualKind,
+    Transform,
 };
 
 /// What shapes may have; the others stand by themselves.
@@ -114,7 +115,7 @@ fn envmap(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
     let place = format!("{}, filename", fields.label());
     let bytes = import.files.named(&source, &place, u64::MAX)?;
     let picture = Arc::new(Picture::around(&bytes, &place)?);
-    let backdrop = Backdrop { picture, rotation, source };
+    let backdrop = Backdrop { picture, rotation, source: BackdropSource::File(source) };
     backdrop.doubt().into_iter().for_each(|text| import.warnings.add(&place, text));
     let backdrop = Some(backdrop);
     import.put_sky(fields, Environment { backdrop, ..Environment::constant(scale as f32) })

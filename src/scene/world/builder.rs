@@ -9,9 +9,9 @@ use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Asked, Backdrop, Ball, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens,
-    MadeOf, Material, Medium, Mesh, Name, Order, Picture, Punctual, Resolution, Skin, Textures,
-    Transform, World,
+    Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order, Picture, Punctual,
+    Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -271,7 +271,18 @@ impl World {
         rotation: DQuat,
     ) -> Result<Entity, SceneError> {
         let picture = Arc::new(Picture::around(bytes, "environment")?);
-        let backdrop = Some(Backdrop { picture, rotation, source: String::new() });
+        let backdrop = Some(Backdrop { picture, rotation, source: BackdropSource::Memory });
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    /// The same for a clear sky, which is polarized, times a factor.
+    ///
+    /// # Errors
+    /// When the sun is not above the horizon, the turbidity or the degree of polarization is out of
+    /// range, or the factor is negative or not finite.
+    pub fn set_clear_sky(&mut self, sky: ClearSky, factor: f32) -> Result<Entity, SceneError> {
+        sky.check().map_err(|fault| SceneError::at("environment", fault))?;
+        let backdrop = Some(sky.into());
         self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
     }
 
@@ -432,6 +443,9 @@ impl World {
         type Emitting<'a> = hecs::Or<hecs::Or<&'a Emission, &'a Punctual>, &'a Environment>;
         if !self.entities.satisfies::<Emitting>(emitter) {
             return Err(EmittedStokes::without_emission());
+        }
+        if self.entities.get::<&Environment>(emitter).is_ok_and(|sky| sky.is_polarized()) {
+            return Err(Environment::polarized_twice());
         }
         self.insert(emitter, stokes);
         Ok(())

@@ -136,6 +136,9 @@ impl World {
     ) -> Result<(), Fault> {
         if let Some(stokes) = entity.get::<&EmittedStokes>() {
             stokes.check()?;
+            if entity.get::<&Environment>().is_some_and(|sky| sky.is_polarized()) {
+                return Err(Environment::polarized_twice());
+            }
             if kind == Kind::Material && !entity.has::<Emission>() {
                 return Err(EmittedStokes::without_emission());
             }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DQuat, Vec3};
 
+use super::clear_sky::ClearSky;
 use super::texture::Picture;
 
 use crate::math::{Fault, Range};
@@ -125,8 +126,26 @@ pub struct Backdrop {
     pub picture: Arc<Picture>,
     /// What turns that to world space; of unit length.
     pub rotation: DQuat,
-    /// The name of its file, as the scene's file has it; empty without one.
-    pub source: String,
+    /// What it was made of.
+    pub source: BackdropSource,
+}
+
+/// What a picture of all directions was made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BackdropSource {
+    /// A file of this name, as the scene's file has it.
+    File(String),
+    /// Bytes.
+    Memory,
+    /// A model.
+    ClearSky(ClearSky),
+}
+
+impl From<ClearSky> for Backdrop {
+    fn from(sky: ClearSky) -> Self {
+        let picture = Arc::new(sky.picture());
+        Self { picture, rotation: DQuat::IDENTITY, source: BackdropSource::ClearSky(sky) }
+    }
 }
 
 impl PartialEq for Backdrop {
@@ -158,6 +177,17 @@ impl Environment {
     /// One that is the same from everywhere.
     pub fn constant(radiance: impl Into<Spectrum>) -> Self {
         Self { radiance: radiance.into(), gradient: Vec3::ZERO, backdrop: None }
+    }
+
+    /// Whether a picture says how it is polarized.
+    pub fn is_polarized(&self) -> bool {
+        self.backdrop.as_ref().is_some_and(|backdrop| backdrop.picture.is_polarized())
+    }
+
+    /// The fault of a state beside a picture that has them.
+    pub(super) fn polarized_twice() -> Fault {
+        let problem = "does not go with a picture that is polarized itself";
+        Fault::new("stokes", problem, "take one of them away")
     }
 
     /// What comes from everywhere on the average.

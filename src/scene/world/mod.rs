@@ -23,6 +23,7 @@ mod asked;
 mod builder;
 mod camera;
 mod check;
+mod clear_sky;
 mod describe;
 mod digest;
 mod emitted;
@@ -46,10 +47,13 @@ use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
 pub use self::camera::{Lens, Resolution};
+pub use self::clear_sky::ClearSky;
 pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
-pub use self::light::{Backdrop, Environment, Punctual, PunctualKind, SUN_DIAMETER};
+pub use self::light::{
+    Backdrop, BackdropSource, Environment, Punctual, PunctualKind, SUN_DIAMETER,
+};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;

@@ -9,10 +9,12 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec2;
 
 use super::material::{Bsdf, Parameter};
+use crate::image::exr;
 use crate::image::texels::{Coding, Texels};
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
 use crate::scene::panorama::Directions;
+use crate::spectrum::Color;
 
 /// What a picture shows beyond its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -70,6 +72,8 @@ pub struct Picture {
     /// The mean of all texels, by coding.
     means: [OnceLock<[f32; 4]>; 2],
     least_alpha: OnceLock<f32>,
+    /// How the light of each texel is polarized, if it is.
+    states: Option<Vec<States>>,
     /// How directions are drawn, if it shows what is around.
     directions: OnceLock<Directions>,
 }
@@ -86,6 +90,7 @@ impl Picture {
         Self {
             texels,
             checksum,
+            states: None,
             means: Default::default(),
             least_alpha: OnceLock::new(),
             directions: OnceLock::new(),
@@ -103,14 +108,34 @@ impl Picture {
         Ok(Self::new(texels, half_hash(bytes)))
     }
 
-    /// The same of what is around a scene: refuses Stokes vectors, of which S0 alone would be seen.
+    /// The same of what is around a scene, which may be polarized.
     pub(in crate::scene) fn around(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
-        if Texels::has_stokes_vectors(bytes) {
-            let problem = "holds Stokes vectors, and environments are unpolarized";
-            let remedy = "keep its channels R, G and B alone";
-            return Err(SceneError::new(label, problem, remedy));
+        match Texels::has_stokes_vectors(bytes) {
+            true => polarized(bytes, label),
+            false => Self::decoded(bytes, label),
         }
-        Self::decoded(bytes, label)
+    }
+
+    /// One of linear red, green and blue, in rows of a width, polarized so. The checksum tells it
+    /// from others.
+    pub(in crate::scene) fn of_states(
+        (width, colors): (usize, Vec<[f32; 3]>),
+        states: Vec<States>,
+        checksum: u128,
+    ) -> Self {
+        let states = Some(states);
+        Self { states, ..Self::new(Texels::of_colors(width, colors), checksum) }
+    }
+
+    /// How the light of a texel is polarized; none if the picture is not.
+    #[inline]
+    pub fn state_at(&self, column: usize, row: usize) -> Option<&States> {
+        self.states.as_ref()?.get(self.texels.size()[0] as usize * row + column)
+    }
+
+    /// Whether it says how light is polarized.
+    pub fn is_polarized(&self) -> bool {
+        self.states.is_some()
     }
 
     /// The texels.
@@ -149,6 +174,71 @@ impl Picture {
             }
             sum.map(|sum| (sum / (f64::from(width) * f64::from(height))) as f32)
         })
+    }
+}
+
+/// S1, S2 and S3 over S0 of red, green and blue, in the frame (right, up, k) of a picture that is
+/// looked at from its inside: that of films.
+pub type States = [[f32; 3]; 3];
+
+/// How much more than 1 a degree of polarization may be out of rounding to 16 bits.
+const DEGREE_TOLERANCE: f32 = 1e-2;
+
+/// A picture of Stokes vectors.
+fn polarized(bytes: &[u8], label: &str) -> Result<Picture, SceneError> {
+    let refuse = |problem: String, remedy: &str| SceneError::new(label, problem, remedy);
+    let image = exr::decode(bytes)
+        .map_err(|error| refuse(format!("is an OpenEXR file, but {error}"), "write it again"))?;
+    if image.color != Color::Rgb {
+        let problem = format!("holds Stokes vectors of {}", image.color);
+        return Err(refuse(problem, "environments have those of R, G and B: S0.R to S3.B"));
+    }
+    let count = image.width * image.height;
+    let value = |component: usize, channel: usize, texel: usize| {
+        image.planes[3 * component + channel][texel]
+    };
+    let colors: Vec<[f32; 3]> =
+        (0..count).map(|texel| [0, 1, 2].map(|channel| value(0, channel, texel))).collect();
+    let mut states = Vec::with_capacity(count);
+    for texel in 0..count {
+        let of_channel = |channel: usize| {
+            let s0 = value(0, channel, texel);
+            let state = [1, 2, 3].map(|component| value(component, channel, texel));
+            shares(s0, state)
+        };
+        let [red, green, blue] = [0, 1, 2].map(of_channel);
+        let (Some(red), Some(green), Some(blue)) = (red, green, blue) else {
+            let (column, row) = (texel % image.width, texel / image.width);
+            let problem =
+                format!("has more than wholly polarized light in column {column}, row {row}");
+            return Err(refuse(problem, "clean the picture up: S0 is at least the rest"));
+        };
+        states.push([red, green, blue]);
+    }
+    let picture = Picture::of_states((image.width, colors), states, half_hash(bytes));
+    match picture.texels.find_unusable() {
+        None => Ok(picture),
+        Some([column, row]) => {
+            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+            Err(refuse(problem, "clean the picture up"))
+        }
+    }
+}
+
+/// S1, S2 and S3 over S0; none if they are more than that.
+fn shares(s0: f32, state: [f32; 3]) -> Option<[f32; 3]> {
+    let most = state.into_iter().fold(0.0, |most: f32, value| most.max(value.abs()));
+    if most == 0.0 {
+        return Some([0.0; 3]);
+    }
+    let shares = state.map(|value| value / s0);
+    let [s1, s2, s3] = shares;
+    let degree = (s1 * s1 + s2 * s2 + s3 * s3).sqrt();
+    match degree {
+        _ if degree <= 1.0 => Some(shares),
+        _ if degree <= 1.0 + DEGREE_TOLERANCE => Some(shares.map(|share| share / degree)),
+        // Or not a number.
+        _ => None,
     }
 }
 
