@@ -6,8 +6,9 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sunstone::glam::{DQuat, DVec3};
 use sunstone::hecs::Entity;
-use sunstone::world::{EmittedStokes, Filling, Lens, Punctual, Skin};
+use sunstone::world::{ClearSky, EmittedStokes, Filling, Lens, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
@@ -101,7 +102,10 @@ impl World {
         let missing = || keys.refuse("intensity", "is missing", remedy);
         let intensity = keys.lamp("intensity")?.ok_or_else(missing)?;
         let light = match kind.as_str() {
-            "directional" => Punctual::directional(intensity),
+            "directional" => match keys.take("angular_diameter")? {
+                Some(diameter) => Punctual::sun(intensity, diameter),
+                None => Punctual::directional(intensity),
+            },
             "point" => Punctual::point(intensity),
             "spot" => {
                 let outer = keys.need("outer", "give the half angle of the cone in radians")?;
@@ -144,6 +148,30 @@ impl World {
         let state = state.map(|state| stokes("environment, stokes", state)).transpose()?;
         let entity = self.world()?.set_environment(radiance).map_err(of_any)?;
         self.polarize(entity, state)
+    }
+
+    /// Sets the environment by the bytes of a picture.
+    fn set_environment_map(
+        &mut self,
+        picture: &[u8],
+        factor: [f32; 3],
+        rotation: [f64; 4],
+    ) -> PyResult<()> {
+        let rotation = DQuat::from_array(rotation);
+        let entity = self.world()?.set_environment_map(picture, factor, rotation);
+        entity.map(drop).map_err(of_any)
+    }
+
+    /// Sets the environment to a clear sky.
+    fn set_clear_sky(
+        &mut self,
+        sun: [f64; 3],
+        shape: [f64; 2],
+        factor: f32,
+    ) -> PyResult<()> {
+        let [turbidity, max_degree] = shape;
+        let sky = ClearSky { sun: DVec3::from_array(sun), turbidity, max_degree };
+        self.world()?.set_clear_sky(sky, factor).map(drop).map_err(of_any)
     }
 
     /// Fills what is outside all boundaries.

@@ -1,6 +1,6 @@
 //! Pictures that surfaces are painted with, and of what is around scenes, as they come: PNG, JPEG,
-//! WebP, OpenEXR and Radiance. Values of the first three keep the width that their file has, and color
-//! profiles are ignored, as glTF asks for.
+//! WebP, OpenEXR and Radiance. Values of the first three keep the width that their file has, and
+//! color profiles are ignored, as glTF asks for.
 
 use std::fmt;
 use std::io::Cursor;

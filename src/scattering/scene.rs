@@ -519,8 +519,8 @@ impl<const N: usize> Scene<N> {
         met
     }
 
-    /// The emitter of a primitive, or those that a ray that hits nothing ([`NONE`]) may see; none in
-    /// media.
+    /// The emitter of a primitive, or those that a ray may see that hits nothing ([`NONE`]); none
+    /// in media.
     #[inline]
     pub fn emitters_seen(&self, primitive: u32) -> Range<u32> {
         if primitive == NONE {

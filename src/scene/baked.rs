@@ -101,7 +101,8 @@ pub struct Optics<const N: usize> {
     /// Participating media.
     pub media: Vec<Medium<N>>,
     /// Everything that emits, the environment included; at least one row, none without power.
-    /// Primitives come first, in their order, then punctual lights, suns last, then the environment.
+    /// Primitives come first, in their order, then punctual lights, suns last, then the
+    /// environment.
     pub emitters: Arc<Vec<Emitter>>,
     /// What emitters emit, one row for all of one spectrum: radiance, radiant intensity or
     /// irradiance, as their models have it; not negative, finite. By materials first, then by

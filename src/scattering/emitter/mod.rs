@@ -231,8 +231,8 @@ fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> Em
     sample
 }
 
-/// What a ray along `direction` sees of an emitter that it has met, by the row of that; none if that
-/// does not emit towards it. `position` is the point hit, or any point of the ray.
+/// What a ray along `direction` sees of an emitter that it has met, by the row of that; none if it
+/// does not emit towards the ray. `position` is the point hit, or any point of the ray.
 pub fn met_emission<const N: usize>(
     scene: &Scene<N>,
     row: usize,

@@ -4,8 +4,8 @@
 //! analytic model for daylight", appendix A.2), a fit to simulated skies in the form of R. Perez,
 //! R. Seals and J. Michalsky 1993. How it is polarized: as air scatters sunlight once (Rayleigh),
 //! D = D_max sin^2 g / (1 + cos^2 g) at the angle g from the sun, perpendicular to the plane of sun
-//! and line of sight, which is what the analytic model of A. Wilkie, R. F. Ulbricht, R. F. Tobler, G.
-//! Zotti and W. Purgathofer 2004 ("An analytical model for skylight polarisation") rests on.
+//! and line of sight, which is what the analytic model of A. Wilkie, R. F. Ulbricht, R. F. Tobler,
+//! G. Zotti and W. Purgathofer 2004 ("An analytical model for skylight polarisation") rests on.
 //! Neutral points near sun and antisun, which multiple scattering makes, are not in it.
 //!
 //! Below the horizon nothing shines, nor does the sun itself.
@@ -35,7 +35,8 @@ pub struct ClearSky {
     /// How hazy it is, from 1.7 (mountains) and 2 (clear) to 10 (haze): all that dims the sun over
     /// what clean air does.
     pub turbidity: f64,
-    /// The degree of polarization at a right angle to the sun, from 0 to 1; measured are up to 0.85.
+    /// The degree of polarization at a right angle to the sun, from 0 to 1; measured are up to
+    /// 0.85.
     pub max_degree: f64,
 }
 
@@ -48,7 +49,7 @@ impl ClearSky {
     /// Refuses what the models are not of.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         let Self { sun, turbidity, max_degree } = *self;
-        if !(sun.y > 0.0 && sun.is_finite()) {
+        if !sun.try_normalize().is_some_and(|sun| sun.y > 0.0) {
             let problem = format!("{sun} is not above the horizon");
             return Err(Fault::new("sun_direction", problem, "give a vector with y > 0"));
         }
