@@ -163,12 +163,7 @@ impl World {
     }
 
     /// Sets the environment to a clear sky.
-    fn set_clear_sky(
-        &mut self,
-        sun: [f64; 3],
-        shape: [f64; 2],
-        factor: f32,
-    ) -> PyResult<()> {
+    fn set_clear_sky(&mut self, sun: [f64; 3], shape: [f64; 2], factor: f32) -> PyResult<()> {
         let [turbidity, max_degree] = shape;
         let sky = ClearSky { sun: DVec3::from_array(sun), turbidity, max_degree };
         self.world()?.set_clear_sky(sky, factor).map(drop).map_err(of_any)

@@ -6,10 +6,10 @@ use std::fmt;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use exr::prelude as exr_files;
+use ::exr::prelude as exr_files;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
-use super::rgbe;
+use super::{StokesImage, exr, rgbe};
 use crate::math::elementary::pow;
 
 /// Most columns and rows of a picture.
@@ -131,8 +131,16 @@ impl Texels {
         Self { width: width as u32, height, channels: 3, values }
     }
 
-    /// Whether the bytes of a file are OpenEXR with Stokes vectors, as films are written.
-    pub fn has_stokes_vectors(bytes: &[u8]) -> bool {
+    /// The Stokes vectors of the bytes of a file, if they are OpenEXR with those, as films are
+    /// written.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn stokes_vectors(bytes: &[u8]) -> Result<Option<StokesImage>, String> {
+        Self::has_stokes_vectors(bytes).then(|| exr::decode(bytes)).transpose()
+    }
+
+    fn has_stokes_vectors(bytes: &[u8]) -> bool {
         if !bytes.starts_with(OPENEXR) {
             return false;
         }
@@ -146,7 +154,7 @@ impl Texels {
         })
     }
 
-    fn decode_exr(bytes: &[u8]) -> Result<Self, exr::error::Error> {
+    fn decode_exr(bytes: &[u8]) -> Result<Self, exr_files::Error> {
         use exr_files::{ReadChannels, ReadLayers};
         let image = exr_files::read()
             .no_deep_data()

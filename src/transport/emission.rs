@@ -127,17 +127,12 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);
     let place = (row, paths.identity.slot[row] as usize);
-    if scene.has_polarized_lamps && paths.carriers.columns().is_some() {
-        if let Some(light) = state_sent(scene, emitter, (position, -direction)) {
-            return measure_state(
-                measured,
-                &paths.carriers,
-                place,
-                (value, light),
-                scene,
-                direction,
-            );
-        }
+    if scene.has_polarized_lamps
+        && paths.carriers.columns().is_some()
+        && let Some(light) = state_sent(scene, emitter, (position, -direction))
+    {
+        let carriers = &paths.carriers;
+        return measure_state(measured, carriers, place, (value, light), scene, direction);
     }
     measure_unpolarized(measured, &paths.carriers, place, value);
 }

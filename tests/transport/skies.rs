@@ -214,7 +214,7 @@ fn images(scene: &Arc<Scene<3>>, integrator: Integrator) -> Vec<StokesImage> {
     let options = settings(integrator, Mode::Polarized, Color::Rgb, 16, 2);
     // So small a kernel that its bias drowns in the noise.
     let radius = Some(0.02 * scene.shapes.bounds.radius);
-    let photons = Photons { alpha: 1.0, radius, ..options.photons.clone() };
+    let photons = Photons { alpha: 1.0, radius, ..options.photons };
     replicates(scene, &Options { photons, ..options }, 24)
 }
 

@@ -207,7 +207,7 @@ impl Environment {
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.radiance.check("radiance", Range::NOT_NEGATIVE)?;
         let length = self.gradient.length();
-        if !(length <= 1.0 + TOLERANCE) {
+        if length.is_nan() || length > 1.0 + TOLERANCE {
             let problem = format!("its length must be at most 1, not {length}");
             return Err(Fault::new("gradient", problem, "no sky is darker than black"));
         }
@@ -224,7 +224,8 @@ impl Environment {
             return Err(Fault::new("radiance", problem, "give a number or [red, green, blue]"));
         }
         let length = backdrop.rotation.length();
-        if !((length - 1.0).abs() <= f64::from(TOLERANCE)) {
+        let off = (length - 1.0).abs();
+        if off.is_nan() || off > f64::from(TOLERANCE) {
             let problem = format!("its length must be 1, not {length}");
             return Err(Fault::new("rotation", problem, "give the quaternion of a rotation"));
         }

@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec2;
 
 use super::material::{Bsdf, Parameter};
-use crate::image::exr;
+use crate::image::StokesImage;
 use crate::image::texels::{Coding, Texels};
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
@@ -110,9 +110,13 @@ impl Picture {
 
     /// The same of what is around a scene, which may be polarized.
     pub(in crate::scene) fn around(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
-        match Texels::has_stokes_vectors(bytes) {
-            true => polarized(bytes, label),
-            false => Self::decoded(bytes, label),
+        let found = Texels::stokes_vectors(bytes).map_err(|error| {
+            let problem = format!("is an OpenEXR file with Stokes vectors, but {error}");
+            SceneError::new(label, problem, "write it again")
+        })?;
+        match found {
+            Some(image) => polarized(&image, bytes, label),
+            None => Self::decoded(bytes, label),
         }
     }
 
@@ -185,10 +189,8 @@ pub type States = [[f32; 3]; 3];
 const DEGREE_TOLERANCE: f32 = 1e-2;
 
 /// A picture of Stokes vectors.
-fn polarized(bytes: &[u8], label: &str) -> Result<Picture, SceneError> {
+fn polarized(image: &StokesImage, bytes: &[u8], label: &str) -> Result<Picture, SceneError> {
     let refuse = |problem: String, remedy: &str| SceneError::new(label, problem, remedy);
-    let image = exr::decode(bytes)
-        .map_err(|error| refuse(format!("is an OpenEXR file, but {error}"), "write it again"))?;
     if image.color != Color::Rgb {
         let problem = format!("holds Stokes vectors of {}", image.color);
         return Err(refuse(problem, "environments have those of R, G and B: S0.R to S3.B"));
