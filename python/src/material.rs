@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Bsdf, InternalReflection, Material, Sides};
+use sunstone::world::{Bsdf, EmittedStokes, InternalReflection, Material, Sides};
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
@@ -18,18 +18,24 @@ const REFLECTANCE: f32 = 0.8;
 const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, plastic, \
                       polarizer, retarder, rough_conductor, rough_dielectric, thin_dielectric";
 
-/// A material.
-pub fn material(keys: Keys) -> PyResult<Material> {
+/// A material, and how what it emits is polarized.
+pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>)> {
     let model: String = keys.need("bsdf", MODELS)?;
     let two_sided = keys.flag("two_sided")?;
     let emission = keys.lamp("emission")?;
+    let stokes = keys.stokes("stokes")?;
+    if stokes.is_some() && emission.is_none() {
+        let problem = "is the state of what is emitted, and nothing is";
+        return Err(keys.refuse("stokes", problem, "add an emission"));
+    }
     let bsdf = bsdf(&keys, &model)?;
     keys.finish(&format!("a material of bsdf \"{model}\""))?;
     let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
-    Ok(match emission {
+    let material = match emission {
         Some(radiance) => material.emitting(radiance),
         None => material,
-    })
+    };
+    Ok((material, stokes))
 }
 
 fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {

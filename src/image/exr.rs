@@ -112,9 +112,12 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
 ///
 /// Alpha and other channels beside the known ones are left unread. 16-bit files are widened.
 pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
-    let bytes = source::read(path)?;
-    let malformed = |reason: String| OutputError::malformed(path, FORMAT, reason);
-    check_header(&bytes).map_err(malformed)?;
+    decode(&source::read(path)?).map_err(|reason| OutputError::malformed(path, FORMAT, reason))
+}
+
+/// The same from the bytes of a file; what is wrong with it otherwise.
+pub fn decode(bytes: &[u8]) -> Result<StokesImage, String> {
+    check_header(bytes)?;
     let file: FlatImage = read_with()
         .no_deep_data()
         .largest_resolution_level()
@@ -122,13 +125,12 @@ pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(Cursor::new(&bytes))
-        .map_err(|error| malformed(error.to_string()))?;
-    let layer = match file.layer_data.as_slice() {
-        [layer] => layer,
-        layers => return Err(malformed(format!("it has {} parts, not one", layers.len()))),
-    };
-    assemble(layer).map_err(malformed)
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| error.to_string())?;
+    match file.layer_data.as_slice() {
+        [layer] => assemble(layer),
+        layers => Err(format!("it has {} parts, not one", layers.len())),
+    }
 }
 
 const RGB_NAMES: [&str; 3] = ["R", "G", "B"];

@@ -58,7 +58,10 @@ pub fn names_of_emitters<const N: usize>(
             EmitterModel::Point(_) | EmitterModel::Spot(_) => {
                 lamps.next().map(|name| (surfaces.len() + row, name))
             }
-            EmitterModel::Directional(_) | EmitterModel::Environment(_) => None,
+            EmitterModel::Directional(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Environment(_)
+            | EmitterModel::Panorama(_) => None,
         }
     };
     let emitters = scene.optics.emitters.iter().enumerate();

@@ -206,7 +206,7 @@ impl Spectra {
         let emitters = Emitters {
             rows: Arc::clone(&base.optics.emitters),
             emitter_of_primitive: Arc::clone(&base.optics.emitter_of_primitive),
-            environment: base.optics.environment,
+            skies: base.optics.skies.clone(),
         };
         let optics = self.optics(&carried(wavelengths, self.by), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");

@@ -71,7 +71,7 @@ impl Look {
         let [sees_specular, sees_solid, sees_nothing] =
             [view.specular, view.solid, view.nothing].map(View::share);
         let hidden = if view.hidden > 0.0 { view.hidden / (view.hidden + view.open) } else { 0.0 };
-        let has_sky = scene.optics.environment != NONE && sees_nothing > 0.0;
+        let has_sky = !scene.optics.skies.is_empty() && sees_nothing > 0.0;
         let mut lamps = Lamps::default();
         for (index, (point, normal, step)) in specular_points(scene).into_iter().enumerate() {
             lamps.look(scene, &mut places, (point, normal, step), index);
@@ -337,7 +337,7 @@ impl Aim {
             let seen = Seen { irradiance, share };
             Some(Self { direction, reach: f32::INFINITY, seen })
         };
-        match emitter.model {
+        match &emitter.model {
             EmitterModel::Triangle(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Sphere(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Point(_) => to_point(),
@@ -345,9 +345,19 @@ impl Aim {
                 to_point().filter(|aim| -aim.direction.normalize().dot(it.direction) > it.cos_outer)
             }
             EmitterModel::Directional(it) => to_infinity(-it.direction, radiance, 0.0),
+            EmitterModel::Sun(it) => {
+                let share = it.solid_angle() / (4.0 * PI);
+                to_infinity(-it.direction, radiance * it.faced(), share)
+            }
             EmitterModel::Environment(_) => {
                 let direction = spread(POINTS).nth(index * 197 % POINTS)?;
                 to_infinity(direction, radiance * 4.0 * PI, 1.0)
+            }
+            EmitterModel::Panorama(it) => {
+                let place = index * 197 % POINTS;
+                let u =
+                    [place as f32 / POINTS as f32, (place * 55 % POINTS) as f32 / POINTS as f32];
+                to_infinity(it.draw(u).0, radiance * 4.0 * PI, it.spread())
             }
         }
     }

@@ -9,6 +9,7 @@ use glam::Vec3;
 use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::NONE;
+use crate::scene::emitter::EmitterModel;
 use crate::scene::painting::{Painting, coverage_at, normal_at};
 use crate::scene::world::{SurfaceModel, Textures};
 
@@ -232,8 +233,13 @@ impl<const N: usize> Scene<N> {
         found.unwrap_or(1.0)
     }
 
-    /// What a point of an emitter emits over what its lamp does, by textures.
-    pub fn tint(&self, emitter: usize, position: Vec3) -> [f32; N] {
+    /// What a point of an emitter emits over what its lamp does, by textures; of one that is
+    /// infinitely far away, what comes from a direction.
+    pub fn tint(&self, emitter: usize, position: Vec3, direction: Vec3) -> [f32; N] {
+        if let EmitterModel::Panorama(panorama) = &self.optics.emitters[emitter].model {
+            let value = panorama.radiance(direction, &self.optics.carried);
+            return over(value, self.optics.radiance_of(emitter));
+        }
         let tint = || {
             let painting = self.optics.painting.as_deref()?;
             let primitive = primitive(&self.optics.emitters[emitter].model);
@@ -243,13 +249,7 @@ impl<const N: usize> Scene<N> {
             let at = (&on, on.weights_at(position));
             let mut tint = [1.0; N];
             if let Some(paint) = &textures.emission {
-                let (value, lamp) =
-                    (painting.radiance(paint, at), self.optics.radiance_of(emitter));
-                // Where the factor is zero, its product with a picture is.
-                tint = std::array::from_fn(|n| match lamp[n] > 0.0 {
-                    true => value[n] / lamp[n],
-                    false => 0.0,
-                });
+                tint = over(painting.radiance(paint, at), self.optics.radiance_of(emitter));
             }
             if let Some(coverage) = &textures.coverage {
                 let share = coverage_at(coverage, at);
@@ -260,21 +260,27 @@ impl<const N: usize> Scene<N> {
         tint().unwrap_or([1.0; N])
     }
 
-    /// Multiplies what arrives of points of eight emitters by their tints.
+    /// Multiplies what arrives of points of eight emitters, or from directions, by their tints.
     #[cold]
     pub fn tint_lanes(
         &self,
         radiance: &mut [F32s; N],
         emitters: [usize; LANES],
-        points: Vector<F32s>,
+        (points, directions): (Vector<F32s>, Vector<F32s>),
     ) {
-        let points = points.to_rows();
+        let [points, directions] = [points, directions].map(Vector::to_rows);
         let mut tints = [[1.0; N]; LANES];
         for (lane, tint) in tints.iter_mut().enumerate() {
-            *tint = self.tint(emitters[lane], points[lane].into());
+            *tint = self.tint(emitters[lane], points[lane].into(), directions[lane].into());
         }
         for (n, radiance) in radiance.iter_mut().enumerate() {
             *radiance *= F32s::from(lanes::each(|lane| tints[lane][n]));
         }
     }
+}
+
+/// Values over those of a lamp; nothing where that is black, as then the values are.
+#[inline]
+fn over<const N: usize>(value: [f32; N], lamp: [f32; N]) -> [f32; N] {
+    std::array::from_fn(|n| if lamp[n] > 0.0 { value[n] / lamp[n] } else { 0.0 })
 }

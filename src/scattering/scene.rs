@@ -1,6 +1,7 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
@@ -11,7 +12,7 @@ use crate::geometry::{
 };
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
-use crate::scene::emitter::Emitter;
+use crate::scene::emitter::{Emitter, EmitterModel};
 use crate::scene::painting::Painting;
 use crate::scene::world::Textures;
 
@@ -31,7 +32,8 @@ use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
 use super::{Look, Looks, Sensor};
 
-/// Lamps are small whose area is less of that of the ball about the scene.
+/// Lamps are small whose area is less of that of the ball about the scene, or, if they are
+/// infinitely far away, that take up less of all directions.
 const SMALL_LAMP: f64 = 1e-3;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
@@ -64,6 +66,8 @@ pub struct Scene<const N: usize> {
     pub has_emitting_straight_on: bool,
     /// Whether light can leave vertices that connect polarized.
     pub has_polarizing_vertices: bool,
+    /// Whether lamps emit polarized light.
+    pub has_polarized_lamps: bool,
     /// Whether lamps emit what textures say.
     pub has_painted_lamps: bool,
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
@@ -164,6 +168,7 @@ impl<const N: usize> Scene<N> {
             has_straight_on,
             straight_on_kinds,
             has_emitting_straight_on,
+            has_polarized_lamps: optics.states.any(),
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
@@ -219,6 +224,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds: self.straight_on_kinds.clone(),
             has_emitting_straight_on: self.has_emitting_straight_on,
             has_polarizing_vertices: self.has_polarizing_vertices,
+            has_polarized_lamps: self.has_polarized_lamps,
             has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
@@ -389,7 +395,10 @@ impl<const N: usize> Scene<N> {
         let size: f64 = finite.map(|model| model.size(&self.shapes)).sum();
         let whole = (2.0 * PI * f64::from(self.shapes.bounds.radius)).powi(2);
         let is_small = size > 0.0 && size < SMALL_LAMP * whole;
-        self.has_specular_surfaces() && (is_small || models().any(emitter::is_delta))
+        let is_narrow =
+            |model: &EmitterModel| emitter::share_of_sky(model).is_some_and(|it| it < SMALL_LAMP);
+        let hides = |model| emitter::is_delta(model) || is_narrow(model);
+        self.has_specular_surfaces() && (is_small || models().any(hides))
     }
 
     /// Where its surfaces end. Found by all threads, when it is first asked for.
@@ -521,13 +530,16 @@ impl<const N: usize> Scene<N> {
         met
     }
 
-    /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees; none in
-    /// media.
-    pub fn emitter_seen(&self, primitive: u32) -> u32 {
+    /// The emitter of a primitive, or those that a ray may see that hits nothing ([`NONE`]); none
+    /// in media.
+    #[inline]
+    pub fn emitters_seen(&self, primitive: u32) -> Range<u32> {
         if primitive == NONE {
-            self.optics.environment
-        } else {
-            self.optics.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
+            return self.optics.skies.clone();
+        }
+        match self.optics.emitter_of_primitive.get(primitive as usize) {
+            Some(&row) if row != NONE => row..row + 1,
+            Some(_) | None => 0..0,
         }
     }
 }
@@ -546,6 +558,10 @@ fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
 
 /// Whether some say what emitters emit.
 fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
+    let is_picture = |emitter: &Emitter| matches!(emitter.model, EmitterModel::Panorama(_));
+    if optics.emitters.iter().any(is_picture) {
+        return true;
+    }
     let Some(painting) = optics.painting.as_deref() else { return false };
     optics.emitters.iter().any(|emitter| {
         let surface = shapes.surface_of(emitter::primitive(&emitter.model));

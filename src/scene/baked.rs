@@ -3,16 +3,19 @@
 //!
 //! Lengths are in scene units (meters in glTF), angles in radians, radiometry per channel.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use super::corners::Corners;
+use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
 use super::painting::Painting;
 use super::world::SurfaceModel;
 use crate::polarization::Analyzer;
+use crate::spectrum::Carried;
 
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
@@ -98,16 +101,21 @@ pub struct Optics<const N: usize> {
     /// Participating media.
     pub media: Vec<Medium<N>>,
     /// Everything that emits, the environment included; at least one row, none without power.
-    /// Primitives come first, in their order, then punctual lights, then the environment.
+    /// Primitives come first, in their order, then punctual lights, suns last, then the
+    /// environment.
     pub emitters: Arc<Vec<Emitter>>,
     /// What emitters emit, one row for all of one spectrum: radiance, radiant intensity or
     /// irradiance, as their models have it; not negative, finite. By materials first, then by
     /// punctual lights, then by environments.
     pub lamps: Vec<[f32; N]>,
+    /// How what lamps emit is polarized.
+    pub states: EmittedStates<N>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
-    /// The row of the constant environment in `emitters`, or [`NONE`].
-    pub environment: u32,
+    /// The rows in `emitters` of what is infinitely far away and can be seen: suns and environment.
+    pub skies: Range<u32>,
+    /// What the columns carry.
+    pub carried: Carried<N>,
     /// What of materials differs from place to place, if anything does.
     pub painting: Option<Arc<Painting<N>>>,
     /// Spectra that are held beyond their ends: whose, and over which wavelengths of the render,

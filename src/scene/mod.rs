@@ -8,6 +8,7 @@
 mod bake;
 pub mod baked;
 pub mod corners;
+pub mod emitted;
 pub mod emitter;
 mod error;
 mod file;
@@ -15,6 +16,7 @@ mod gltf;
 pub mod instanced;
 mod mitsuba;
 pub mod painting;
+pub mod panorama;
 mod view;
 pub mod warnings;
 pub mod world;

@@ -406,7 +406,7 @@ fn lights_cameras_and_scenes() {
         ),
         (
             |d| d["scenes"][0]["extras"] = json!({"sunstone": {"environment": {}}}),
-            &["scene 0 \"good\"", "environment", "no `radiance`"],
+            &["scene 0 \"good\"", "environment", "neither `radiance`"],
         ),
         (
             |d| d["scenes"][0]["extras"] = json!({"sunstone": {"environment": {"radiance": -1}}}),

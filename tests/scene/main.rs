@@ -17,5 +17,6 @@ mod reference;
 mod refused;
 mod room;
 mod rough;
+mod skies;
 mod spectra;
 mod textures;

@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 42] = [
+pub const SCENES: [Named; 45] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -54,6 +54,9 @@ pub const SCENES: [Named; 42] = [
     ("rough coats, orthographic", super::rough::coats),
     ("rough glasses", super::rough::glasses),
     ("rough glass and fog", super::rough::glass_and_fog),
+    ("polarized panel and sky on glass and metal", super::polarized::panel_and_sky),
+    ("polarized points in thin air", super::polarized::points_in_thin_air),
+    ("polarized panes behind sheets", super::polarized::panes_behind_sheets),
 ];
 
 /// In which boundaries contradict each other.

@@ -26,7 +26,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, InternalReflection, Material, Name, Sides, Skin, tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, InternalReflection, Material, Name, Sides, Skin,
+    tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -46,6 +47,8 @@ pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 pub const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
+/// How that is polarized.
+const STOKES: &str = "stokes";
 
 /// A value of `bsdf`.
 struct Model {
@@ -88,7 +91,7 @@ const PLASTIC: [&str; 8] = [
     "specular",
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
+const OF_ALL: [&str; 3] = ["bsdf", EMISSION, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -128,6 +131,8 @@ impl Import<'_> {
                 ("default material".to_owned(), material)
             }
         };
+        let stokes = index.map_or(Ok(None), |index| self.stokes(index, &label))?;
+        let emits = material.emission.is_some();
         let of = (&material.bsdf, material.emission.as_ref());
         let textures = self.textures(index, &label, of)?;
         let put = self.world.put_material(Name(label.clone()), material);
@@ -135,7 +140,25 @@ impl Import<'_> {
         if !textures.is_empty() {
             self.world.set_textures(entity, textures)?;
         }
+        if let Some(stokes) = stokes.filter(|_| emits) {
+            let put = self.world.put_stokes(entity, stokes);
+            put.map_err(|fault| SceneError::at(&label, fault))?;
+        }
         Ok(entity)
+    }
+
+    /// How what a material emits is polarized. That may be switched off, but has to be stated.
+    fn stokes(&self, index: usize, label: &str) -> Result<Option<EmittedStokes>, SceneError> {
+        let value = &self.document.value["materials"][index];
+        let body = Body::of(value, label, &MATERIAL)?;
+        let stokes = body.stokes(STOKES)?;
+        let emits = body.has(EMISSION)
+            || value.get("emissiveFactor").is_some()
+            || value["extensions"][KHR_UNLIT].is_object();
+        match stokes {
+            Some(_) if !emits => Err(body.place(EmittedStokes::without_emission())),
+            stokes => Ok(stokes),
+        }
     }
 
     /// A material with what is on the two sides; the node's word counts before the material's.
@@ -163,7 +186,7 @@ impl Import<'_> {
         if let Some(model) = body.word("bsdf")? {
             return dispersed(extension_model(model, &body, material)?, value, label);
         }
-        let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
+        let keys: Vec<&str> = body.keys().filter(|key| ![EMISSION, STOKES].contains(key)).collect();
         if !keys.is_empty() {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));

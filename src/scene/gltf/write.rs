@@ -18,9 +18,9 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform,
-    Window, World,
+    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    Filling, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind,
+    Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -94,11 +94,12 @@ impl Writer {
             let medium = self.medium(&name, &medium);
             self.media.extend(findings.note(medium));
         }
-        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
-        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, emission)| {
-            (entity, name.clone(), bsdf.clone(), *sides, emission.cloned())
+        type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>);
+        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
+        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
+            (entity, name.clone(), bsdf.clone(), *sides, (light.0.cloned(), light.1.cloned()))
         });
-        for (entity, name, bsdf, sides, emission) in materials {
+        for (entity, name, bsdf, sides, (emission, stokes)) in materials {
             let is_painted = world.entities().get::<&Textures>(entity);
             if is_painted.is_ok_and(|textures| !textures.is_empty()) {
                 let problem = "textures are not written yet";
@@ -106,9 +107,11 @@ impl Writer {
                 findings.note::<()>(Err(error));
             }
             self.numbers.insert(entity, self.materials.len());
-            let material = self.material(&name, &bsdf, sides, emission.as_ref());
+            let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
             self.materials.push(material);
         }
+        findings.note(check_backdrops(world));
         self.shapes(world);
         self.lights(world, &mut scene);
         self.camera(world);
@@ -392,14 +395,24 @@ impl Writer {
         }
     }
 
+    /// How what is emitted is polarized, if it is.
+    fn stokes(&mut self, name: &Name, stokes: Option<&EmittedStokes>, body: &mut Value) {
+        if let Some(EmittedStokes { stokes }) = stokes {
+            body["stokes"] = json!(stokes.each_ref().map(|it| self.spectrum(name, it)));
+        }
+    }
+
     fn lights(&mut self, world: &World, scene: &mut Map<String, Value>) {
-        let lights = world.in_order::<(&Name, &Punctual, &Transform), _>(|(name, light, place)| {
-            (name.clone(), light.clone(), place.0)
+        type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, &'a Transform);
+        let lights = world.in_order::<Light, _>(|(name, light, stokes, place)| {
+            (name.clone(), light.clone(), stokes.cloned(), place.0)
         });
-        for (name, Punctual { kind, intensity }, place) in lights {
+        for (name, Punctual { kind, intensity }, stokes, place) in lights {
             let mut light = match kind {
                 PunctualKind::Point => json!({"type": "point"}),
-                PunctualKind::Directional => json!({"type": "directional"}),
+                PunctualKind::Directional | PunctualKind::Sun { .. } => {
+                    json!({"type": "directional"})
+                }
                 PunctualKind::Spot { inner, outer } => json!({
                     "type": "spot",
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer},
@@ -407,7 +420,11 @@ impl Writer {
             };
             let emission = self.spectrum(&name, &intensity);
             light["name"] = json!(called(&name));
-            let body = json!({"units": "radiometric", "emission": emission});
+            let mut body = json!({"units": "radiometric", "emission": emission});
+            if let PunctualKind::Sun { diameter } = kind {
+                body["angular_diameter_deg"] = json!(diameter.to_degrees());
+            }
+            self.stokes(&name, stokes.as_ref(), &mut body);
             light["extensions"] = json!({EXTENSION: body});
             let reference = json!({"KHR_lights_punctual": {"light": self.lights.len()}});
             let node = json!({"name": called(&name), "matrix": matrix(place),
@@ -415,13 +432,32 @@ impl Writer {
             self.nodes.push(node);
             self.lights.push(light);
         }
-        let skies =
-            world.in_order::<(&Name, &Environment), _>(|(name, sky)| (name.clone(), sky.clone()));
-        for (name, Environment { radiance, gradient }) in skies {
+        type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+        let skies = world
+            .in_order::<Sky, _>(|(name, sky, stokes)| (name.clone(), sky.clone(), stokes.cloned()));
+        for (name, Environment { radiance, gradient, backdrop }, stokes) in skies {
             let mut sky = json!({"radiance": self.spectrum(&name, &radiance)});
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
             }
+            match backdrop {
+                None => {}
+                Some(Backdrop { rotation, source: BackdropSource::File(uri), .. }) => {
+                    let text =
+                        "has a picture, which is to lie beside the new file as beside the old";
+                    self.warnings.add(&name.0, text);
+                    sky["uri"] = json!(uri);
+                    sky["rotation"] = json!(rotation.to_array());
+                }
+                Some(Backdrop { source: BackdropSource::ClearSky(clear), .. }) => {
+                    let ClearSky { sun, turbidity, max_degree } = clear;
+                    sky["sky"] = json!({"sun_direction": sun.to_array(), "turbidity": turbidity,
+                        "max_degree": max_degree});
+                }
+                // Which has been refused.
+                Some(Backdrop { source: BackdropSource::Memory, .. }) => {}
+            }
+            self.stokes(&name, stokes.as_ref(), &mut sky);
             scene.insert("environment".into(), sky);
         }
     }
@@ -477,6 +513,21 @@ impl Writer {
             let node = json!({"name": name, "matrix": matrix(place), "camera": self.cameras.len()});
             self.nodes.push(node);
             self.cameras.push(camera);
+        }
+    }
+}
+
+/// Refuses pictures of what is around that have no file to refer to.
+fn check_backdrops(world: &World) -> Result<(), SceneError> {
+    let without = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+        let source = sky.backdrop.as_ref().map(|backdrop| &backdrop.source);
+        (source == Some(&BackdropSource::Memory)).then(|| name.0.clone())
+    });
+    match without.into_iter().flatten().next() {
+        None => Ok(()),
+        Some(name) => {
+            let problem = "has a picture that is no file, which is not written yet";
+            Err(SceneError::new(name, problem, "keep the scene's own file"))
         }
     }
 }

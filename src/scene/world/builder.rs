@@ -4,13 +4,14 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DQuat, Vec3};
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Asked, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order, Picture, Punctual,
+    Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -89,6 +90,30 @@ impl World {
         checked.map_err(|fault| SceneError::at(&name, fault))?;
         self.insert(material, textures);
         Ok(())
+    }
+
+    /// Has what a material, a light or the environment of this world emits be polarized.
+    ///
+    /// ```
+    /// use sunstone::world::{EmittedStokes, Material, World};
+    ///
+    /// let mut world = World::new("desk");
+    /// let display = world.add_material("display", Material::emitter(200.0))?;
+    /// // Along the y axis of the node.
+    /// world.set_emitted_stokes(display, EmittedStokes::new([-1.0, 0.0, 0.0])?)?;
+    /// assert!(EmittedStokes::new([0.9, 0.9, 0.0]).is_err(), "none is polarized more than wholly");
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is none of these, does not emit, or the state is not physical.
+    pub fn set_emitted_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
+        self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
     }
 
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
@@ -228,7 +253,40 @@ impl World {
         radiance: impl Into<Spectrum>,
         gradient: Vec3,
     ) -> Result<Entity, SceneError> {
-        let environment = Environment { radiance: radiance.into(), gradient };
+        self.replace_environment(Environment { gradient, ..Environment::constant(radiance) })
+    }
+
+    /// The same for what a picture of all directions says: the bytes of an OpenEXR, Radiance, PNG,
+    /// JPEG or WebP file (these three as sRGB), equirectangular, times a factor. In its own space
+    /// its middle shows +x, right of that lies +z, and the upper edge is +y; the rotation turns
+    /// that to world space.
+    ///
+    /// # Errors
+    /// When the picture cannot be read or has negative or infinite values, the factor is negative
+    /// or not finite, or the rotation is none.
+    pub fn set_environment_map(
+        &mut self,
+        bytes: &[u8],
+        factor: [f32; 3],
+        rotation: DQuat,
+    ) -> Result<Entity, SceneError> {
+        let picture = Arc::new(Picture::around(bytes, "environment")?);
+        let backdrop = Some(Backdrop { picture, rotation, source: BackdropSource::Memory });
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    /// The same for a clear sky, which is polarized, times a factor.
+    ///
+    /// # Errors
+    /// When the sun is not above the horizon, the turbidity or the degree of polarization is out of
+    /// range, or the factor is negative or not finite.
+    pub fn set_clear_sky(&mut self, sky: ClearSky, factor: f32) -> Result<Entity, SceneError> {
+        sky.check().map_err(|fault| SceneError::at("environment", fault))?;
+        let backdrop = Some(sky.into());
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    fn replace_environment(&mut self, environment: Environment) -> Result<Entity, SceneError> {
         let name = Name("environment".to_owned());
         let added = self.put_environment(name, environment);
         let added = added.map_err(|fault| SceneError::at("environment", fault))?;
@@ -373,6 +431,24 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Adds a state of polarization to what emits.
+    pub(in crate::scene) fn put_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), Fault> {
+        stokes.check()?;
+        type Emitting<'a> = hecs::Or<hecs::Or<&'a Emission, &'a Punctual>, &'a Environment>;
+        if !self.entities.satisfies::<Emitting>(emitter) {
+            return Err(EmittedStokes::without_emission());
+        }
+        if self.entities.get::<&Environment>(emitter).is_ok_and(|sky| sky.is_polarized()) {
+            return Err(Environment::polarized_twice());
+        }
+        self.insert(emitter, stokes);
+        Ok(())
     }
 
     /// Drops triangles without area from a geometry, checks the others, and keeps in mind that it

@@ -8,9 +8,9 @@ use hecs::{Entity, EntityRef};
 
 use super::material::check_material;
 use super::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MEDIA_MAX,
-    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window,
-    World,
+    Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
+    Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures,
+    Transform, Window, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -42,9 +42,15 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 10] = [
+const PARTS: [(&str, Has, &[Kind], bool); 11] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
+    (
+        "EmittedStokes",
+        has::<EmittedStokes>,
+        &[Kind::Material, Kind::Light, Kind::Environment],
+        false,
+    ),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
     ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
@@ -128,6 +134,15 @@ impl World {
         kind: Kind,
         seen: &mut BTreeSet<usize>,
     ) -> Result<(), Fault> {
+        if let Some(stokes) = entity.get::<&EmittedStokes>() {
+            stokes.check()?;
+            if entity.get::<&Environment>().is_some_and(|sky| sky.is_polarized()) {
+                return Err(Environment::polarized_twice());
+            }
+            if kind == Kind::Material && !entity.has::<Emission>() {
+                return Err(EmittedStokes::without_emission());
+            }
+        }
         match kind {
             Kind::Material => {
                 let emission = entity.get::<&Emission>();

@@ -7,8 +7,8 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::{
-    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
+    Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
+    Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
 use crate::math::text::{counted, excerpt};
 use crate::polarization::Analyzer;
@@ -67,15 +67,17 @@ fn vector(v: DVec3) -> String {
 }
 
 fn write_materials(world: &World, text: &mut String) -> fmt::Result {
-    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
+    type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>);
+    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
     let mut users: BTreeMap<Entity, usize> = BTreeMap::new();
     for of in world.in_order::<&MadeOf, _>(|of| of.0) {
         *users.entry(of).or_default() += 1;
     }
-    let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, emission)| {
+    let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, light)| {
+        let (emission, stokes) = light;
         let sides = if sides.two_sided { ", two-sided" } else { "" };
         let light = emission.map_or_else(String::new, |emission| {
-            format!(", emits radiance {}", spectrum(&emission.radiance))
+            format!(", emits radiance {}{}", spectrum(&emission.radiance), state(stokes))
         });
         let count = users.get(&entity).copied().unwrap_or(0);
         let shapes = counted(count, ["shape", "shapes"]);
@@ -205,16 +207,31 @@ fn spectrum(spectrum: &Spectrum) -> String {
     }
 }
 
+/// How what is emitted is polarized.
+fn state(stokes: Option<&EmittedStokes>) -> String {
+    let Some(EmittedStokes { stokes }) = stokes else { return String::new() };
+    format!(", polarized [{}]", stokes.each_ref().map(spectrum).join(", "))
+}
+
 fn write_lights(world: &World, text: &mut String) -> fmt::Result {
-    let lights = world.in_order::<(&Name, &Punctual), _>(|(name, light)| {
-        format!("  {}: {:?}, intensity {}", name.0, light.kind, spectrum(&light.intensity))
+    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>);
+    let lights = world.in_order::<Light, _>(|(name, light, stokes)| {
+        let (intensity, state) = (spectrum(&light.intensity), state(stokes));
+        format!("  {}: {:?}, intensity {intensity}{state}", name.0, light.kind)
     });
-    let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+    type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+    let skies = world.in_order::<Sky, _>(|(name, sky, stokes)| {
         let gradient = match sky.gradient.to_array() {
             [0.0, 0.0, 0.0] => String::new(),
             gradient => format!(", gradient {gradient:?}"),
         };
-        format!("  {}: radiance {}{gradient}", name.0, spectrum(&sky.radiance))
+        let picture = sky.backdrop.as_ref().map_or_else(String::new, |backdrop| {
+            let [width, height] = backdrop.picture.texels().size();
+            let [red, green, blue] = sky.panorama().map_or([0.0; 3], |panorama| panorama.mean());
+            format!(" times a picture of {width} x {height}, mean [{red}, {green}, {blue}]")
+        });
+        let (radiance, state) = (spectrum(&sky.radiance), state(stokes));
+        format!("  {}: radiance {radiance}{gradient}{picture}{state}", name.0)
     });
     lines(text, &[lights, skies].concat())
 }

@@ -3,15 +3,16 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`Textures`] if any of it differs from place to place |
+//! | | [`EmittedStokes`] if it emits polarized light, [`Textures`] if any of it differs from place to place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
-//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`EmittedStokes`] |
+//! | | if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
-//! | environment | [`Order`], [`Name`], [`Environment`] |
+//! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
 //!
 //! Each component knows what is wrong with it. Readers of files parse and add with the functions
 //! of `builder`, as programs do, and these check what they add; `check` looks at the whole again
@@ -22,8 +23,10 @@ mod asked;
 mod builder;
 mod camera;
 mod check;
+mod clear_sky;
 mod describe;
 mod digest;
+mod emitted;
 mod frame;
 mod light;
 mod material;
@@ -45,9 +48,13 @@ use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
 pub use self::camera::{Lens, Resolution};
+pub use self::clear_sky::ClearSky;
+pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
-pub use self::light::{Environment, Punctual, PunctualKind};
+pub use self::light::{
+    Backdrop, BackdropSource, Environment, Punctual, PunctualKind, SUN_DIAMETER,
+};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
@@ -58,6 +65,7 @@ pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub(super) use self::texture::half_hash;
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };
@@ -165,8 +173,11 @@ impl World {
     pub(crate) fn lamp_names(&self) -> Vec<String> {
         let lamps = self.in_order::<(&Name, &Punctual), _>(|(name, light)| {
             let shines = light.intensity.values().iter().any(|value| *value > 0.0);
-            let is_lamp = shines && light.kind != PunctualKind::Directional;
-            is_lamp.then(|| name.0.clone())
+            let has_place = match light.kind {
+                PunctualKind::Point | PunctualKind::Spot { .. } => true,
+                PunctualKind::Directional | PunctualKind::Sun { .. } => false,
+            };
+            (shines && has_place).then(|| name.0.clone())
         });
         lamps.into_iter().flatten().collect()
     }

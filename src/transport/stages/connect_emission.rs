@@ -4,9 +4,10 @@
 use crate::math::{LANES, lanes};
 use crate::scattering::emitter::EmissionSample;
 use crate::scattering::{Scene, Side};
-use crate::transport::emission::sample_emissions;
+use crate::transport::emission::{sample_emissions, state_sent};
 use crate::transport::mis;
 use crate::transport::sampler::{Purpose, draw};
+use crate::transport::sides::LightSide;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Chunk, Strategy};
@@ -18,7 +19,7 @@ use crate::transport::{Chunk, Strategy};
 ///
 /// From: emit_light_paths. To: trace_connections.
 /// Writes: connections. Reads: paths (identity), chunk, scene.
-pub fn connect_emission<const N: usize, C>(
+pub fn connect_emission<const N: usize, C: LightSide<N>>(
     connections: &mut ConnectionTable<N>,
     paths: &PathTable<N, C>,
     chunk: &Chunk,
@@ -38,18 +39,20 @@ pub fn connect_emission<const N: usize, C>(
             let is_left_to_others = competes && scene.glimpses.start_pdf(sample.emitter) == 0.0;
             if !(sample.delta || is_left_to_others) {
                 let lens = lens.map(|u| u[lane]);
-                connect(connections, sample, scene, lens, (light_paths, competes));
+                let is_polarized = paths.carriers.columns().is_some();
+                connect(connections, sample, scene, (lens, is_polarized), (light_paths, competes));
             }
         }
     }
 }
 
-/// Connects one point of an emitter, or one direction of the environment.
+/// Connects one point of an emitter, or one direction of the environment; in modes that are
+/// polarized, in the state in which it emits.
 fn connect<const N: usize>(
     connections: &mut ConnectionTable<N>,
     sample: &EmissionSample<N>,
     scene: &Scene<N>,
-    lens: [f32; 2],
+    (lens, is_polarized): ([f32; 2], bool),
     (light_paths, competes): (f32, bool),
 ) {
     let found = if sample.finite {
@@ -79,5 +82,10 @@ fn connect<const N: usize>(
         let inside = scene.medium_at_sensor(found.lens);
         Segment { origin: lens, direction, t_max: f32::INFINITY, inside, from: Side::Sensor }
     };
-    connections.push(segment, Cargo { value, weight }, found.pixel);
+    let cargo = Cargo { value, weight };
+    let sent = || state_sent(scene, sample.emitter, (sample.position, found.direction));
+    match is_polarized.then(sent).flatten() {
+        Some(state) => connections.push_polarized(segment, cargo, found.pixel, state),
+        None => connections.push(segment, cargo, found.pixel),
+    }
 }

@@ -4,6 +4,7 @@
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::kernel::SpheroidBlock;
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::scattering::emitter::state::EmittedState;
 use crate::scattering::vertex::{DenseKernels, Leaving, LightLanes};
 
 /// A [`LightCarrier`] of every wavelength, with one axis.
@@ -39,6 +40,12 @@ impl<const N: usize> LightState<N> {
     #[inline(always)]
     pub fn unpolarized(x: Vector<f32>) -> Self {
         Self { stokes: [Stokes::unpolarized(); N], x }
+    }
+
+    /// Light as it leaves its emitter.
+    pub fn emitted(state: &EmittedState<N>) -> Self {
+        let stokes = state.stokes.map(|[s1, s2, s3]| Stokes([1.0, s1, s2, s3]));
+        Self { stokes, x: Vector::from(state.x.to_array()) }
     }
 
     /// Unpolarized light after an event whose axis is `x`.
