@@ -17,4 +17,5 @@ mod refused;
 mod room;
 mod rough;
 mod spectra;
+mod stokes;
 mod textures;

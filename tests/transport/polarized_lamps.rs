@@ -28,8 +28,8 @@ const RADIANCE: f32 = 2.0;
 const STATES: [[f32; 3]; 4] =
     [[0.6, 0.8, 0.0], [-0.48, 0.36, 0.8], [0.1, -0.3, 0.2], [0.0, 0.0, -1.0]];
 
-/// A lamp in a state, 1.2 by 1.2 about a place, that faces the origin from there and whose node has its
-/// x axis along `right`.
+/// A lamp in a state, 1.2 by 1.2 about a place, that faces the origin from there and whose node has
+/// its x axis along `right`.
 fn world_with_lamp(place: DVec3, right: DVec3, stokes: [f32; 3]) -> World {
     let mut world = World::new("lamp");
     let lamp = world.add_material("lamp", Material::emitter(RADIANCE)).unwrap();
@@ -339,8 +339,9 @@ fn states_depend_on_wavelength() {
     }
 }
 
-/// Parallel light along z in air of small particles, seen at a right angle to it and to S1's axis or along
-/// that: all or nothing arrives (Rayleigh). Circular light is seen linear, as unpolarized light.
+/// Parallel light along z in air of small particles, seen at a right angle to it and to S1's axis or
+/// along that: all or nothing arrives (Rayleigh). Circular light is seen linear, as unpolarized
+/// light.
 #[test]
 fn rayleigh_scatters_across_the_field_alone() {
     let seen = |stokes: [f32; 3], eye: Vec3| {

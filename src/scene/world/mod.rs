@@ -3,7 +3,8 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`EmittedStokes`] if it emits polarized light, [`Textures`] if any of it differs from place to place |
+//! | | [`EmittedStokes`] if that is polarized, [`Textures`] if any of it differs from place to |
+//! | | place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |

@@ -91,8 +91,8 @@ fn connect<const N: usize, C: SensorSide<N>>(
     }
 }
 
-/// Gives the rows from `first` on, which are the lanes of the mask `bits`, the states in which their
-/// light leaves the emitters.
+/// Gives the rows from `first` on, which are the lanes of the mask `bits`, the states in which
+/// their light leaves the emitters.
 #[inline(never)]
 fn polarize<const N: usize>(
     connections: &mut ConnectionTable<N>,
