@@ -339,8 +339,8 @@ fn states_depend_on_wavelength() {
     }
 }
 
-/// Parallel light along z in air of small particles, seen at a right angle to it and to S1's axis or
-/// along that: all or nothing arrives (Rayleigh). Circular light is seen linear, as unpolarized
+/// Parallel light along z in air of small particles, seen at a right angle to it and to S1's axis,
+/// or along that: all or nothing arrives (Rayleigh). Circular light is seen linear, as unpolarized
 /// light.
 #[test]
 fn rayleigh_scatters_across_the_field_alone() {
