@@ -3,6 +3,7 @@
 
 pub mod dispersive;
 pub mod evidence;
+pub mod fields;
 pub mod filters;
 pub mod gltf;
 pub mod painted;

@@ -20,6 +20,7 @@ mod emitters;
 mod furnace;
 mod glimpses;
 mod grounds;
+mod incandescent;
 mod instances;
 mod lamps_in_media;
 mod merging;

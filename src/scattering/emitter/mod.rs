@@ -20,6 +20,7 @@ pub mod aim;
 pub mod choice;
 pub mod direct;
 pub mod glimpse;
+pub mod incandescence;
 pub mod lamps;
 pub mod state;
 pub mod tree;
@@ -145,7 +146,8 @@ pub struct EmissionSample<const N: usize> {
     pub direction: Vec3,
     /// Emitted radiance over `emission` density, cosine included.
     pub beta: [f32; N],
-    /// Radiance along `direction`; per steradian intensity for points.
+    /// Radiance along `direction`; per steradian intensity for points. Of incandescent surfaces
+    /// that of a black body, the same in all directions.
     pub radiance: [f32; N],
     /// Density of starting here: per area, or per steradian of the direction (infinite emitters).
     pub start_pdf: f32,
@@ -209,7 +211,7 @@ pub fn sample_emission<const N: usize>(
     tinted(scene, sample)
 }
 
-/// The same light as textures paint it.
+/// The same light as textures paint it and as it comes out of the surface.
 #[inline]
 fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> EmissionSample<N> {
     if scene.has_painted_lamps {
@@ -218,6 +220,10 @@ fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> Em
             sample.beta[n] *= tint;
             sample.radiance[n] *= tint;
         }
+    }
+    if scene.has_incandescent_lamps {
+        let shares = scene.emissivity(sample.emitter, sample.normal, sample.direction);
+        sample.beta.iter_mut().zip(shares).for_each(|(beta, share)| *beta *= share);
     }
     sample
 }
@@ -239,6 +245,10 @@ pub fn met_emission<const N: usize>(
     if scene.has_painted_lamps {
         let tint = scene.tint(row, position);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
+    }
+    if scene.has_incandescent_lamps {
+        let shares = scene.emissivity(row, met.normal, -direction);
+        met.radiance.iter_mut().zip(shares).for_each(|(radiance, share)| *radiance *= share);
     }
     let Some(aim) = &scene.aim else { return Some(met) };
     let (point, normal) = (position, met.normal);

@@ -4,10 +4,12 @@ use glam::Vec3;
 
 use crate::scattering::Scene;
 
-use super::primitive;
+use crate::scene::emitted::LampState;
+
+use super::{incandescence, primitive};
 
 /// Squared sine below which an axis counts as parallel to a direction: about 1e-4 radians.
-const PARALLEL_SIN2: f32 = 1e-8;
+pub const PARALLEL_SIN2: f32 = 1e-8;
 
 /// A state of polarization of light as it leaves its emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,11 +27,17 @@ pub struct EmittedState<const N: usize> {
 pub fn emitted_state<const N: usize>(
     scene: &Scene<N>,
     row: usize,
-    (_position, direction): (Vec3, Vec3),
+    (position, direction): (Vec3, Vec3),
 ) -> Option<EmittedState<N>> {
     let emitter = &scene.optics.emitters[row];
-    let lamp = scene.optics.states.of(emitter.lamp)?;
-    let [axis, other] = lamp.axes.unwrap_or_else(|| {
+    let (stokes, axes) = match scene.optics.states.of(emitter.lamp)? {
+        LampState::Same { stokes, axes } => (*stokes, *axes),
+        LampState::Incandescent => {
+            let normal = scene.shapes.geometric_normal(primitive(&emitter.model), position);
+            return incandescence::state(scene, row, (normal, direction));
+        }
+    };
+    let [axis, other] = axes.unwrap_or_else(|| {
         let surface = scene.shapes.surface_of(primitive(&emitter.model));
         let surface = &scene.shapes.surfaces[surface as usize];
         [surface.axis_x, surface.axis_y]
@@ -37,5 +45,5 @@ pub fn emitted_state<const N: usize>(
     let across = |axis: Vec3| axis - direction * axis.dot(direction);
     let x = across(axis);
     let is_sound = x.length_squared() > PARALLEL_SIN2;
-    Some(EmittedState { stokes: lamp.stokes, x: if is_sound { x } else { across(other) } })
+    Some(EmittedState { stokes, x: if is_sound { x } else { across(other) } })
 }

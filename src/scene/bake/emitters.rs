@@ -13,8 +13,8 @@ use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
 use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, EmittedStokes, Environment, Name, Passage, Punctual, PunctualKind, Sides,
-    Textures, Transform, World,
+    Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
+    PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -54,14 +54,35 @@ pub struct Lamp {
 
 /// How a lamp is polarized.
 #[derive(Clone, Debug)]
-pub struct State {
-    /// In its frame.
-    pub stokes: EmittedStokes,
-    /// [`LampState::axes`].
-    pub axes: Option<[Vec3; 2]>,
+pub enum State {
+    /// [`LampState::Same`].
+    Same {
+        /// In its frame.
+        stokes: EmittedStokes,
+        /// What that goes by.
+        axes: Option<[Vec3; 2]>,
+    },
+    /// [`LampState::Incandescent`].
+    Incandescent,
 }
 
 impl State {
+    /// The spectra that it is stated by.
+    pub(super) fn spectra(&self) -> &[Spectrum] {
+        match self {
+            Self::Same { stokes, .. } => &stokes.stokes,
+            Self::Incandescent => &[],
+        }
+    }
+
+    /// Whether it is another at other wavelengths.
+    fn is_chromatic(&self) -> bool {
+        match self {
+            Self::Same { stokes, .. } => !stokes.stokes.iter().all(Spectrum::is_flat),
+            Self::Incandescent => true,
+        }
+    }
+
     /// Of a lamp in a place, if it is a surface in none.
     fn of(stokes: Option<&EmittedStokes>, place: Option<DAffine3>) -> Option<Self> {
         let stokes = stokes.filter(|stokes| !stokes.is_unpolarized())?.clone();
@@ -69,7 +90,7 @@ impl State {
             let DAffine3 { matrix3, .. } = place;
             [matrix3.x_axis, matrix3.y_axis].map(|axis| axis.normalize().as_vec3())
         });
-        Some(Self { stokes, axes })
+        Some(Self::Same { stokes, axes })
     }
 }
 
@@ -129,10 +150,12 @@ impl Brightness {
 pub fn lamps(world: &World) -> Vec<Lamp> {
     let black = || Spectrum::Constant(0.0);
     let lamp = |name: &str, spectrum, state| Lamp { name: name.to_owned(), spectrum, state };
-    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, Option<&'a EmittedStokes>);
-    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, stokes)| {
+    type States<'a> = (Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, States<'a>);
+    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, (stokes, by_heat))| {
         let radiance = emission.map_or_else(black, |emission| emission.radiance.clone());
-        lamp(&name.0, radiance, State::of(stokes, None))
+        let state = by_heat.map(|_| State::Incandescent).or_else(|| State::of(stokes, None));
+        lamp(&name.0, radiance, state)
     });
     // Air among other bodies.
     lamps.push(lamp("air", black(), None));
@@ -160,13 +183,19 @@ pub fn states<const N: usize>(
         return Ok(EmittedStates::default());
     }
     let of_lamp = |lamp: &Lamp| {
-        let Some(State { stokes, axes }) = &lamp.state else { return Ok(None) };
-        let sampled = stokes.sampled(carried).map_err(|error| outside_table(&lamp.name, error))?;
-        Ok(Some(LampState { stokes: sampled, axes: *axes }))
+        Ok(match &lamp.state {
+            None => None,
+            Some(State::Incandescent) => Some(LampState::Incandescent),
+            Some(State::Same { stokes, axes }) => {
+                let sampled = stokes.sampled(carried);
+                let stokes = sampled.map_err(|error| outside_table(&lamp.name, error))?;
+                Some(LampState::Same { stokes, axes: *axes })
+            }
+        })
     };
     let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
-    let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
-    let is_chromatic = all().any(|it| !it.stokes.stokes.iter().all(Spectrum::is_flat));
+    let mut all = lamps.iter().filter_map(|lamp| lamp.state.as_ref());
+    let is_chromatic = all.any(State::is_chromatic);
     Ok(EmittedStates { of_lamps, is_chromatic })
 }
 
@@ -279,10 +308,13 @@ impl Table {
 
     /// Of all primitives; returns the first lamp that is none of a material.
     fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
-        type Parts<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Textures>);
-        let materials = world.in_order::<Parts, _>(|(_, bsdf, sides, textures)| {
-            let refracts = bsdf.clone().simplified().passage() == Passage::Body;
-            (refracts, sides.two_sided, textures.cloned())
+        type Parts<'a> = (&'a Bsdf, &'a Sides, Option<&'a Textures>, Option<&'a Incandescent>);
+        let materials = world.in_order::<(&Name, Parts), _>(|(_, parts)| {
+            let (bsdf, sides, textures, by_heat) = parts;
+            let bsdf = bsdf.clone().simplified();
+            let refracts = bsdf.passage() == Passage::Body;
+            let leaves = by_heat.and_then(|_| incandescent_share(&bsdf)).unwrap_or(1.0);
+            (refracts, sides.two_sided, textures.cloned(), leaves)
         });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
             let surface = &shapes.surfaces[surface as usize];
@@ -290,15 +322,18 @@ impl Table {
             let emitter = match materials.get(surface.material as usize) {
                 Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
                 None => NONE,
-                Some((_, two_sided, textures)) if (primitive as usize) < shapes.triangles.len() => {
+                Some((_, two_sided, textures, leaves))
+                    if (primitive as usize) < shapes.triangles.len() =>
+                {
                     let model = emitter::Triangle::new(shapes, primitive, *two_sided);
                     let painted = textures.as_ref().zip(shapes.painted(primitive));
                     let share = painted.map_or(1.0, |(textures, on)| mean_share(textures, &on));
-                    self.add_share(shapes, model, lamp, share)
+                    self.add_share(shapes, model, lamp, share * leaves)
                 }
-                Some(&(refracts, two_sided, _)) => {
+                Some(&(refracts, two_sided, _, leaves)) => {
                     let sides = [two_sided, !surface.is_opaque && !refracts];
-                    self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), lamp)
+                    let model = emitter::Sphere::new(shapes, primitive, sides);
+                    self.add_share(shapes, model, lamp, leaves)
                 }
             };
             self.emitter_of_primitive.push(emitter);

@@ -37,6 +37,7 @@ pub const MATERIAL: Keys = Keys {
         "eta",
         "exterior_ior",
         "extinction_ratio",
+        "incandescent",
         "ior",
         "k",
         "metal",

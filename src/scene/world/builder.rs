@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
+use super::incandescent::Incandescent;
 use super::material::check_material;
 use super::{
     Asked, Ball, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
@@ -113,6 +114,27 @@ impl World {
     ) -> Result<(), SceneError> {
         let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
         self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Has a material of this world emit by its heat ([`Incandescent`]): its emission is what a
+    /// black body would emit.
+    ///
+    /// ```
+    /// use sunstone::Spectrum;
+    /// use sunstone::world::{Bsdf, Material, World};
+    ///
+    /// let mut world = World::new("forge");
+    /// let hot = Material::from(Bsdf::metal("W")?).emitting(Spectrum::blackbody(2800.0)?);
+    /// let hot = world.add_material("filament", hot)?;
+    /// world.set_incandescent(hot)?;
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is no smooth metal or glass, does not emit, or emits in a stated state.
+    pub fn set_incandescent(&mut self, material: Entity) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(material).map_or(String::new(), |it| it.0.clone());
+        self.put_incandescent(material).map_err(|fault| SceneError::at(&name, fault))
     }
 
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
@@ -397,6 +419,21 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Has a material emit by its heat.
+    pub(in crate::scene) fn put_incandescent(&mut self, material: Entity) -> Result<(), Fault> {
+        let Ok(bsdf) = self.entities.get::<&Bsdf>(material) else {
+            let remedy = "use one that `add_material` returned";
+            return Err(Fault::new("material", "is not a material of this world", remedy));
+        };
+        let emission = self.entities.get::<&Emission>(material).ok();
+        let stokes = self.entities.get::<&EmittedStokes>(material).ok();
+        let textures = self.entities.get::<&Textures>(material).ok();
+        Incandescent::check(&bsdf, emission.as_deref(), stokes.as_deref(), textures.as_deref())?;
+        drop((bsdf, emission, stokes, textures));
+        self.insert(material, Incandescent);
+        Ok(())
     }
 
     /// Adds a state of polarization to what emits.

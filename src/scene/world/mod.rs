@@ -3,7 +3,8 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`EmittedStokes`] if that is polarized, [`Textures`] if any of it differs from place to |
+//! | | [`Incandescent`] if it does by its heat, [`EmittedStokes`] if that is polarized,|
+//! | | [`Textures`] if any of it differs from place to |
 //! | | place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
@@ -28,6 +29,7 @@ mod describe;
 mod digest;
 mod emitted;
 mod frame;
+mod incandescent;
 mod light;
 mod material;
 mod medium;
@@ -50,6 +52,8 @@ pub use self::camera::{Lens, Resolution};
 pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
+pub use self::incandescent::Incandescent;
+pub(super) use self::incandescent::share as incandescent_share;
 pub use self::light::{Environment, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};

@@ -60,6 +60,10 @@ fn connect<const N: usize, C: SensorSide<N>>(
         if scene.has_painted_lamps {
             scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
         }
+        if scene.has_incandescent_lamps {
+            let to = (chosen.normal, chosen.direction);
+            scene.weigh_exits(&mut chosen.radiance, emitters, to);
+        }
         let given = -Vector::load(&paths.rays.direction, row);
         let turn = turn_of(Consecutive(row, live), given, chosen.direction);
         let chance = mis::chance_over_choice(turn.pdf, chosen.reachable, chosen.pdf_w);
