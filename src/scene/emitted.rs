@@ -9,6 +9,8 @@ pub struct EmittedStates<const N: usize> {
     pub of_lamps: Vec<Option<LampState<N>>>,
     /// Whether any is another at other wavelengths.
     pub is_chromatic: bool,
+    /// Whether any is incandescent.
+    pub has_incandescent: bool,
 }
 
 /// The state of what a lamp emits.
@@ -32,11 +34,6 @@ impl<const N: usize> EmittedStates<N> {
     /// Whether any lamp is polarized.
     pub fn any(&self) -> bool {
         !self.of_lamps.is_empty()
-    }
-
-    /// Whether any is incandescent.
-    pub fn any_incandescent(&self) -> bool {
-        self.of_lamps.contains(&Some(LampState::Incandescent))
     }
 
     /// That of a lamp, if it is polarized.

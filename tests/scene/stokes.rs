@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
+use sunstone::internals::scene::emitted::LampState;
 use sunstone::internals::scene::world::{EmittedStokes, Transform};
 use sunstone::internals::scene::{World, Written, bake, load};
 use sunstone::internals::spectrum::{Beyond, Carried, Spectrum};
@@ -20,10 +21,18 @@ fn with(material: &Value, light: &Value, sky: &Value) -> Value {
     document
 }
 
+/// The numbers of a state that is the same in all directions, and its axes.
+fn same<const N: usize>(state: &LampState<N>) -> ([[f32; 3]; N], Option<[Vec3; 2]>) {
+    match state {
+        LampState::Same { stokes, axes } => (*stokes, *axes),
+        LampState::Incandescent => panic!("it is not stated"),
+    }
+}
+
 /// The states of the lamps, in their order, at some wavelengths.
 fn states<const N: usize>(world: &World, carried: &Carried<N>) -> Vec<Option<[[f32; 3]; N]>> {
     let states = bake(world, carried).unwrap().optics.states;
-    states.of_lamps.into_iter().map(|state| Some(state?.stokes)).collect()
+    states.of_lamps.into_iter().map(|state| Some(same(&state?).0)).collect()
 }
 
 #[test]
@@ -137,7 +146,7 @@ fn tables_end() {
     has_all(&error, &["lamp", "stokes", "covers 400 to 600 nm only"]);
     let baked = bake(&world, &Carried::RGB.beyond(Beyond::Held)).unwrap().optics;
     assert!(baked.states.is_chromatic && baked.held.len() == 1, "{:?}", baked.held);
-    let [red, ..] = baked.states.of_lamps.iter().flatten().next().unwrap().stokes;
+    let [red, ..] = same(baked.states.of_lamps.iter().flatten().next().unwrap()).0;
     assert_eq!(red, [1.0, 0.0, 0.0]);
 }
 
@@ -153,7 +162,7 @@ fn frames_are_those_of_nodes() {
     insert(&mut world, "lamp", Transform(place));
     let states = bake(&world, &Carried::RGB).unwrap().optics.states;
     let state = states.of_lamps.iter().flatten().next().unwrap();
-    for (axis, expected) in state.axes.unwrap().into_iter().zip([DVec3::X, DVec3::Y]) {
+    for (axis, expected) in same(state).1.unwrap().into_iter().zip([DVec3::X, DVec3::Y]) {
         let expected: Vec3 = (turn * expected).as_vec3();
         assert!(axis.distance(expected) < 1e-6, "{axis}, not {expected}");
     }
@@ -178,4 +187,50 @@ fn they_are_written() {
     let [first, second] =
         [&world, &again].map(|world| of(world).of_lamps.into_iter().flatten().collect::<Vec<_>>());
     assert_eq!(first, second);
+}
+
+/// What glows by its heat, in files; it is written, and what it does not go together with refused.
+#[test]
+fn files_have_hot_surfaces() {
+    let hot = |body: Value| {
+        let mut document = good();
+        let own = &mut document["materials"][0]["extensions"]["SUNSTONE_polarization"];
+        *own = body;
+        document
+    };
+    let tungsten = json!({"bsdf": "conductor", "metal": "W", "incandescent": true,
+        "emission": {"blackbody_k": 2800, "scale": 50}});
+    let world = load_json(&hot(tungsten.clone())).unwrap();
+    has_all(&world.describe(), &["by its heat"]);
+    let is_hot = |world: &World| bake(world, &Carried::RGB).unwrap().optics.states.has_incandescent;
+    assert!(is_hot(&world));
+    let path = scratch("hot.gltf");
+    Written::of(&world).unwrap().save(&path).unwrap();
+    assert!(is_hot(&load(&path).unwrap()));
+    std::fs::remove_file(&path).unwrap();
+    let mut cold = tungsten.clone();
+    cold["incandescent"] = json!(false);
+    assert!(!is_hot(&load_json(&hot(cold)).unwrap()));
+    for (key, value, words) in [
+        ("stokes", json!([1, 0, 0]), "stokes"),
+        ("incandescent", json!("yes"), "neither true nor false"),
+        ("bsdf", json!("rough_conductor"), "smooth"),
+    ] {
+        let mut wrong = tungsten.clone();
+        wrong[key] = value;
+        if key == "bsdf" {
+            wrong["alpha"] = json!(0.3);
+        }
+        has_all(&load_json(&hot(wrong)).unwrap_err(), &["material 0", "incandescent", words]);
+    }
+    // It emits less of what light paths start from than a black body, by a share of the power.
+    let power = |world: &World| bake(world, &Carried::RGB).unwrap().optics.emitters[0].brightness;
+    let mut black = tungsten;
+    black["bsdf"] = json!("absorber");
+    for key in ["metal", "incandescent"] {
+        black.as_object_mut().unwrap().remove(key);
+    }
+    let share = power(&world) / power(&load_json(&hot(black)).unwrap());
+    // CRC Handbook: tungsten at 550 nm reflects 0.5 of what falls straight on it.
+    assert!((0.4..0.6).contains(&share), "{share}");
 }

@@ -32,8 +32,8 @@ fn seen_from(world: &mut World, eye: DVec3) {
     world.set_camera("eye", lens, Transform::looking(eye, DVec3::ZERO, DVec3::Y)).unwrap();
 }
 
-/// S0 to S3 over the radiance of a black body, about the s axis, of what leaves at an angle: what of
-/// s and p is not reflected.
+/// S0 to S3 over the radiance of a black body, about the s axis, of what leaves at an angle: what
+/// of s and p is not reflected.
 fn leaving(angle: f64, eta: f64, k: f64) -> [f64; 4] {
     let [e_s, e_p] = [1.0, -1.0].map(|s1| 1.0 - reflected([s1, 0.0, 0.0], angle.cos(), eta, k)[0]);
     [0.5 * (e_s + e_p), 0.5 * (e_s - e_p), 0.0, 0.0]
@@ -92,8 +92,8 @@ fn every_channel_has_its_own() {
     }
 }
 
-/// Bodies of one temperature under a sky of the same: metal, and what scatters evenly and emits what
-/// it absorbs.
+/// Bodies of one temperature under a sky of the same: metal, and what scatters evenly and emits
+/// what it absorbs.
 fn of_one_temperature(with_wall: bool) -> World {
     let mut world = World::new("oven");
     world.set_environment(RADIANCE).unwrap();

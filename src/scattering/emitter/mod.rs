@@ -221,7 +221,7 @@ fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> Em
             sample.radiance[n] *= tint;
         }
     }
-    if scene.has_incandescent_lamps {
+    if scene.has_incandescent_lamps() {
         let shares = scene.emissivity(sample.emitter, sample.normal, sample.direction);
         sample.beta.iter_mut().zip(shares).for_each(|(beta, share)| *beta *= share);
     }
@@ -246,7 +246,7 @@ pub fn met_emission<const N: usize>(
         let tint = scene.tint(row, position);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
     }
-    if scene.has_incandescent_lamps {
+    if scene.has_incandescent_lamps() {
         let shares = scene.emissivity(row, met.normal, -direction);
         met.radiance.iter_mut().zip(shares).for_each(|(radiance, share)| *radiance *= share);
     }

@@ -194,9 +194,10 @@ pub fn states<const N: usize>(
         })
     };
     let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
-    let mut all = lamps.iter().filter_map(|lamp| lamp.state.as_ref());
-    let is_chromatic = all.any(State::is_chromatic);
-    Ok(EmittedStates { of_lamps, is_chromatic })
+    let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
+    let is_chromatic = all().any(State::is_chromatic);
+    let has_incandescent = all().any(|state| matches!(state, State::Incandescent));
+    Ok(EmittedStates { of_lamps, is_chromatic, has_incandescent })
 }
 
 /// What lamps emit at the wavelengths of the render.

@@ -72,7 +72,7 @@ fn connect<const N: usize>(
     };
     let factor = weight * cosine * importance / sample.start_pdf;
     let mut value = sample.radiance.map(|radiance| radiance * factor);
-    if scene.has_incandescent_lamps {
+    if scene.has_incandescent_lamps() {
         let shares = scene.emissivity(sample.emitter, sample.normal, found.direction);
         value.iter_mut().zip(shares).for_each(|(value, share)| *value *= share);
     }

@@ -67,7 +67,7 @@ impl<const N: usize> Places<N> {
     /// How the light of a lamp is polarized that comes to its place.
     #[inline(always)]
     fn state(&self, scene: &Scene<N>, lane: usize) -> Option<LightState<N>> {
-        if !scene.has_polarized_lamps {
+        if !scene.has_polarized_lamps() {
             return None;
         }
         let [point, towards] = [self.lamp.point, self.lamp.direction].map(|it| it.lane(lane));

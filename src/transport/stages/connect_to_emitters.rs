@@ -51,7 +51,7 @@ fn connect<const N: usize, C: SensorSide<N>>(
 ) {
     let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
     let asks = event.form != Form::Depolarizer || scene.has_straight_on;
-    let has_states = scene.has_polarized_lamps && asks && paths.carriers.columns().is_some();
+    let has_states = scene.has_polarized_lamps() && asks && paths.carriers.columns().is_some();
     let lit = medium_lit(event.met, scene).filter(|_| strategy.connects_flights());
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
@@ -60,7 +60,7 @@ fn connect<const N: usize, C: SensorSide<N>>(
         if scene.has_painted_lamps {
             scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
         }
-        if scene.has_incandescent_lamps {
+        if scene.has_incandescent_lamps() {
             let to = (chosen.normal, chosen.direction);
             scene.weigh_exits(&mut chosen.radiance, emitters, to);
         }
