@@ -163,7 +163,10 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
             EmitterModel::Triangle(triangle) => (triangle.primitive, triangle.area),
             EmitterModel::Sphere(sphere) => (sphere.primitive, sphere.area),
             EmitterModel::Environment(_) => continue,
-            EmitterModel::Point(_) | EmitterModel::Spot(_) | EmitterModel::Directional(_) => {
+            EmitterModel::Point(_)
+            | EmitterModel::Luminaire(_)
+            | EmitterModel::Spot(_)
+            | EmitterModel::Directional(_) => {
                 return false;
             }
         };

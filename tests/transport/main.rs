@@ -23,6 +23,7 @@ mod grounds;
 mod incandescent;
 mod instances;
 mod lamps_in_media;
+mod luminaires;
 mod merging;
 mod modes;
 mod nesting;

@@ -10,6 +10,7 @@ mod area;
 mod directional;
 mod environment;
 mod infinity;
+mod luminaire;
 mod point;
 mod sphere;
 mod spherical;
@@ -30,8 +31,11 @@ use glam::Vec3;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
-    Directional, EmitterModel, Environment, Extent, Point, Sphere, Spot, Triangle, for_all_emitters,
+    Directional, EmitterModel, Environment, Extent, Luminaire, Point, Sphere, Spot, Triangle,
+    for_all_emitters,
 };
+
+use crate::scene::luminaire::Luminaire as Measured;
 
 use super::Scene;
 
@@ -131,6 +135,8 @@ pub struct Source<'a, const N: usize> {
     pub probability: f32,
     /// Where everything is.
     pub shapes: &'a Shapes,
+    /// What some emit by direction.
+    pub luminaires: &'a [Measured],
     /// What the light path is aimed at; if nothing, at the whole scene.
     pub aimed_at: Option<Bounds>,
 }
@@ -279,7 +285,8 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
-    Source { row, radiance, probability, shapes: &scene.shapes, aimed_at: None }
+    let luminaires = &scene.optics.luminaires;
+    Source { row, radiance, probability, shapes: &scene.shapes, luminaires, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for

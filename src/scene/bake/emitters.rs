@@ -11,9 +11,10 @@ use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitted::{EmittedStates, LampState};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
+use crate::scene::luminaire::Luminaire;
 use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
+    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
     PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
@@ -26,6 +27,8 @@ const LEAST_CONE: f32 = 1e-3;
 pub struct Emitters {
     /// Everything that emits.
     pub rows: Arc<Vec<Emitter>>,
+    /// What some of them emit by direction.
+    pub luminaires: Arc<Vec<Luminaire>>,
     /// For every triangle and sphere its row, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The row of the environment, or [`NONE`].
@@ -35,6 +38,7 @@ pub struct Emitters {
 /// That table in the making.
 struct Table {
     rows: Vec<Emitter>,
+    luminaires: Vec<Luminaire>,
     emitter_of_primitive: Vec<u32>,
     environment: u32,
     /// Power of each row in W, averaged over the wavelengths.
@@ -159,9 +163,12 @@ pub fn lamps(world: &World) -> Vec<Lamp> {
     });
     // Air among other bodies.
     lamps.push(lamp("air", black(), None));
-    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a EmittedStokes>);
-    lamps.extend(world.in_order::<Light, _>(|(name, place, light, stokes)| {
-        lamp(&name.0, light.intensity.clone(), State::of(stokes, Some(place.0)))
+    type OfLight<'a> = (Option<&'a world::Luminaire>, Option<&'a EmittedStokes>);
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>);
+    lamps.extend(world.in_order::<Light, _>(|(name, place, light, (luminaire, stokes))| {
+        let mean = luminaire.map_or(1.0, |luminaire| luminaire.0.mean());
+        let intensity = light.intensity.clone().scaled(mean as f32);
+        lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
     }));
     type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
     lamps.extend(world.in_order::<Sky, _>(|(name, sky, stokes)| {
@@ -235,16 +242,25 @@ pub fn emitters(
 ) -> Result<Emitters, SceneError> {
     let mut table = Table {
         rows: Vec::new(),
+        luminaires: Vec::new(),
         emitter_of_primitive: Vec::new(),
         environment: NONE,
         powers: Vec::new(),
     };
     let mut lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
-    let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(_, place, light)| {
-        punctual(light.kind, &place.about(shapes.origin), &passable)
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a world::Luminaire>);
+    let lights = world.in_order::<Light, _>(|(_, place, light, luminaire)| {
+        let place = place.about(shapes.origin);
+        let measured = luminaire.map(|luminaire| Luminaire::new(&luminaire.0, place.matrix3));
+        (punctual(light.kind, &place, &passable), measured)
     });
-    for model in lights {
+    for (mut model, measured) in lights {
+        if let (EmitterModel::Point(point), Some(measured)) = (model, measured) {
+            let row = table.luminaires.len() as u32;
+            model = emitter::Luminaire { position: point.position, row }.into();
+            table.luminaires.push(measured);
+        }
         table.add(shapes, model, (lamp, brightness));
         lamp += 1;
     }
@@ -256,6 +272,7 @@ pub fn emitters(
     table.set_probabilities()?;
     Ok(Emitters {
         rows: Arc::new(table.rows),
+        luminaires: Arc::new(table.luminaires),
         emitter_of_primitive: Arc::new(table.emitter_of_primitive),
         environment: table.environment,
     })

@@ -254,13 +254,14 @@ fn with_emitters<const N: usize>(
     lamps: Vec<[f32; N]>,
     emitters: Emitters,
 ) -> Optics<N> {
-    let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
+    let Emitters { rows: emitters, luminaires, emitter_of_primitive, environment } = emitters;
     Optics {
         materials,
         media,
         emitters,
         lamps,
         states: EmittedStates::default(),
+        luminaires,
         emitter_of_primitive,
         environment,
         painting: None,

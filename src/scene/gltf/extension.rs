@@ -69,7 +69,7 @@ pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
 pub const LIGHT: Keys =
-    Keys { definition: "light", known: &["emission", "stokes", "units"], planned: &[] };
+    Keys { definition: "light", known: &["emission", "ies", "stokes", "units"], planned: &[] };
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
     Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };

@@ -19,8 +19,8 @@ use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
-    Incandescent, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution,
-    Sides, Textures, Transform, Window, World,
+    Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind,
+    Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -122,6 +122,11 @@ impl Writer {
             self.materials.push(material);
         }
         self.shapes(world);
+        for (name, _) in world.in_order::<(&Name, &Luminaire), _>(|(name, _)| (name.clone(), ())) {
+            let problem = "luminaires are not written";
+            let error = SceneError::new(&name.0, problem, "keep the scene's own file");
+            findings.note::<()>(Err(error));
+        }
         self.lights(world, &mut scene);
         self.camera(world);
         findings.result()?;

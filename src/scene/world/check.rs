@@ -7,6 +7,7 @@ use std::sync::Arc;
 use hecs::{Entity, EntityRef};
 
 use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
@@ -43,7 +44,7 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 12] = [
+const PARTS: [(&str, Has, &[Kind], bool); 13] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     (
@@ -52,6 +53,7 @@ const PARTS: [(&str, Has, &[Kind], bool); 12] = [
         &[Kind::Material, Kind::Light, Kind::Environment],
         false,
     ),
+    ("Luminaire", has::<Luminaire>, &[Kind::Light], false),
     ("Incandescent", has::<Incandescent>, &[Kind::Material], false),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
@@ -175,7 +177,11 @@ impl World {
             }
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
-                part::<&Punctual>(entity)?.check()
+                let light = part::<&Punctual>(entity)?;
+                if entity.has::<Luminaire>() {
+                    Luminaire::check(Some(light.kind))?;
+                }
+                light.check()
             }
             Kind::Camera => {
                 Lens::check_place(&*part::<&Transform>(entity)?)?;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
     Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
@@ -190,10 +191,13 @@ fn state(stokes: Option<&EmittedStokes>) -> String {
 }
 
 fn write_lights(world: &World, text: &mut String) -> fmt::Result {
-    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>);
-    let lights = world.in_order::<Light, _>(|(name, light, stokes)| {
+    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Option<&'a Luminaire>);
+    let lights = world.in_order::<Light, _>(|(name, light, stokes, luminaire)| {
+        let measured = luminaire.map_or_else(String::new, |it| {
+            format!(", measured, {} cd on the average", it.0.mean())
+        });
         let (intensity, state) = (spectrum(&light.intensity), state(stokes));
-        format!("  {}: {:?}, intensity {intensity}{state}", name.0, light.kind)
+        format!("  {}: {:?}, intensity {intensity}{measured}{state}", name.0, light.kind)
     });
     type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
     let skies = world.in_order::<Sky, _>(|(name, sky, stokes)| {

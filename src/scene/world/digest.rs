@@ -10,6 +10,7 @@ use hecs::{Component, Entity};
 use crate::polarization::Analyzer;
 
 use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
     Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
@@ -33,7 +34,7 @@ macro_rules! columns {
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
     Punctual, Lens, Resolution, Analyzer, Window, Environment, EmittedStokes,
-    Incandescent,
+    Incandescent, Luminaire,
 }
 
 impl World {

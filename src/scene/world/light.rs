@@ -1,8 +1,11 @@
 //! Lights without a surface: punctual ones and the environment.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 use glam::Vec3;
+
+use super::Photometry;
 
 use crate::math::{Fault, Range};
 use crate::spectrum::Spectrum;
@@ -16,6 +19,12 @@ pub struct Punctual {
     /// throughout emits nothing.
     pub intensity: Spectrum,
 }
+
+/// What a point emits by direction: that of the measurement times its own intensity. The axis from
+/// which vertical angles are measured is the -z axis of its transform; horizontal ones turn
+/// counter-clockwise about z from its x axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Luminaire(pub Arc<Photometry>);
 
 /// Shapes of punctual lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +64,19 @@ impl Punctual {
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.kind.check()?;
         self.intensity.check("intensity", Range::NOT_NEGATIVE)
+    }
+}
+
+impl Luminaire {
+    /// Refuses lights of another kind than points.
+    pub(super) fn check(kind: Option<PunctualKind>) -> Result<(), Fault> {
+        match kind {
+            Some(PunctualKind::Point) => Ok(()),
+            Some(PunctualKind::Spot { .. } | PunctualKind::Directional) | None => {
+                let problem = "is what points emit, and this is none";
+                Err(Fault::new("ies", problem, "make the light a point"))
+            }
+        }
     }
 }
 

@@ -10,8 +10,8 @@
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
-//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`EmittedStokes`] |
-//! | | if its light is polarized |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
+//! | | measured, [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
 //! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
@@ -36,6 +36,7 @@ mod medium;
 mod mesh;
 mod particles;
 mod phase_matrix;
+mod photometry;
 mod shape;
 mod texture;
 mod transform;
@@ -54,7 +55,7 @@ pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::incandescent::Incandescent;
 pub(super) use self::incandescent::share as incandescent_share;
-pub use self::light::{Environment, Punctual, PunctualKind};
+pub use self::light::{Environment, Luminaire, Punctual, PunctualKind};
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
@@ -63,6 +64,7 @@ pub use self::mesh::{Geometry, Mesh};
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::photometry::Photometry;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,

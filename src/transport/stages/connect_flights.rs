@@ -89,8 +89,11 @@ fn place<const N: usize>(
     let [from, to] = piece.range;
     let distance = seen.sample(lanes::load(&pieces.place, first)).max(from).min(to);
     let position = piece.origin + piece.direction * distance;
-    let lamp =
+    let mut lamp =
         scene.direct.sample(&scene.optics.lamps, (emitters, chance), position, [F32s::ZERO; 2]);
+    if !scene.optics.luminaires.is_empty() {
+        scene.weigh_luminaires(&mut lamp, emitters);
+    }
     let rows = position.to_rows();
     let of_vertex = F32s::from(lanes::each(|lane| {
         let from = Vantage { position: rows[lane].into(), normal: Vec3::ZERO };

@@ -60,6 +60,9 @@ fn connect<const N: usize, C: SensorSide<N>>(
         if scene.has_painted_lamps {
             scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
         }
+        if !scene.optics.luminaires.is_empty() {
+            scene.weigh_luminaires(&mut chosen, emitters);
+        }
         if scene.has_incandescent_lamps() {
             let to = (chosen.normal, chosen.direction);
             scene.weigh_exits(&mut chosen.radiance, emitters, to);
