@@ -6,6 +6,7 @@ mod errors;
 mod far;
 mod framed;
 mod fuzz;
+mod luminaires;
 mod meaning;
 mod media;
 mod mended;

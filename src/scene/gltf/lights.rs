@@ -1,20 +1,19 @@
 //! Punctual lights (KHR_lights_punctual).
 
 use std::f64::consts::FRAC_PI_2;
-use std::sync::Arc;
 
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
 use super::extension::{Body, LIGHT};
-use crate::math::Fault;
+use super::luminaires::luminaire_of;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Luminaire, Name, Photometry, Punctual, PunctualKind, Transform};
+use crate::scene::world::{Name, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
-const LUMENS_PER_WATT: f32 = 683.0;
+pub(super) const LUMENS_PER_WATT: f32 = 683.0;
 
 impl Import<'_> {
     /// Adds the light that a node, or nothing, refers to; one without intensity adds nothing.
@@ -43,7 +42,7 @@ impl Import<'_> {
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
         let stokes = body.stokes("stokes")?;
-        let luminaire = self.luminaire(&body)?;
+        let luminaire = luminaire_of(&body, document)?;
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
@@ -66,20 +65,6 @@ impl Import<'_> {
             }
             _ => SceneError::at(&label, fault),
         })
-    }
-
-    /// What a light emits by direction, of the file of IES LM-63 that it names.
-    fn luminaire(&self, body: &Body) -> Result<Option<Luminaire>, SceneError> {
-        let Some(uri) = body.word("ies")? else { return Ok(None) };
-        let field = body.field("ies");
-        let bytes = self.document.read_bytes(uri, &field)?;
-        // What is not ASCII is in its words, which do not count.
-        let read = Photometry::from_ies(&String::from_utf8_lossy(&bytes));
-        let read = read.map_err(|Fault { field: part, problem, remedy }| {
-            let place = if part.is_empty() { field } else { format!("{field}, {part}") };
-            SceneError::new(place, problem, remedy)
-        })?;
-        Ok(Some(Luminaire(Arc::new(read))))
     }
 }
 
