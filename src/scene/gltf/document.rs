@@ -119,7 +119,8 @@ impl Document {
         Ok(bytes)
     }
 
-    /// The bytes of a picture or a luminaire, of a file beside the scene, a data URI or a buffer view.
+    /// The bytes of a picture or a luminaire, of a file beside the scene, a data URI or a buffer
+    /// view.
     pub fn image_bytes(&self, image: &Value, label: &str) -> Result<Vec<u8>, SceneError> {
         const AGAIN: &str = "export the scene again";
         if let Some(uri) = image["uri"].as_str() {
