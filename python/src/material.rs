@@ -18,8 +18,8 @@ const REFLECTANCE: f32 = 0.8;
 const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, plastic, \
                       polarizer, retarder, rough_conductor, rough_dielectric, thin_dielectric";
 
-/// A material, and how what it emits is polarized.
-pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>)> {
+/// A material, and how what it emits is polarized: in a state, or by its heat.
+pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>, bool)> {
     let model: String = keys.need("bsdf", MODELS)?;
     let two_sided = keys.flag("two_sided")?;
     let emission = keys.lamp("emission")?;
@@ -28,6 +28,7 @@ pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>)> {
         let problem = "is the state of what is emitted, and nothing is";
         return Err(keys.refuse("stokes", problem, "add an emission"));
     }
+    let incandescent = keys.flag("incandescent")?;
     let bsdf = bsdf(&keys, &model)?;
     keys.finish(&format!("a material of bsdf \"{model}\""))?;
     let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
@@ -35,7 +36,7 @@ pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>)> {
         Some(radiance) => material.emitting(radiance),
         None => material,
     };
-    Ok((material, stokes))
+    Ok((material, stokes, incandescent))
 }
 
 fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {

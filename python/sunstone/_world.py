@@ -131,6 +131,7 @@ class World(Editable):
         retardance_deg: float | None = None,
         emission: Lamp | None = None,
         stokes: Stokes | None = None,
+        incandescent: bool = False,
         two_sided: bool = False,
     ) -> None:
         """Adds a material.
@@ -165,6 +166,8 @@ class World(Editable):
             retardance_deg: of "retarder", in degrees.
             emission: radiance in W/(m^2 sr) that it emits besides.
             stokes: how that is polarized; unpolarized by default. x is the x axis of the shape.
+            incandescent: of "conductor" and "dielectric": emission is that of a black body, of
+                which leaves what the surface does not reflect, polarized.
             two_sided: the back is like the front; else it is black and dark.
         """
         self._add(
@@ -189,6 +192,7 @@ class World(Editable):
                 retardance_deg=retardance_deg,
                 emission=emission,
                 stokes=stokes,
+                incandescent=incandescent,
                 two_sided=two_sided,
             ),
         )

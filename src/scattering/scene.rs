@@ -66,8 +66,6 @@ pub struct Scene<const N: usize> {
     pub has_emitting_straight_on: bool,
     /// Whether light can leave vertices that connect polarized.
     pub has_polarizing_vertices: bool,
-    /// Whether lamps emit polarized light.
-    pub has_polarized_lamps: bool,
     /// Whether lamps emit what textures say.
     pub has_painted_lamps: bool,
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
@@ -168,7 +166,6 @@ impl<const N: usize> Scene<N> {
             has_straight_on,
             straight_on_kinds,
             has_emitting_straight_on,
-            has_polarized_lamps: optics.states.any(),
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
@@ -224,7 +221,6 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds: self.straight_on_kinds.clone(),
             has_emitting_straight_on: self.has_emitting_straight_on,
             has_polarizing_vertices: self.has_polarizing_vertices,
-            has_polarized_lamps: self.has_polarized_lamps,
             has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
@@ -263,6 +259,18 @@ impl<const N: usize> Scene<N> {
             self.direct = Arc::new(DirectTable::new(&self.shapes, emitters));
             self.choice = Arc::new(Choice::new(&self.shapes, emitters));
         }
+    }
+
+    /// Whether lamps emit polarized light.
+    #[inline(always)]
+    pub fn has_polarized_lamps(&self) -> bool {
+        self.optics.states.any()
+    }
+
+    /// Whether lamps emit by their heat.
+    #[inline(always)]
+    pub fn has_incandescent_lamps(&self) -> bool {
+        self.optics.states.has_incandescent
     }
 
     /// The row of a primitive's material.

@@ -12,6 +12,7 @@ use super::corners::Corners;
 use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
+use super::luminaire::Luminaire;
 use super::painting::Painting;
 use super::world::SurfaceModel;
 use crate::polarization::Analyzer;
@@ -110,6 +111,8 @@ pub struct Optics<const N: usize> {
     pub lamps: Vec<[f32; N]>,
     /// How what lamps emit is polarized.
     pub states: EmittedStates<N>,
+    /// What emits as it was measured.
+    pub luminaires: Arc<Vec<Luminaire>>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The rows in `emitters` of what is infinitely far away and can be seen: suns and environment.

@@ -1,4 +1,4 @@
-//! How what lamps emit is polarized, at the wavelengths of a render.
+//! How what lamps emit is polarized, and hangs on its direction, at the wavelengths of a render.
 
 use glam::Vec3;
 
@@ -11,17 +11,25 @@ pub struct EmittedStates<const N: usize> {
     pub is_chromatic: bool,
     /// Whether a picture says how the environment's light is polarized.
     pub by_picture: bool,
+    /// Whether any is incandescent.
+    pub has_incandescent: bool,
 }
 
 /// The state of what a lamp emits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LampState<const N: usize> {
-    /// S1, S2 and S3 over S0 at every wavelength: of light along the unit vector k, in the frame
-    /// (x, k cross x, k).
-    pub stokes: [[f32; 3]; N],
-    /// What x is along, less what of it is along k, and what takes its place where the two are
-    /// parallel; unit vectors. Of lamps that are surfaces those of the surface.
-    pub axes: Option<[Vec3; 2]>,
+pub enum LampState<const N: usize> {
+    /// The same in all directions.
+    Same {
+        /// S1, S2 and S3 over S0 at every wavelength: of light along the unit vector k, in the
+        /// frame (x, k cross x, k).
+        stokes: [[f32; 3]; N],
+        /// What x is along, less what of it is along k, and what takes its place where the two
+        /// are parallel; unit vectors. Of lamps that are surfaces those of the surface.
+        axes: Option<[Vec3; 2]>,
+    },
+    /// Light from within comes out of a smooth surface by what that does not reflect, as much and
+    /// in such a state: the lamp says how much a black body would emit.
+    Incandescent,
 }
 
 impl<const N: usize> EmittedStates<N> {

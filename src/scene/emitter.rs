@@ -13,7 +13,9 @@ pub use super::panorama::Panorama;
 /// Hands all models to a macro: the list from which everything else that knows them all is made.
 macro_rules! for_all_emitters {
     ($then:ident) => {
-        $then! { Triangle, Sphere, Point, Spot, Directional, Sun, Environment, Panorama }
+        $then! {
+            Triangle, Sphere, Point, Luminaire, Spot, Directional, Sun, Environment, Panorama
+        }
     };
 }
 pub(crate) use for_all_emitters;
@@ -72,6 +74,15 @@ pub struct Sphere {
 pub struct Point {
     /// Where it is.
     pub position: Vec3,
+}
+
+/// A point of radiant intensities by direction, in W/sr on the average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Luminaire {
+    /// Where it is.
+    pub position: Vec3,
+    /// Row in the scene's luminaires.
+    pub row: u32,
 }
 
 /// A point with a cone, of a radiant intensity on the axis in W/sr.
@@ -198,6 +209,14 @@ impl Extent for Sphere {
 }
 
 impl Extent for Point {
+    const FINITE: bool = true;
+
+    fn size(&self, _: &Shapes) -> f64 {
+        4.0 * PI
+    }
+}
+
+impl Extent for Luminaire {
     const FINITE: bool = true;
 
     fn size(&self, _: &Shapes) -> f64 {

@@ -14,6 +14,7 @@ mod error;
 mod file;
 mod gltf;
 pub mod instanced;
+pub mod luminaire;
 mod mitsuba;
 pub mod painting;
 pub mod panorama;

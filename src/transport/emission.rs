@@ -57,7 +57,7 @@ pub fn state_sent<const N: usize>(
     emitter: usize,
     (position, direction): (Vec3, Vec3),
 ) -> Option<LightState<N>> {
-    if !scene.has_polarized_lamps {
+    if !scene.has_polarized_lamps() {
         return None;
     }
     emitted_state(scene, emitter, (position, direction)).map(|state| LightState::emitted(&state))
@@ -127,7 +127,7 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);
     let place = (row, paths.identity.slot[row] as usize);
-    if scene.has_polarized_lamps
+    if scene.has_polarized_lamps()
         && paths.carriers.columns().is_some()
         && let Some(light) = state_sent(scene, emitter, (position, -direction))
     {

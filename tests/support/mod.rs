@@ -3,8 +3,10 @@
 
 pub mod dispersive;
 pub mod evidence;
+pub mod fields;
 pub mod filters;
 pub mod gltf;
+pub mod luminaires;
 pub mod painted;
 pub mod polarized;
 pub mod random;

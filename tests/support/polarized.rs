@@ -123,3 +123,22 @@ pub fn floor_and_fog(stokes: Option<Value>) -> World {
     document.perspective(Vec3::new(0.2, 0.1, 3.6), Vec3::NEG_Y * 0.3, 0.3, None);
     document.load("depolarizers")
 }
+
+/// A ball and a plate of metal and a ball of glass that glow by their heat light a room.
+pub fn hot_metals() -> World {
+    let mut scene = room(&[]);
+    let hot = |scene: &mut Document, mut body: Value, radiance: f32| {
+        body["emission"] = json!(radiance);
+        body["incandescent"] = json!(true);
+        scene.material(body)
+    };
+    let tungsten = hot(&mut scene, json!({"bsdf": "conductor", "metal": "W"}), 6.0);
+    scene.sphere(v(-0.4, 0.4, 0.0), 0.35, tungsten);
+    let copper = hot(&mut scene, json!({"bsdf": "conductor", "metal": "Cu"}), 9.0);
+    scene.quad(v(0.2, 0.9, 0.0), v(0.5, 0.1, 0.0), v(0.0, 0.0, 0.5), copper);
+    let glass = hot(&mut scene, json!({"bsdf": "dielectric", "ior": 1.6}), 1.0);
+    scene.sphere(v(0.4, -0.5, 0.3), 0.35, glass);
+    let air = scene.medium(json!({"phase": "rayleigh", "sigma_a": 0.05, "sigma_s": 0.3}));
+    scene.fog(air, |scene, null| scene.cuboid(v(-0.5, -0.6, 0.2), Vec3::splat(0.3), null));
+    pinhole(scene).load("hot metals")
+}

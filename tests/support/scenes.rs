@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 45] = [
+pub const SCENES: [Named; 47] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -57,6 +57,8 @@ pub const SCENES: [Named; 45] = [
     ("polarized panel and sky on glass and metal", super::polarized::panel_and_sky),
     ("polarized points in thin air", super::polarized::points_in_thin_air),
     ("polarized panes behind sheets", super::polarized::panes_behind_sheets),
+    ("hot metals and glass", super::polarized::hot_metals),
+    ("luminaires in thin air", super::luminaires::in_thin_air),
 ];
 
 /// In which boundaries contradict each other.

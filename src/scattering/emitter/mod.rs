@@ -10,6 +10,7 @@ mod area;
 mod directional;
 mod environment;
 mod infinity;
+mod luminaire;
 mod panorama;
 mod point;
 mod sphere;
@@ -22,6 +23,7 @@ pub mod aim;
 pub mod choice;
 pub mod direct;
 pub mod glimpse;
+pub mod incandescence;
 pub mod lamps;
 pub mod state;
 pub mod tree;
@@ -31,9 +33,11 @@ use glam::Vec3;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
-    Directional, EmitterModel, Environment, Extent, Panorama, Point, Sphere, Spot, Sun, Triangle,
-    for_all_emitters,
+    Directional, EmitterModel, Environment, Extent, Luminaire, Panorama, Point, Sphere, Spot, Sun,
+    Triangle, for_all_emitters,
 };
+
+use crate::scene::luminaire::Luminaire as Measured;
 
 use super::Scene;
 
@@ -139,6 +143,8 @@ pub struct Source<'a, const N: usize> {
     pub probability: f32,
     /// Where everything is.
     pub shapes: &'a Shapes,
+    /// What some emit by direction.
+    pub luminaires: &'a [Measured],
     /// What the light path is aimed at; if nothing, at the whole scene.
     pub aimed_at: Option<Bounds>,
 }
@@ -154,7 +160,8 @@ pub struct EmissionSample<const N: usize> {
     pub direction: Vec3,
     /// Emitted radiance over `emission` density, cosine included.
     pub beta: [f32; N],
-    /// Radiance along `direction`; per steradian intensity for points.
+    /// Radiance along `direction`; per steradian intensity for points. Of incandescent surfaces
+    /// that of a black body, the same in all directions.
     pub radiance: [f32; N],
     /// Density of starting here: per area, or per steradian of the direction (infinite emitters).
     pub start_pdf: f32,
@@ -218,7 +225,7 @@ pub fn sample_emission<const N: usize>(
     tinted(scene, sample)
 }
 
-/// The same light as textures paint it.
+/// The same light as textures paint it and as it comes out of the surface.
 #[inline]
 fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> EmissionSample<N> {
     if scene.has_painted_lamps {
@@ -227,6 +234,10 @@ fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> Em
             sample.beta[n] *= tint;
             sample.radiance[n] *= tint;
         }
+    }
+    if scene.has_incandescent_lamps() {
+        let shares = scene.emissivity(sample.emitter, sample.normal, sample.direction);
+        sample.beta.iter_mut().zip(shares).for_each(|(beta, share)| *beta *= share);
     }
     sample
 }
@@ -243,6 +254,10 @@ pub fn met_emission<const N: usize>(
     if scene.has_painted_lamps {
         let tint = scene.tint(row, position, direction);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
+    }
+    if scene.has_incandescent_lamps() {
+        let shares = scene.emissivity(row, met.normal, -direction);
+        met.radiance.iter_mut().zip(shares).for_each(|(radiance, share)| *radiance *= share);
     }
     let Some(aim) = &scene.aim else { return Some(met) };
     let (point, normal) = (position, met.normal);
@@ -273,7 +288,8 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
-    Source { row, radiance, probability, shapes: &scene.shapes, aimed_at: None }
+    let luminaires = &scene.optics.luminaires;
+    Source { row, radiance, probability, shapes: &scene.shapes, luminaires, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for

@@ -5,10 +5,12 @@ use glam::Vec3;
 use crate::scattering::Scene;
 use crate::scene::emitter::EmitterModel;
 
-use super::primitive;
+use crate::scene::emitted::LampState;
+
+use super::{incandescence, primitive};
 
 /// Squared sine below which an axis counts as parallel to a direction: about 1e-4 radians.
-const PARALLEL_SIN2: f32 = 1e-8;
+pub const PARALLEL_SIN2: f32 = 1e-8;
 
 /// A state of polarization of light as it leaves its emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +28,7 @@ pub struct EmittedState<const N: usize> {
 pub fn emitted_state<const N: usize>(
     scene: &Scene<N>,
     row: usize,
-    (_position, direction): (Vec3, Vec3),
+    (position, direction): (Vec3, Vec3),
 ) -> Option<EmittedState<N>> {
     let emitter = &scene.optics.emitters[row];
     if let EmitterModel::Panorama(panorama) = &emitter.model
@@ -35,8 +37,14 @@ pub fn emitted_state<const N: usize>(
         let (stokes, x) = panorama.state(-direction, &scene.optics.carried)?;
         return Some(EmittedState { stokes, x });
     }
-    let lamp = scene.optics.states.of(emitter.lamp)?;
-    let [axis, other] = lamp.axes.unwrap_or_else(|| {
+    let (stokes, axes) = match scene.optics.states.of(emitter.lamp)? {
+        LampState::Same { stokes, axes } => (*stokes, *axes),
+        LampState::Incandescent => {
+            let normal = scene.shapes.geometric_normal(primitive(&emitter.model), position);
+            return incandescence::state(scene, row, (normal, direction));
+        }
+    };
+    let [axis, other] = axes.unwrap_or_else(|| {
         let surface = scene.shapes.surface_of(primitive(&emitter.model));
         let surface = &scene.shapes.surfaces[surface as usize];
         [surface.axis_x, surface.axis_y]
@@ -44,5 +52,5 @@ pub fn emitted_state<const N: usize>(
     let across = |axis: Vec3| axis - direction * axis.dot(direction);
     let x = across(axis);
     let is_sound = x.length_squared() > PARALLEL_SIN2;
-    Some(EmittedState { stokes: lamp.stokes, x: if is_sound { x } else { across(other) } })
+    Some(EmittedState { stokes, x: if is_sound { x } else { across(other) } })
 }

@@ -12,10 +12,11 @@ use crate::scene::baked::{NONE, Shapes};
 use crate::scene::emitted::{EmittedStates, LampState};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
+use crate::scene::luminaire::Luminaire;
 use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, EmittedStokes, Environment, Name, Passage, Punctual, PunctualKind, Sides,
-    Textures, Transform, World,
+    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
+    PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -27,6 +28,8 @@ const LEAST_CONE: f32 = 1e-3;
 pub struct Emitters {
     /// Everything that emits.
     pub rows: Arc<Vec<Emitter>>,
+    /// What some of them emit by direction.
+    pub luminaires: Arc<Vec<Luminaire>>,
     /// For every triangle and sphere its row, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The rows of what is infinitely far away and can be seen.
@@ -36,6 +39,7 @@ pub struct Emitters {
 /// That table in the making.
 struct Table {
     rows: Vec<Emitter>,
+    luminaires: Vec<Luminaire>,
     emitter_of_primitive: Vec<u32>,
     /// Power of each row in W, averaged over the wavelengths.
     powers: Vec<f64>,
@@ -54,14 +58,35 @@ pub struct Lamp {
 
 /// How a lamp is polarized.
 #[derive(Clone, Debug)]
-pub struct State {
-    /// In its frame.
-    pub stokes: EmittedStokes,
-    /// [`LampState::axes`].
-    pub axes: Option<[Vec3; 2]>,
+pub enum State {
+    /// [`LampState::Same`].
+    Same {
+        /// In its frame.
+        stokes: EmittedStokes,
+        /// What that goes by.
+        axes: Option<[Vec3; 2]>,
+    },
+    /// [`LampState::Incandescent`].
+    Incandescent,
 }
 
 impl State {
+    /// The spectra that it is stated by.
+    pub(super) fn spectra(&self) -> &[Spectrum] {
+        match self {
+            Self::Same { stokes, .. } => &stokes.stokes,
+            Self::Incandescent => &[],
+        }
+    }
+
+    /// Whether it is another at other wavelengths.
+    fn is_chromatic(&self) -> bool {
+        match self {
+            Self::Same { stokes, .. } => !stokes.stokes.iter().all(Spectrum::is_flat),
+            Self::Incandescent => true,
+        }
+    }
+
     /// Of a lamp in a place, if it is a surface in none.
     fn of(stokes: Option<&EmittedStokes>, place: Option<DAffine3>) -> Option<Self> {
         let stokes = stokes.filter(|stokes| !stokes.is_unpolarized())?.clone();
@@ -69,7 +94,7 @@ impl State {
             let DAffine3 { matrix3, .. } = place;
             [matrix3.x_axis, matrix3.y_axis].map(|axis| axis.normalize().as_vec3())
         });
-        Some(Self { stokes, axes })
+        Some(Self::Same { stokes, axes })
     }
 }
 
@@ -129,21 +154,25 @@ impl Brightness {
 pub fn lamps(world: &World) -> Vec<Lamp> {
     let black = || Spectrum::Constant(0.0);
     let lamp = |name: &str, spectrum, state| Lamp { name: name.to_owned(), spectrum, state };
-    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, Option<&'a EmittedStokes>);
-    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, stokes)| {
+    type States<'a> = (Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, States<'a>);
+    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, (stokes, by_heat))| {
         let radiance = emission.map_or_else(black, |emission| emission.radiance.clone());
-        lamp(&name.0, radiance, State::of(stokes, None))
+        let state = by_heat.map(|_| State::Incandescent).or_else(|| State::of(stokes, None));
+        lamp(&name.0, radiance, state)
     });
     // Air among other bodies.
     lamps.push(lamp("air", black(), None));
-    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a EmittedStokes>);
-    lamps.extend(world.in_order::<Light, _>(|(name, place, light, stokes)| {
+    type OfLight<'a> = (Option<&'a world::Luminaire>, Option<&'a EmittedStokes>);
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>);
+    lamps.extend(world.in_order::<Light, _>(|(name, place, light, (luminaire, stokes))| {
         // Suns are said to have an irradiance, and are seen by their radiance.
         let faced = match light.kind {
             PunctualKind::Sun { diameter } => emitter::Sun::new(Vec3::Z, diameter).faced(),
             PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Directional => 1.0,
         };
-        let intensity = light.intensity.clone().scaled((1.0 / faced) as f32);
+        let mean = luminaire.map_or(1.0, |luminaire| luminaire.0.mean());
+        let intensity = light.intensity.clone().scaled((mean / faced) as f32);
         lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
     }));
     type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
@@ -170,15 +199,21 @@ pub fn states<const N: usize>(
         return Ok(EmittedStates { is_chromatic, by_picture, ..EmittedStates::default() });
     }
     let of_lamp = |lamp: &Lamp| {
-        let Some(State { stokes, axes }) = &lamp.state else { return Ok(None) };
-        let sampled = stokes.sampled(carried).map_err(|error| outside_table(&lamp.name, error))?;
-        Ok(Some(LampState { stokes: sampled, axes: *axes }))
+        Ok(match &lamp.state {
+            None => None,
+            Some(State::Incandescent) => Some(LampState::Incandescent),
+            Some(State::Same { stokes, axes }) => {
+                let sampled = stokes.sampled(carried);
+                let stokes = sampled.map_err(|error| outside_table(&lamp.name, error))?;
+                Some(LampState::Same { stokes, axes: *axes })
+            }
+        })
     };
     let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
     let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
-    let is_chromatic = all().any(|it| !it.stokes.stokes.iter().all(Spectrum::is_flat));
-    let is_chromatic = is_chromatic || by_picture;
-    Ok(EmittedStates { of_lamps, is_chromatic, by_picture })
+    let is_chromatic = all().any(State::is_chromatic) || by_picture;
+    let has_incandescent = all().any(|state| matches!(state, State::Incandescent));
+    Ok(EmittedStates { of_lamps, is_chromatic, has_incandescent, by_picture })
 }
 
 /// Whether a picture says how the environment's light is polarized.
@@ -219,15 +254,30 @@ pub fn emitters(
     shapes: &Shapes,
     brightness: &[Brightness],
 ) -> Result<Emitters, SceneError> {
-    let mut table =
-        Table { rows: Vec::new(), emitter_of_primitive: Vec::new(), powers: Vec::new() };
+    let mut table = Table {
+        rows: Vec::new(),
+        luminaires: Vec::new(),
+        emitter_of_primitive: Vec::new(),
+        powers: Vec::new(),
+    };
     let lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
-    let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(_, place, light)| {
-        punctual(light.kind, &place.about(shapes.origin), &passable)
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a world::Luminaire>);
+    let lights = world.in_order::<Light, _>(|(_, place, light, luminaire)| {
+        let place = place.about(shapes.origin);
+        let measured = luminaire.map(|luminaire| Luminaire::new(&luminaire.0, place.matrix3));
+        (punctual(light.kind, &place, &passable), measured)
     });
     let (mut skies, lamp_of_skies) = (Vec::new(), lamp + lights.len() as u32);
-    for (model, lamp) in lights.into_iter().zip(lamp..) {
+    for ((model, measured), lamp) in lights.into_iter().zip(lamp..) {
+        let model = match (model, measured) {
+            (EmitterModel::Point(point), Some(measured)) => {
+                let row = table.luminaires.len() as u32;
+                table.luminaires.push(measured);
+                emitter::Luminaire { position: point.position, row }.into()
+            }
+            (model, _) => model,
+        };
         match model {
             EmitterModel::Sun(_) => skies.push((model, lamp)),
             model => drop(table.add(shapes, model, (lamp, brightness))),
@@ -246,6 +296,7 @@ pub fn emitters(
     table.set_probabilities()?;
     Ok(Emitters {
         rows: Arc::new(table.rows),
+        luminaires: Arc::new(table.luminaires),
         emitter_of_primitive: Arc::new(table.emitter_of_primitive),
         skies,
     })
@@ -300,10 +351,13 @@ impl Table {
 
     /// Of all primitives; returns the first lamp that is none of a material.
     fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
-        type Parts<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Textures>);
-        let materials = world.in_order::<Parts, _>(|(_, bsdf, sides, textures)| {
-            let refracts = bsdf.clone().simplified().passage() == Passage::Body;
-            (refracts, sides.two_sided, textures.cloned())
+        type Parts<'a> = (&'a Bsdf, &'a Sides, Option<&'a Textures>, Option<&'a Incandescent>);
+        let materials = world.in_order::<(&Name, Parts), _>(|(_, parts)| {
+            let (bsdf, sides, textures, by_heat) = parts;
+            let bsdf = bsdf.clone().simplified();
+            let refracts = bsdf.passage() == Passage::Body;
+            let leaves = by_heat.and_then(|_| incandescent_share(&bsdf)).unwrap_or(1.0);
+            (refracts, sides.two_sided, textures.cloned(), leaves)
         });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
             let surface = &shapes.surfaces[surface as usize];
@@ -311,15 +365,18 @@ impl Table {
             let emitter = match materials.get(surface.material as usize) {
                 Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
                 None => NONE,
-                Some((_, two_sided, textures)) if (primitive as usize) < shapes.triangles.len() => {
+                Some((_, two_sided, textures, leaves))
+                    if (primitive as usize) < shapes.triangles.len() =>
+                {
                     let model = emitter::Triangle::new(shapes, primitive, *two_sided);
                     let painted = textures.as_ref().zip(shapes.painted(primitive));
                     let share = painted.map_or(1.0, |(textures, on)| mean_share(textures, &on));
-                    self.add_share(shapes, model, lamp, share)
+                    self.add_share(shapes, model, lamp, share * leaves)
                 }
-                Some(&(refracts, two_sided, _)) => {
+                Some(&(refracts, two_sided, _, leaves)) => {
                     let sides = [two_sided, !surface.is_opaque && !refracts];
-                    self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), lamp)
+                    let model = emitter::Sphere::new(shapes, primitive, sides);
+                    self.add_share(shapes, model, lamp, leaves)
                 }
             };
             self.emitter_of_primitive.push(emitter);

@@ -100,6 +100,13 @@ impl Document {
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.
     pub fn read_text(&self, uri: &str, field: &str) -> Result<String, SceneError> {
+        let bytes = self.read_bytes(uri, field)?;
+        String::from_utf8(without_mark(&bytes).to_vec())
+            .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
+    }
+
+    /// The bytes of a file beside the scene, or of a data URI; `field` is what refers to it.
+    pub fn read_bytes(&self, uri: &str, field: &str) -> Result<Vec<u8>, SceneError> {
         const BYTES_MAX: u64 = 1 << 26;
         let bytes = match uri.strip_prefix("data:") {
             Some(data) => decode_data_uri(data, field.to_owned())?,
@@ -109,11 +116,11 @@ impl Document {
             let problem = format!("is larger than {BYTES_MAX} bytes");
             return Err(SceneError::new(field, problem, "make it smaller"));
         }
-        String::from_utf8(without_mark(&bytes).to_vec())
-            .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
+        Ok(bytes)
     }
 
-    /// The bytes of a picture, of a file beside the scene, a data URI or a buffer view.
+    /// The bytes of a picture or a luminaire, of a file beside the scene, a data URI or a buffer
+    /// view.
     pub fn image_bytes(&self, image: &Value, label: &str) -> Result<Vec<u8>, SceneError> {
         const AGAIN: &str = "export the scene again";
         if let Some(uri) = image["uri"].as_str() {

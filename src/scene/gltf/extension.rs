@@ -37,6 +37,7 @@ pub const MATERIAL: Keys = Keys {
         "eta",
         "exterior_ior",
         "extinction_ratio",
+        "incandescent",
         "internal_reflection",
         "ior",
         "k",
@@ -71,7 +72,7 @@ pub const ANALYZER: Keys =
 /// Keys of a punctual light.
 pub const LIGHT: Keys = Keys {
     definition: "light",
-    known: &["angular_diameter_deg", "emission", "stokes", "units"],
+    known: &["angular_diameter_deg", "emission", "ies", "stokes", "units"],
     planned: &[],
 };
 /// Keys of a scene, or of the root of the file.

@@ -7,12 +7,13 @@ use gltf::json::validation::Checked;
 
 use super::Import;
 use super::extension::{Body, LIGHT};
+use super::luminaires::luminaire_of;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Name, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
-const LUMENS_PER_WATT: f32 = 683.0;
+pub(super) const LUMENS_PER_WATT: f32 = 683.0;
 
 impl Import<'_> {
     /// Adds the light that a node, or nothing, refers to; one without intensity adds nothing.
@@ -41,18 +42,23 @@ impl Import<'_> {
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
         let stokes = body.stokes("stokes")?;
+        let luminaire = luminaire_of(&body, document)?;
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
             light.check()
         } else {
             let put = self.world.put_light(Name(label.clone()), light, place);
-            put.and_then(|light| match stokes {
-                Some(stokes) => self.world.put_stokes(light, stokes),
-                None => Ok(()),
+            put.and_then(|light| {
+                let put = luminaire.map_or(Ok(()), |it| self.world.put_luminaire(light, it));
+                put.and_then(|()| match stokes {
+                    Some(stokes) => self.world.put_stokes(light, stokes),
+                    None => Ok(()),
+                })
             })
         };
         put.map_err(|fault| match fault.field.as_str() {
+            "ies" => SceneError::at(&body.field("ies"), fault.of("")),
             "intensity" => {
                 let color = if body.has("emission") { "emission" } else { "color" };
                 SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))

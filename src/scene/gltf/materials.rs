@@ -47,6 +47,8 @@ pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 pub const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
+/// Whether that is by heat.
+const INCANDESCENT: &str = "incandescent";
 /// How that is polarized.
 const STOKES: &str = "stokes";
 
@@ -91,7 +93,7 @@ const PLASTIC: [&str; 8] = [
     "specular",
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 3] = ["bsdf", EMISSION, STOKES];
+const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -132,6 +134,7 @@ impl Import<'_> {
             }
         };
         let stokes = index.map_or(Ok(None), |index| self.stokes(index, &label))?;
+        let by_heat = index.map_or(Ok(false), |index| self.is_incandescent(index, &label))?;
         let emits = material.emission.is_some();
         let of = (&material.bsdf, material.emission.as_ref());
         let textures = self.textures(index, &label, of)?;
@@ -144,7 +147,18 @@ impl Import<'_> {
             let put = self.world.put_stokes(entity, stokes);
             put.map_err(|fault| SceneError::at(&label, fault))?;
         }
+        if by_heat && emits {
+            let put = self.world.put_incandescent(entity);
+            put.map_err(|fault| SceneError::at(&label, fault))?;
+        }
         Ok(entity)
+    }
+
+    /// Whether a material emits by its heat.
+    fn is_incandescent(&self, index: usize, label: &str) -> Result<bool, SceneError> {
+        let value = &self.document.value["materials"][index];
+        let body = Body::of(value, label, &MATERIAL)?;
+        Ok(body.flag(INCANDESCENT)?.unwrap_or(false))
     }
 
     /// How what a material emits is polarized. That may be switched off, but has to be stated.
@@ -186,7 +200,7 @@ impl Import<'_> {
         if let Some(model) = body.word("bsdf")? {
             return dispersed(extension_model(model, &body, material)?, value, label);
         }
-        let keys: Vec<&str> = body.keys().filter(|key| ![EMISSION, STOKES].contains(key)).collect();
+        let keys: Vec<&str> = body.keys().filter(|key| !OF_ALL.contains(key)).collect();
         if !keys.is_empty() {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));

@@ -16,6 +16,7 @@ pub(super) mod files;
 mod hierarchy;
 mod instances;
 mod lights;
+mod luminaires;
 mod materials;
 mod media;
 mod meshes;
@@ -342,7 +343,7 @@ impl<'a> Import<'a> {
         if let Some(light) = extensions.and_then(|all| all.khr_lights_punctual.as_ref()) {
             self.add_light(light.light.value(), &label, placed.to_world)?;
         }
-        Ok(())
+        self.add_luminaire(&self.document.value["nodes"][placed.node], &label, placed.to_world)
     }
 
     /// Adds an analytic sphere. A mesh on the same node is a stand-in for viewers that know none:

@@ -19,8 +19,8 @@ use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, PunctualKind,
-    Resolution, Sides, Textures, Transform, Window, World,
+    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
+    Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -94,12 +94,19 @@ impl Writer {
             let medium = self.medium(&name, &medium);
             self.media.extend(findings.note(medium));
         }
-        type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>);
+        type Light<'a> =
+            (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
         type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
         let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
-            (entity, name.clone(), bsdf.clone(), *sides, (light.0.cloned(), light.1.cloned()))
+            (
+                entity,
+                name.clone(),
+                bsdf.clone(),
+                *sides,
+                (light.0.cloned(), light.1.cloned(), light.2.copied()),
+            )
         });
-        for (entity, name, bsdf, sides, (emission, stokes)) in materials {
+        for (entity, name, bsdf, sides, (emission, stokes, by_heat)) in materials {
             let is_painted = world.entities().get::<&Textures>(entity);
             if is_painted.is_ok_and(|textures| !textures.is_empty()) {
                 let problem = "textures are not written yet";
@@ -108,11 +115,19 @@ impl Writer {
             }
             self.numbers.insert(entity, self.materials.len());
             let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            if by_heat.is_some() {
+                material["extensions"][EXTENSION]["incandescent"] = json!(true);
+            }
             self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
             self.materials.push(material);
         }
         findings.note(check_backdrops(world));
         self.shapes(world);
+        for (name, _) in world.in_order::<(&Name, &Luminaire), _>(|(name, _)| (name.clone(), ())) {
+            let problem = "luminaires are not written";
+            let error = SceneError::new(&name.0, problem, "keep the scene's own file");
+            findings.note::<()>(Err(error));
+        }
         self.lights(world, &mut scene);
         self.camera(world);
         findings.result()?;

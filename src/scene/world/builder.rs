@@ -7,11 +7,12 @@ use std::sync::Arc;
 use glam::{DQuat, Vec3};
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
+use super::incandescent::Incandescent;
 use super::material::check_material;
 use super::{
     Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order, Picture, Punctual,
-    Resolution, Skin, Textures, Transform, World,
+    FillsScene, Geometry, Lens, Luminaire, MadeOf, Material, Medium, Mesh, Name, Order, Photometry,
+    Picture, Punctual, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -114,6 +115,42 @@ impl World {
     ) -> Result<(), SceneError> {
         let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
         self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Has a point light of this world emit as a luminaire that was measured: its intensity in W/sr
+    /// is what one candela of that stands for.
+    ///
+    /// # Errors
+    /// When it is no point.
+    pub fn set_luminaire(
+        &mut self,
+        light: Entity,
+        photometry: Photometry,
+    ) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(light).map_or(String::new(), |it| it.0.clone());
+        let put = self.put_luminaire(light, Luminaire(Arc::new(photometry)));
+        put.map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Has a material of this world emit by its heat ([`Incandescent`]): its emission is what a
+    /// black body would emit.
+    ///
+    /// ```
+    /// use sunstone::Spectrum;
+    /// use sunstone::world::{Bsdf, Material, World};
+    ///
+    /// let mut world = World::new("forge");
+    /// let hot = Material::from(Bsdf::metal("W")?).emitting(Spectrum::blackbody(2800.0)?);
+    /// let hot = world.add_material("filament", hot)?;
+    /// world.set_incandescent(hot)?;
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is no smooth metal or glass, does not emit, or emits in a stated state.
+    pub fn set_incandescent(&mut self, material: Entity) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(material).map_or(String::new(), |it| it.0.clone());
+        self.put_incandescent(material).map_err(|fault| SceneError::at(&name, fault))
     }
 
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
@@ -431,6 +468,33 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Has a point emit as a luminaire.
+    pub(in crate::scene) fn put_luminaire(
+        &mut self,
+        light: Entity,
+        luminaire: Luminaire,
+    ) -> Result<(), Fault> {
+        let kind = self.entities.get::<&Punctual>(light).ok().map(|light| light.kind);
+        Luminaire::check(kind)?;
+        self.insert(light, luminaire);
+        Ok(())
+    }
+
+    /// Has a material emit by its heat.
+    pub(in crate::scene) fn put_incandescent(&mut self, material: Entity) -> Result<(), Fault> {
+        let Ok(bsdf) = self.entities.get::<&Bsdf>(material) else {
+            let remedy = "use one that `add_material` returned";
+            return Err(Fault::new("material", "is not a material of this world", remedy));
+        };
+        let emission = self.entities.get::<&Emission>(material).ok();
+        let stokes = self.entities.get::<&EmittedStokes>(material).ok();
+        let textures = self.entities.get::<&Textures>(material).ok();
+        Incandescent::check(&bsdf, emission.as_deref(), stokes.as_deref(), textures.as_deref())?;
+        drop((bsdf, emission, stokes, textures));
+        self.insert(material, Incandescent);
+        Ok(())
     }
 
     /// Adds a state of polarization to what emits.

@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use hecs::{Entity, EntityRef};
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
@@ -42,7 +44,7 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 11] = [
+const PARTS: [(&str, Has, &[Kind], bool); 13] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     (
@@ -51,6 +53,8 @@ const PARTS: [(&str, Has, &[Kind], bool); 11] = [
         &[Kind::Material, Kind::Light, Kind::Environment],
         false,
     ),
+    ("Luminaire", has::<Luminaire>, &[Kind::Light], false),
+    ("Incandescent", has::<Incandescent>, &[Kind::Material], false),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
     ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
@@ -148,7 +152,13 @@ impl World {
                 let emission = entity.get::<&Emission>();
                 let bsdf = part::<&Bsdf>(entity)?;
                 check_material(&bsdf, emission.as_deref())?;
-                entity.get::<&Textures>().map_or(Ok(()), |textures| textures.check(&bsdf))
+                let textures = entity.get::<&Textures>();
+                if entity.has::<Incandescent>() {
+                    let stokes = entity.get::<&EmittedStokes>();
+                    let of = (emission.as_deref(), stokes.as_deref(), textures.as_deref());
+                    Incandescent::check(&bsdf, of.0, of.1, of.2)?;
+                }
+                textures.map_or(Ok(()), |textures| textures.check(&bsdf))
             }
             Kind::Medium => part::<&Medium>(entity)?.check(),
             Kind::Mesh => {
@@ -170,7 +180,11 @@ impl World {
             }
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
-                part::<&Punctual>(entity)?.check()
+                let light = part::<&Punctual>(entity)?;
+                if entity.has::<Luminaire>() {
+                    Luminaire::check(Some(light.kind))?;
+                }
+                light.check()
             }
             Kind::Camera => {
                 Lens::check_place(&*part::<&Transform>(entity)?)?;

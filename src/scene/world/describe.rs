@@ -6,6 +6,8 @@ use std::fmt::{self, Write};
 use glam::DVec3;
 use hecs::Entity;
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
     Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
@@ -67,17 +69,18 @@ fn vector(v: DVec3) -> String {
 }
 
 fn write_materials(world: &World, text: &mut String) -> fmt::Result {
-    type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>);
+    type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
     type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
     let mut users: BTreeMap<Entity, usize> = BTreeMap::new();
     for of in world.in_order::<&MadeOf, _>(|of| of.0) {
         *users.entry(of).or_default() += 1;
     }
     let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, light)| {
-        let (emission, stokes) = light;
+        let (emission, stokes, incandescent) = light;
+        let by_heat = incandescent.map_or("", |_| ", by its heat");
         let sides = if sides.two_sided { ", two-sided" } else { "" };
         let light = emission.map_or_else(String::new, |emission| {
-            format!(", emits radiance {}{}", spectrum(&emission.radiance), state(stokes))
+            format!(", emits radiance {}{by_heat}{}", spectrum(&emission.radiance), state(stokes))
         });
         let count = users.get(&entity).copied().unwrap_or(0);
         let shapes = counted(count, ["shape", "shapes"]);
@@ -214,10 +217,13 @@ fn state(stokes: Option<&EmittedStokes>) -> String {
 }
 
 fn write_lights(world: &World, text: &mut String) -> fmt::Result {
-    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>);
-    let lights = world.in_order::<Light, _>(|(name, light, stokes)| {
+    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Option<&'a Luminaire>);
+    let lights = world.in_order::<Light, _>(|(name, light, stokes, luminaire)| {
+        let measured = luminaire.map_or_else(String::new, |it| {
+            format!(", measured, {} cd on the average", it.0.mean())
+        });
         let (intensity, state) = (spectrum(&light.intensity), state(stokes));
-        format!("  {}: {:?}, intensity {intensity}{state}", name.0, light.kind)
+        format!("  {}: {:?}, intensity {intensity}{measured}{state}", name.0, light.kind)
     });
     type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
     let skies = world.in_order::<Sky, _>(|(name, sky, stokes)| {

@@ -9,6 +9,8 @@ use hecs::{Component, Entity};
 
 use crate::polarization::Analyzer;
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
     Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
@@ -32,6 +34,7 @@ macro_rules! columns {
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
     Punctual, Lens, Resolution, Analyzer, Window, Environment, EmittedStokes,
+    Incandescent, Luminaire,
 }
 
 impl World {

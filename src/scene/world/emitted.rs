@@ -14,9 +14,9 @@ const COMPONENT: Range = Range::new("within [-1, 1]", |x| (-1.0..=1.0).contains(
 ///
 /// It is given for light along the unit vector k in the frame (x, k cross x, k), where x is the x
 /// axis of the node (of the scene itself for the environment), less what of it is along k; the
-/// node's y axis takes its place where the two are parallel, to 1e-4 radians. So S1 > 0 is along the
-/// node's x axis, and S2 > 0 between that and k cross x: for light along the node's z axis the y
-/// axis, and for lights, which shine along its -z axis, the -y axis.
+/// node's y axis takes its place where the two are parallel, to 1e-4 radians. So S1 > 0 is along
+/// the node's x axis, and S2 > 0 between that and k cross x: for light along the node's z axis the
+/// y axis, and for lights, which shine along its -z axis, the -y axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmittedStokes {
     /// S1, S2 and S3 over S0: within a ball of radius 1 at every wavelength. Red, green and blue

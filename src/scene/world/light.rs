@@ -9,6 +9,8 @@ use glam::{DMat3, DQuat, Vec3};
 use super::clear_sky::ClearSky;
 use super::texture::Picture;
 
+use super::Photometry;
+
 use crate::math::{Fault, Range};
 use crate::scene::panorama::Panorama;
 use crate::spectrum::Spectrum;
@@ -22,6 +24,12 @@ pub struct Punctual {
     /// throughout emits nothing.
     pub intensity: Spectrum,
 }
+
+/// What a point emits by direction: that of the measurement times its own intensity. The axis from
+/// which vertical angles are measured is the -z axis of its transform; horizontal ones turn
+/// counter-clockwise about z from its x axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Luminaire(pub Arc<Photometry>);
 
 /// Shapes of punctual lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +85,22 @@ impl Punctual {
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.kind.check()?;
         self.intensity.check("intensity", Range::NOT_NEGATIVE)
+    }
+}
+
+impl Luminaire {
+    /// Refuses lights of another kind than points.
+    pub(super) fn check(kind: Option<PunctualKind>) -> Result<(), Fault> {
+        match kind {
+            Some(PunctualKind::Point) => Ok(()),
+            Some(
+                PunctualKind::Spot { .. } | PunctualKind::Directional | PunctualKind::Sun { .. },
+            )
+            | None => {
+                let problem = "is what points emit, and this is none";
+                Err(Fault::new("ies", problem, "make the light a point"))
+            }
+        }
     }
 }
 

@@ -3,13 +3,15 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`EmittedStokes`] if it emits polarized light, [`Textures`] if any of it differs from place to place |
+//! | | [`Incandescent`] if it does by its heat, [`EmittedStokes`] if that is polarized,|
+//! | | [`Textures`] if any of it differs from place to |
+//! | | place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
-//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`EmittedStokes`] |
-//! | | if its light is polarized |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
+//! | | measured, [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
 //! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
@@ -28,12 +30,14 @@ mod describe;
 mod digest;
 mod emitted;
 mod frame;
+mod incandescent;
 mod light;
 mod material;
 mod medium;
 mod mesh;
 mod particles;
 mod phase_matrix;
+mod photometry;
 mod plastic;
 mod shape;
 mod texture;
@@ -52,8 +56,10 @@ pub use self::clear_sky::ClearSky;
 pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
+pub use self::incandescent::Incandescent;
+pub(super) use self::incandescent::share as incandescent_share;
 pub use self::light::{
-    Backdrop, BackdropSource, Environment, Punctual, PunctualKind, SUN_DIAMETER,
+    Backdrop, BackdropSource, Environment, Luminaire, Punctual, PunctualKind, SUN_DIAMETER,
 };
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
@@ -63,6 +69,7 @@ pub use self::mesh::{Geometry, Mesh};
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::photometry::Photometry;
 pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub(super) use self::texture::half_hash;

@@ -71,7 +71,11 @@ fn connect<const N: usize>(
         false => 1.0,
     };
     let factor = weight * cosine * importance / sample.start_pdf;
-    let value = sample.radiance.map(|radiance| radiance * factor);
+    let mut value = sample.radiance.map(|radiance| radiance * factor);
+    if scene.has_incandescent_lamps() {
+        let shares = scene.emissivity(sample.emitter, sample.normal, found.direction);
+        value.iter_mut().zip(shares).for_each(|(value, share)| *value *= share);
+    }
     let lens = found.lens.to_array();
     let segment = if sample.finite {
         let origin = scene.off_emitter(sample, found.direction);

@@ -67,7 +67,7 @@ impl<const N: usize> Places<N> {
     /// How the light of a lamp is polarized that comes to its place.
     #[inline(always)]
     fn state(&self, scene: &Scene<N>, lane: usize) -> Option<LightState<N>> {
-        if !scene.has_polarized_lamps {
+        if !scene.has_polarized_lamps() {
             return None;
         }
         let [point, towards] = [self.lamp.point, self.lamp.direction].map(|it| it.lane(lane));
@@ -89,8 +89,11 @@ fn place<const N: usize>(
     let [from, to] = piece.range;
     let distance = seen.sample(lanes::load(&pieces.place, first)).max(from).min(to);
     let position = piece.origin + piece.direction * distance;
-    let lamp =
+    let mut lamp =
         scene.direct.sample(&scene.optics.lamps, (emitters, chance), position, [F32s::ZERO; 2]);
+    if !scene.optics.luminaires.is_empty() {
+        scene.weigh_luminaires(&mut lamp, emitters);
+    }
     let rows = position.to_rows();
     let of_vertex = F32s::from(lanes::each(|lane| {
         let from = Vantage { position: rows[lane].into(), normal: Vec3::ZERO };

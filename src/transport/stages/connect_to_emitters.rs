@@ -51,7 +51,7 @@ fn connect<const N: usize, C: SensorSide<N>>(
 ) {
     let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
     let asks = event.form != Form::Depolarizer || scene.has_straight_on;
-    let has_states = scene.has_polarized_lamps && asks && paths.carriers.columns().is_some();
+    let has_states = scene.has_polarized_lamps() && asks && paths.carriers.columns().is_some();
     let lit = medium_lit(event.met, scene).filter(|_| strategy.connects_flights());
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
@@ -60,6 +60,13 @@ fn connect<const N: usize, C: SensorSide<N>>(
         if scene.has_painted_lamps {
             let at = (chosen.point, chosen.direction);
             scene.tint_lanes(&mut chosen.radiance, emitters, at);
+        }
+        if !scene.optics.luminaires.is_empty() {
+            scene.weigh_luminaires(&mut chosen, emitters);
+        }
+        if scene.has_incandescent_lamps() {
+            let to = (chosen.normal, chosen.direction);
+            scene.weigh_exits(&mut chosen.radiance, emitters, to);
         }
         let given = -Vector::load(&paths.rays.direction, row);
         let turn = turn_of(Consecutive(row, live), given, chosen.direction);
@@ -92,8 +99,8 @@ fn connect<const N: usize, C: SensorSide<N>>(
     }
 }
 
-/// Gives the rows from `first` on, which are the lanes of the mask `bits`, the states in which their
-/// light leaves the emitters.
+/// Gives the rows from `first` on, which are the lanes of the mask `bits`, the states in which
+/// their light leaves the emitters.
 #[inline(never)]
 fn polarize<const N: usize>(
     connections: &mut ConnectionTable<N>,
