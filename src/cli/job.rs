@@ -69,7 +69,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         part: arguments.part,
         ..light
     };
-    Ok(Settings::new(options)?)
+    Ok(Settings::new(arguments.film.with(options))?)
 }
 
 /// The integrator that is named, or none: what suits the scene.

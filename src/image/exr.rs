@@ -12,6 +12,9 @@
 //! | responses, Stokes | `S0.NAME` ... |
 //! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
 //!
+//! An image of a part of its film, which its metadata name, is the data window in the display
+//! window that the film is; `pixelAspectRatio` is theirs, too.
+//!
 //! Metadata are string attributes `sunstone.KEY`. Six keys are the format's own: `frame`,
 //! `handedness`, `wavelength_nm` (a float), `bands` (JSON), `responses` (JSON: the curves, each
 //! with the factor by which its values are multiplied) and `order`, the order of the metadata.
@@ -33,9 +36,11 @@ use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, ChannelDescription, Compression, FlatImage,
-    FlatSamples, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, SampleType, Text,
+    FlatSamples, ImageAttributes, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
+    SampleType, Text, Vec2,
 };
 
+use super::cut::{CROP, Cut, PIXEL_ASPECT};
 use super::error::OutputError;
 use super::rows::{Frame, Rows};
 use super::{atomic, source};
@@ -75,6 +80,7 @@ pub fn write(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
     let list = names.into_iter().map(described).collect();
     let header = Header::new(Text::default(), (frame.width, frame.height), list)
         .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_shared_attributes(shared_attributes(image))
         .with_attributes(attributes(image, path)?);
     let mut refused = None;
     let written = atomic::write_with(path, |file| {
@@ -157,10 +163,35 @@ fn variance_name(name: &str) -> String {
     format!("variance.{name}")
 }
 
+/// The part of its film that an image shows, by its metadata; all of it if they do not say that.
+fn cut_of(image: &dyn Rows) -> Cut {
+    let Frame { width, height, .. } = image.frame();
+    let size = [width as u32, height as u32];
+    let cut = fact(image, CROP).and_then(Cut::from_text).filter(|cut| cut.size == size);
+    cut.unwrap_or(Cut::whole(size))
+}
+
+fn fact<'a>(image: &'a dyn Rows, name: &str) -> Option<&'a str> {
+    let mut facts = image.metadata().iter();
+    facts.find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+}
+
+/// The whole film, as what the image is a part of, and the shape of its pixels.
+fn shared_attributes(image: &dyn Rows) -> ImageAttributes {
+    let [width, height] = cut_of(image).film.map(|side| side as usize);
+    let mut attributes = ImageAttributes::with_size((width, height));
+    let aspect = fact(image, PIXEL_ASPECT).and_then(|text| text.parse().ok());
+    attributes.pixel_aspect = aspect.unwrap_or(1.0);
+    attributes
+}
+
 fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputError> {
     let text = |value: &str| Text::from_slice_unchecked(value.as_bytes());
     let software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
-    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
+    let [x, y] = cut_of(image).start.map(|start| start as i32);
+    let layer_position = Vec2(x, y);
+    let mut attributes =
+        LayerAttributes { software_name, layer_position, ..LayerAttributes::default() };
     let other = &mut attributes.other;
     for (key, value) in image.metadata() {
         let name = format!("{KEY_PREFIX}{key}");

@@ -22,6 +22,7 @@
 pub mod analyzed;
 pub mod atomic;
 pub mod compare;
+pub mod cut;
 pub mod error;
 pub mod exr;
 mod font;

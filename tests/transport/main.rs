@@ -28,6 +28,7 @@ mod nesting;
 mod painted;
 mod parts;
 mod plates;
+mod reconstruction;
 mod reference_images;
 mod slabs;
 mod straight_on;

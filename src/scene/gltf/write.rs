@@ -12,6 +12,7 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -19,8 +20,8 @@ use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform,
-    Window, World,
+    Medium, Mesh, Name, Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures,
+    Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -404,15 +405,16 @@ impl Writer {
     }
 
     fn camera(&mut self, world: &World) {
-        type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
+        type Seen<'a> = (Option<&'a Analyzer>, Option<&'a Window>);
+        type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Seen<'a>);
         let cameras = world.in_order::<(&Name, &Lens, &Transform, Film), _>(
-            |(name, lens, place, (resolution, analyzer, window))| {
-                let film = (resolution.copied(), analyzer.copied());
+            |(name, lens, place, (resolution, raster, (analyzer, window)))| {
+                let film = (resolution.copied(), raster.copied(), analyzer.copied());
                 // Whoever reads the file puts the same one in.
                 window.is_none().then(|| (called(name), *lens, place.0, film))
             },
         );
-        for (name, lens, place, (resolution, analyzer)) in cameras.into_iter().flatten() {
+        for (name, lens, place, (resolution, raster, analyzer)) in cameras.into_iter().flatten() {
             let mut body = json!({});
             let mut camera = match lens {
                 Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
@@ -432,7 +434,7 @@ impl Writer {
                         "zfar": 1000.0},
                 }),
             };
-            let mut film = json!({});
+            let mut film = film_of(raster.unwrap_or_default());
             if let Some(Resolution(size)) = resolution {
                 film["resolution"] = json!(size);
             }
@@ -456,6 +458,22 @@ impl Writer {
             self.cameras.push(camera);
         }
     }
+}
+
+/// How the pixels of a film see; nothing where they are as others.
+fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
+    let mut film = json!({});
+    if filter != Filter::PIXEL {
+        film["filter"] = json!(filter.kind.name());
+        film["filter_radius"] = json!(filter.radius);
+    }
+    if let Some(ends) = crop {
+        film["crop"] = json!(ends);
+    }
+    if pixel_aspect != 1.0 {
+        film["pixel_aspect"] = json!(pixel_aspect);
+    }
+    film
 }
 
 /// What is in quotes in a name, which is what its file calls the thing, or else the whole.

@@ -9,8 +9,8 @@ use hecs::{DynamicBundle, Entity, EntityBuilder};
 
 use super::material::check_material;
 use super::{
-    Asked, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Ball, Bsdf, Environment, FillsScene, Film, Geometry, Lens, MadeOf, Material, Medium,
+    Mesh, Name, Order, Punctual, Raster, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -163,7 +163,7 @@ impl World {
     ) -> Result<Entity, SceneError> {
         let place = place.into();
         let camera = self.called("camera", name, |world, name| {
-            world.put_camera(name, lens, place, (None, None))
+            world.put_camera(name, lens, place, Film::default())
         })?;
         self.keep_only::<Lens>(camera);
         Ok(camera)
@@ -178,6 +178,19 @@ impl World {
         let resolution = Resolution(resolution);
         resolution.check().map_err(|fault| SceneError::at(&name.0, fault))?;
         self.insert(camera, resolution);
+        Ok(())
+    }
+
+    /// Says how the pixels of the film see where a render does not: their filter, which of them are
+    /// rendered, and their shape.
+    ///
+    /// # Errors
+    /// When there is no camera, or its resolution does not go with that.
+    pub fn set_raster(&mut self, raster: Raster) -> Result<(), SceneError> {
+        let (camera, name) = self.camera("raster")?;
+        let resolution = self.entities.get::<&Resolution>(camera).ok().map(|it| *it);
+        raster.check(resolution).map_err(|fault| SceneError::at(&name.0, fault))?;
+        self.insert(camera, raster);
         Ok(())
     }
 
@@ -352,16 +365,20 @@ impl World {
         name: Name,
         lens: Lens,
         place: Transform,
-        (resolution, analyzer): (Option<Resolution>, Option<Analyzer>),
+        Film { resolution, raster, analyzer }: Film,
     ) -> Result<Entity, Fault> {
         Lens::check_place(&place)?;
         lens.check()?;
         resolution.map_or(Ok(()), Resolution::check)?;
+        raster.check(resolution).map_err(|fault| fault.within("film"))?;
         let checked = analyzer.map_or(Ok(()), Analyzer::check);
         checked.map_err(|fault| fault.within("film.analyzer"))?;
         let camera = self.spawn(name, (place, lens));
         resolution.into_iter().for_each(|resolution| self.insert(camera, resolution));
         analyzer.into_iter().for_each(|analyzer| self.insert(camera, analyzer));
+        if !raster.is_plain() {
+            self.insert(camera, raster);
+        }
         Ok(camera)
     }
 

@@ -11,7 +11,7 @@ use crate::polarization::Analyzer;
 
 use super::{
     Ball, Boundary, Bsdf, Emission, Environment, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
+    Name, Order, Punctual, Raster, Resolution, Sides, Textures, Transform, Window, World,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -31,7 +31,7 @@ macro_rules! columns {
 
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
-    Punctual, Lens, Resolution, Analyzer, Window, Environment,
+    Punctual, Lens, Resolution, Raster, Analyzer, Window, Environment,
 }
 
 impl World {

@@ -10,6 +10,7 @@
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
+//! | | [`Raster`] if its pixels are unlike others, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
 //! | environment | [`Order`], [`Name`], [`Environment`] |
 //!
@@ -43,7 +44,8 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
-pub use self::camera::{Lens, Resolution};
+pub(in crate::scene) use self::camera::Film;
+pub use self::camera::{Lens, Raster, Resolution};
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::light::{Environment, Punctual, PunctualKind};

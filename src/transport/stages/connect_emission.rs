@@ -7,6 +7,7 @@ use crate::scattering::{Scene, Side};
 use crate::transport::emission::sample_emissions;
 use crate::transport::mis;
 use crate::transport::sampler::{Purpose, draw};
+use crate::transport::splat::pixel_of;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Chunk, Strategy};
@@ -38,7 +39,8 @@ pub fn connect_emission<const N: usize, C>(
             let is_left_to_others = competes && scene.glimpses.start_pdf(sample.emitter) == 0.0;
             if !(sample.delta || is_left_to_others) {
                 let lens = lens.map(|u| u[lane]);
-                connect(connections, sample, scene, lens, (light_paths, competes));
+                let of_path = (chunk, row + lane, lens);
+                connect(connections, sample, scene, of_path, (light_paths, competes));
             }
         }
     }
@@ -49,7 +51,7 @@ fn connect<const N: usize>(
     connections: &mut ConnectionTable<N>,
     sample: &EmissionSample<N>,
     scene: &Scene<N>,
-    lens: [f32; 2],
+    (chunk, slot, lens): (&Chunk, usize, [f32; 2]),
     (light_paths, competes): (f32, bool),
 ) {
     let found = if sample.finite {
@@ -62,12 +64,13 @@ fn connect<const N: usize>(
     if cosine <= 0.0 {
         return;
     }
+    let Some((pixel, share)) = pixel_of(&found, &scene.sensor, chunk, slot, 0) else { return };
     let importance = found.pdf_area / light_paths;
     let weight = match competes {
         true => mis::weight_of_start_connected(sample.start_pdf, cosine, importance),
         false => 1.0,
     };
-    let factor = weight * cosine * importance / sample.start_pdf;
+    let factor = weight * cosine * importance / sample.start_pdf * share;
     let value = sample.radiance.map(|radiance| radiance * factor);
     let lens = found.lens.to_array();
     let segment = if sample.finite {
@@ -79,5 +82,5 @@ fn connect<const N: usize>(
         let inside = scene.medium_at_sensor(found.lens);
         Segment { origin: lens, direction, t_max: f32::INFINITY, inside, from: Side::Sensor }
     };
-    connections.push(segment, Cargo { value, weight }, found.pixel);
+    connections.push(segment, Cargo { value, weight }, pixel);
 }
