@@ -151,8 +151,8 @@ pub struct Options {
     /// Height of the film in pixels; by default what follows from the width and the camera's
     /// aspect.
     pub height: Option<u32>,
-    /// How light about a pixel counts for it; by default as the world's camera says, which is by the
-    /// pixel's square if it says nothing.
+    /// How light about a pixel counts for it; by default as the world's camera says, which is by
+    /// the pixel's square if it says nothing.
     pub filter: Option<FilterKind>,
     /// Where that ends, in pixels, from 0.01 to 32; by default [`FilterKind::radius`], or what the
     /// camera says of its filter.

@@ -4,6 +4,7 @@ mod built;
 mod common;
 mod errors;
 mod far;
+mod films;
 mod framed;
 mod fuzz;
 mod meaning;

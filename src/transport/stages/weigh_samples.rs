@@ -9,7 +9,7 @@ use crate::transport::tables::measured::Measured;
 /// Multiplies each slot by what its sample counts, which is drawn by a filter with negative lobes:
 /// by the numbers that put the sample where it is. Other filters leave all as it is.
 ///
-/// From: gather_connections, merge_photons, collect_emission. To: the film.
+/// From: gather_connections. To: the film.
 /// Writes: measured. Reads: chunk, sensor.
 pub fn weigh_samples<const N: usize>(measured: &mut Measured<N>, chunk: &Chunk, sensor: &Sensor) {
     let Some(weight) = sensor.weights() else { return };
