@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use super::args::FILM;
 use crate::film::filter::FilterKind;
 use crate::film::layout::Crop;
+use crate::image::layers::LayerKind;
 use crate::render::Options;
 
 /// A filter, by its name.
@@ -48,6 +49,11 @@ pub struct FilmArguments {
     /// scene's, or all]
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub crop: Option<Crop>,
+    /// Also store what the camera sees first, in RGB: depth, normal, albedo, position, uv,
+    /// material, object, with commas between (.exr only); means over 16 samples, or of uv and the
+    /// numbers of materials and objects what is at the pixel's center
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub layers: Vec<LayerKind>,
     /// Width of a pixel over its height [default: the scene's, or 1]
     #[arg(long, value_name = "RATIO")]
     pub pixel_aspect: Option<f32>,
@@ -61,6 +67,7 @@ impl FilmArguments {
             filter_radius: self.filter_radius,
             crop: self.crop,
             pixel_aspect: self.pixel_aspect,
+            layers: self.layers.clone(),
             ..options
         }
     }

@@ -11,6 +11,7 @@
 //! | bands, Stokes | `S0.550,000000nm` ... |
 //! | responses, Stokes | `S0.NAME` ... |
 //! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
+//! | layers, if there are any | `depth.Z`, `normal.X` ..., `material.id` ... |
 //!
 //! An image of a part of its film, which its metadata name, is the data window in the display
 //! window that the film is; `pixelAspectRatio` is theirs, too.
@@ -36,12 +37,13 @@ use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, ChannelDescription, Compression, FlatImage,
-    FlatSamples, ImageAttributes, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
-    SampleType, Text, Vec2,
+    FlatSamples, ImageAttributes, Layer as FileLayer, LayerAttributes, LineOrder, ReadChannels,
+    ReadLayers, SampleType, Text, Vec2,
 };
 
 use super::cut::{CROP, Cut, PIXEL_ASPECT};
 use super::error::OutputError;
+use super::layers::{Layer, LayerKind};
 use super::rows::{Frame, Rows};
 use super::{atomic, source};
 use crate::image::StokesImage;
@@ -110,6 +112,8 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
     if frame.has_variance {
         channels.extend(names.iter().map(|name| variance_name(name)).zip(frame.planes()..));
     }
+    let layers = frame.layers.iter().flat_map(|kind| kind.channel_names());
+    channels.extend(layers.zip(frame.planes_of_light()..));
     channels.sort();
     channels
 }
@@ -248,7 +252,7 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {
+fn assemble(layer: &FileLayer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {
     let attributes = &layer.attributes.other;
     let (width, height) = (layer.size.x(), layer.size.y());
     let list = &layer.channel_data.list;
@@ -274,8 +278,15 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
         true => Some(variance_names.iter().map(plane).collect::<Result<Vec<_>, _>>()?),
         false => None,
     };
+    let is_whole = |kind: &LayerKind| kind.channel_names().all(|name| by_name.contains_key(&name));
+    let layer = |kind: LayerKind| {
+        let planes = kind.channel_names().map(|name| plane(&name)).collect::<Result<_, _>>()?;
+        Ok::<_, String>(Layer { kind, planes })
+    };
+    let kinds = LayerKind::ALL.into_iter().filter(is_whole);
+    let layers = kinds.map(layer).collect::<Result<Vec<_>, _>>()?;
     let metadata = metadata(attributes);
-    Ok(StokesImage { width, height, color, components, planes, variance, metadata })
+    Ok(StokesImage { width, height, color, components, planes, variance, layers, metadata })
 }
 
 /// What channels stand for, their components and names.

@@ -7,6 +7,7 @@ use crate::film::filter::Filter;
 use crate::film::layout::{Crop, Layout};
 use crate::geometry::Accelerator;
 use crate::image::cut::Cut;
+use crate::image::layers::{Layer, LayerKind};
 use crate::integrators::Integrator;
 use crate::math::text::counted;
 use crate::scattering::boundaries::{Doubt, settle};
@@ -21,6 +22,7 @@ use crate::spectrum::{Beyond, Carried, Responses, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
+use super::layers::layers;
 use super::memory::{check_tree, check_world};
 use super::resolved::{Resolved, Rule, blindness};
 use super::sets::{Sets, Spectra};
@@ -163,6 +165,39 @@ impl PlacedWorld {
     /// When such a film could not be counted or stored, or the part is none of it.
     pub fn film(&self, options: &Options) -> Result<Layout, SettingsError> {
         film(options, &self.0.camera)
+    }
+
+    /// What the camera of a film sees first, and what the numbers of objects and materials stand
+    /// for, as metadata.
+    ///
+    /// # Errors
+    /// When there is no such film, or the world cannot be seen in RGB, which colors of layers are.
+    pub fn layers(
+        &self,
+        settings: &Settings,
+    ) -> Result<(Vec<Layer>, Vec<(String, String)>), RenderError> {
+        if settings.layers.is_empty() {
+            return Ok((Vec::new(), Vec::new()));
+        }
+        let film = self.film(settings)?;
+        let carried = Carried::RGB.beyond(settings.beyond());
+        let scene = self.fixed(&self.0.rgb, Columns::Rgb, carried, film)?.scene;
+        let layers = layers(&scene, &settings.layers, settings.seed);
+        let [materials, objects] = self.0.world.own_names();
+        let names = |kind: LayerKind| {
+            let names = match kind {
+                LayerKind::Material => &materials[..],
+                LayerKind::Object => &objects[..],
+                LayerKind::Depth
+                | LayerKind::Normal
+                | LayerKind::Albedo
+                | LayerKind::Position
+                | LayerKind::Uv => return None,
+            };
+            let key = kind.names_key()?.to_owned();
+            Some((key, serde_json::Value::from(names).to_string()))
+        };
+        Ok((layers, settings.layers.iter().filter_map(|kind| names(*kind)).collect()))
     }
 
     /// In words: what of the world is not rendered as it was described, the coefficients that its

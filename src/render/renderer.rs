@@ -11,6 +11,7 @@ use crate::film::Developed;
 use crate::film::layout::Layout;
 use crate::image::StokesImage;
 use crate::image::cut::{CROP, FILTER, PIXEL_ASPECT};
+use crate::image::layers::Layer;
 use crate::image::rows::Rows;
 use crate::integrators::profile::Profile;
 use crate::scattering::{Scene, Side};
@@ -38,6 +39,8 @@ pub struct Renderer {
     settings: Resolved,
     film: Layout,
     origin: Origin,
+    /// What the camera sees first, and metadata of that.
+    layers: (Vec<Layer>, Vec<(String, String)>),
     threads: Option<Arc<Threads>>,
     stop: Stop,
 }
@@ -163,6 +166,7 @@ impl Renderer {
         let film = world.film(settings)?;
         let mut renderer = world.with_scene(settings, film, InMemory { settings })??;
         renderer.origin = Origin::of(world.clone(), film);
+        renderer.layers = world.layers(settings)?;
         let put_in = world.world().put_in().iter();
         renderer.settings.put_in = put_in.map(|it| (it.what, it.text.clone())).collect();
         Ok(renderer)
@@ -202,7 +206,8 @@ impl Renderer {
             }
         };
         let origin = Origin::unknown(film);
-        Self { steps, settings, film, origin, threads: None, stop: Stop::default() }
+        let layers = (Vec::new(), Vec::new());
+        Self { steps, settings, film, origin, layers, threads: None, stop: Stop::default() }
     }
 
     /// The same render on threads of its own, which several renders may share.
@@ -380,6 +385,9 @@ impl Renderer {
         let steps = self.steps;
         let mut image = on(self.threads.as_deref(), || steps.finish());
         image.metadata = metadata;
+        let (layers, names) = self.layers;
+        image.layers = layers;
+        image.metadata.extend(names);
         image
     }
 

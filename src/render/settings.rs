@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use crate::film::filter::{Filter, FilterKind};
 use crate::film::layout::{Crop, check_pixel_aspect};
+use crate::image::layers::LayerKind;
 use crate::integrators::Integrator;
 use crate::math::Fault;
 use crate::spectrum::{Beyond, Color, Responses, White, WhiteBalance};
@@ -162,6 +163,9 @@ pub struct Options {
     pub crop: Option<Crop>,
     /// Width of a pixel over its height, from 0.01 to 100; by default what the camera says, or 1.
     pub pixel_aspect: Option<f32>,
+    /// What the image holds of pixels besides their light, as the camera sees it first; nothing by
+    /// default. Not of parts.
+    pub layers: Vec<LayerKind>,
     /// Samples per pixel, at least one; with photons, a multiple of the samples of an iteration.
     pub samples: u32,
     /// Iterations in place of a number of samples: of one sample per pixel, or, with photons, of a
@@ -214,6 +218,7 @@ impl Default for Options {
             filter_radius: None,
             crop: None,
             pixel_aspect: None,
+            layers: Vec::new(),
             samples: 64,
             iterations: None,
             replicates: 1,
@@ -277,6 +282,7 @@ impl Settings {
             let rule = "goes without a time limit, as all samples of a part are needed".to_owned();
             return Err(SettingsError { setting: "part", rule });
         }
+        check_layers(&options)?;
         Ok(Self(options))
     }
 
@@ -383,6 +389,20 @@ pub fn within<T: PartialOrd + Display>(
         return Ok(());
     }
     Err(SettingsError { setting, rule: format!("must be from {least} to {most}, not {value}") })
+}
+
+/// Refuses layers twice, and those of parts: whoever merges these has no scene.
+fn check_layers(options: &Options) -> Result<(), SettingsError> {
+    let refuse = |rule: String| Err(SettingsError { setting: "layers", rule });
+    if options.part.is_some() && !options.layers.is_empty() {
+        let rule = "go without a part: render them apart, with one sample";
+        return refuse(rule.to_owned());
+    }
+    let is_twice = |(index, kind): (usize, &LayerKind)| options.layers[..index].contains(kind);
+    match options.layers.iter().enumerate().any(is_twice) {
+        true => refuse("must be different ones".to_owned()),
+        false => Ok(()),
+    }
 }
 
 /// Checks that there is light of a color.

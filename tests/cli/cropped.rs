@@ -104,3 +104,38 @@ fn what_no_film_is_like_is_refused() {
         assert!(!here.join("x.exr").exists(), "{more:?}");
     }
 }
+
+/// Layers stand in the file beside the light, are told by `inspect`, and are drawn by their names.
+#[test]
+fn layers_are_kept_and_shown() {
+    let here = folder("cropped-layers");
+    let scene = scene("cornell");
+    let render = |more: &[&str]| {
+        let words = [&["render", &scene][..], &SMALL, more].concat();
+        sunstone(&here, &words)
+    };
+    render(&["-o", "plain.exr"]).done();
+    let layers = ["--layers", "depth,normal,object"];
+    render(&[&["-o", "all.exr"][..], &layers].concat()).done();
+    render(&[&["-o", "both.exr", "--variance"][..], &layers].concat()).done();
+    let both = StokesImage::load(&here.join("both.exr")).unwrap();
+    let [plain, all] =
+        ["plain.exr", "all.exr"].map(|name| StokesImage::load(&here.join(name)).unwrap());
+    assert!(plain.planes == all.planes, "layers change no light");
+    assert!(plain.layers.is_empty() && both.variance.is_some());
+    assert!(both.layers == all.layers && all.layers.len() == 3);
+    let text = sunstone(&here, &["inspect", "all.exr"]).done().stdout;
+    for name in ["depth.Z ", "normal.X ", "normal.Y ", "normal.Z ", "object.id "] {
+        assert!(text.contains(name), "{name}: {text}");
+    }
+    all.save(&here.join("again.exr")).unwrap();
+    assert!(StokesImage::load(&here.join("again.exr")).unwrap() == all, "it is read as written");
+    let draw = ["visualize", "all.exr", "--map", "intensity", "-o", "depth.png", "--channel"];
+    sunstone(&here, &[&draw[..], &["depth.Z"]].concat()).done();
+    let run = sunstone(&here, &[&draw[..], &["albedo.R"]].concat());
+    assert!(run.stderr.contains("depth.Z"), "{}", run.stderr);
+    let run = render(&["-o", "x.png", "--layers", "depth"]);
+    assert!(run.stderr.contains("--layers needs an output that ends in .exr"), "{}", run.stderr);
+    let run = render(&["-o", "x.exr", "--layers", "z"]);
+    assert!(run.stderr.contains("layers are depth, normal, albedo"), "{}", run.stderr);
+}

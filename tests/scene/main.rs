@@ -7,6 +7,7 @@ mod far;
 mod films;
 mod framed;
 mod fuzz;
+mod layered;
 mod meaning;
 mod media;
 mod mended;

@@ -476,13 +476,8 @@ fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
     film
 }
 
-/// What is in quotes in a name, which is what its file calls the thing, or else the whole.
-fn called(Name(name): &Name) -> String {
-    let quoted = |quote: char| {
-        let (_, rest) = name.split_once(quote)?;
-        rest.split_once(quote).map(|(inner, _)| inner.to_owned())
-    };
-    quoted('"').or_else(|| quoted('`')).unwrap_or_else(|| name.clone())
+fn called(name: &Name) -> String {
+    name.own().to_owned()
 }
 
 /// Sixteen numbers, by column.

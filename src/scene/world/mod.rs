@@ -154,6 +154,15 @@ impl World {
         [parts, balls].concat()
     }
 
+    /// What their file calls the materials, and the shapes in the order of surfaces.
+    pub(crate) fn own_names(&self) -> [Vec<String>; 2] {
+        let own = |name: &Name| name.own().to_owned();
+        let materials = self.in_order::<(&Name, &Bsdf), _>(|(name, _)| own(name));
+        let parts = self.in_order::<(&Name, &Mesh), _>(|(name, _)| own(name));
+        let balls = self.in_order::<(&Name, &Ball), _>(|(name, _)| own(name));
+        [materials, [parts, balls].concat()]
+    }
+
     /// The names of the media, in their order, and whether particles say their coefficients.
     pub(crate) fn media_names(&self) -> Vec<(String, bool)> {
         self.in_order::<(&Name, &Medium), _>(|(name, medium)| {
@@ -198,3 +207,14 @@ pub struct Order(pub u32);
 /// ``material 3 "glass"``, or as a program named it, as in ``material `glass` ``.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name(pub String);
+
+impl Name {
+    /// What is in quotes in it, which is what its file calls the thing, or else the whole.
+    pub(crate) fn own(&self) -> &str {
+        let quoted = |quote: char| {
+            let (_, rest) = self.0.split_once(quote)?;
+            rest.split_once(quote).map(|(inner, _)| inner)
+        };
+        quoted('"').or_else(|| quoted('`')).unwrap_or(&self.0)
+    }
+}
