@@ -1,5 +1,6 @@
 //! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
+mod blender;
 mod built;
 mod common;
 mod errors;
