@@ -26,6 +26,15 @@ const PASSED_MAX: usize = 1000;
 /// What a hole is, of the share that textures leave of a surface.
 const HOLE: f32 = 0.5;
 
+/// What the camera of a film sees first.
+#[derive(Default)]
+pub struct SeenFirst {
+    /// The layers that were asked for.
+    pub layers: Vec<Layer>,
+    /// What the numbers in them stand for, as metadata.
+    pub names: Vec<(String, String)>,
+}
+
 /// The layers of the film of a scene.
 pub fn layers(scene: &Scene<3>, kinds: &[LayerKind], seed: u32) -> Vec<Layer> {
     let Cut { size: [width, height], start, .. } = scene.sensor.layout.cut;

@@ -7,7 +7,7 @@ use crate::film::filter::Filter;
 use crate::film::layout::{Crop, Layout};
 use crate::geometry::Accelerator;
 use crate::image::cut::Cut;
-use crate::image::layers::{Layer, LayerKind};
+use crate::image::layers::LayerKind;
 use crate::integrators::Integrator;
 use crate::math::text::counted;
 use crate::scattering::boundaries::{Doubt, settle};
@@ -22,7 +22,7 @@ use crate::spectrum::{Beyond, Carried, Responses, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
-use super::layers::layers;
+use super::layers::{SeenFirst, layers};
 use super::memory::{check_tree, check_world};
 use super::resolved::{Resolved, Rule, blindness};
 use super::sets::{Sets, Spectra};
@@ -167,17 +167,13 @@ impl PlacedWorld {
         film(options, &self.0.camera)
     }
 
-    /// What the camera of a film sees first, and what the numbers of objects and materials stand
-    /// for, as metadata.
+    /// What the camera of a film sees first.
     ///
     /// # Errors
     /// When there is no such film, or the world cannot be seen in RGB, which colors of layers are.
-    pub fn layers(
-        &self,
-        settings: &Settings,
-    ) -> Result<(Vec<Layer>, Vec<(String, String)>), RenderError> {
+    pub(super) fn seen_first(&self, settings: &Settings) -> Result<SeenFirst, RenderError> {
         if settings.layers.is_empty() {
-            return Ok((Vec::new(), Vec::new()));
+            return Ok(SeenFirst::default());
         }
         let film = self.film(settings)?;
         let carried = Carried::RGB.beyond(settings.beyond());
@@ -197,7 +193,8 @@ impl PlacedWorld {
             let key = kind.names_key()?.to_owned();
             Some((key, serde_json::Value::from(names).to_string()))
         };
-        Ok((layers, settings.layers.iter().filter_map(|kind| names(*kind)).collect()))
+        let names = settings.layers.iter().filter_map(|kind| names(*kind)).collect();
+        Ok(SeenFirst { layers, names })
     }
 
     /// In words: what of the world is not rendered as it was described, the coefficients that its

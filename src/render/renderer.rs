@@ -11,13 +11,13 @@ use crate::film::Developed;
 use crate::film::layout::Layout;
 use crate::image::StokesImage;
 use crate::image::cut::{CROP, FILTER, PIXEL_ASPECT};
-use crate::image::layers::Layer;
 use crate::image::rows::Rows;
 use crate::integrators::profile::Profile;
 use crate::scattering::{Scene, Side};
 use crate::scene::SceneError;
 use crate::transport::{Polarized, Scalar};
 
+use super::layers::SeenFirst;
 use super::memory::{MemoryError, check_memory_of_cut};
 use super::placed::WithScene;
 use super::recorded::{self, Origin, PartError};
@@ -39,8 +39,7 @@ pub struct Renderer {
     settings: Resolved,
     film: Layout,
     origin: Origin,
-    /// What the camera sees first, and metadata of that.
-    layers: (Vec<Layer>, Vec<(String, String)>),
+    seen_first: SeenFirst,
     threads: Option<Arc<Threads>>,
     stop: Stop,
 }
@@ -166,7 +165,7 @@ impl Renderer {
         let film = world.film(settings)?;
         let mut renderer = world.with_scene(settings, film, InMemory { settings })??;
         renderer.origin = Origin::of(world.clone(), film);
-        renderer.layers = world.layers(settings)?;
+        renderer.seen_first = world.seen_first(settings)?;
         let put_in = world.world().put_in().iter();
         renderer.settings.put_in = put_in.map(|it| (it.what, it.text.clone())).collect();
         Ok(renderer)
@@ -206,8 +205,8 @@ impl Renderer {
             }
         };
         let origin = Origin::unknown(film);
-        let layers = (Vec::new(), Vec::new());
-        Self { steps, settings, film, origin, layers, threads: None, stop: Stop::default() }
+        let (seen_first, stop) = (SeenFirst::default(), Stop::default());
+        Self { steps, settings, film, origin, seen_first, threads: None, stop }
     }
 
     /// The same render on threads of its own, which several renders may share.
@@ -385,9 +384,8 @@ impl Renderer {
         let steps = self.steps;
         let mut image = on(self.threads.as_deref(), || steps.finish());
         image.metadata = metadata;
-        let (layers, names) = self.layers;
-        image.layers = layers;
-        image.metadata.extend(names);
+        image.layers = self.seen_first.layers;
+        image.metadata.extend(self.seen_first.names);
         image
     }
 

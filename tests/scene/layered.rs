@@ -107,7 +107,7 @@ fn a_ball_of_glass_is_seen_and_not_what_is_behind() {
     let yfov = 0.5;
     let mut world = begun(DVec3::ZERO, yfov);
     let air = world.add_material("air", Bsdf::Null).unwrap();
-    let glass = Bsdf::Dielectric { ior: 1.5.into(), exterior_ior: 1.0.into() };
+    let glass = Bsdf::Dielectric { ior: 1.5, exterior_ior: 1.0 };
     let glass = world.add_material("glass", glass).unwrap();
     let gold = world.add_material("gold", Bsdf::metal("Au").unwrap()).unwrap();
     let at = |z: f64| DAffine3::from_translation(DVec3::new(0.0, 0.0, z));

@@ -139,7 +139,7 @@ impl Raster {
     pub(crate) fn filter_of(name: &str) -> Result<FilterKind, Fault> {
         FilterKind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
             let names = FilterKind::ALL.map(FilterKind::name).join(", ");
-            Fault::new("filter", "is no filter", &format!("filters are {names}"))
+            Fault::new("filter", "is no filter", format!("filters are {names}"))
         })
     }
 
