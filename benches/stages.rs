@@ -41,6 +41,7 @@ const CHUNK: Chunk = Chunk {
     path_length_max: 12,
     roulette_after: [100; 2],
     sampling: Sampling::Stokes,
+    is_seen: true,
     sequence: Sequence::PerPath,
 };
 

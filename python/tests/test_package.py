@@ -46,6 +46,7 @@ CASES: list[dict[str, Any]] = [
     dict(color="spectral", responses="nikon-d5100", white_balance="D50", wavelengths=4),
     dict(color="spectral", responses="xyz", raw_response=True, mode="scalar", variance=True),
     dict(sampling="intensity", replicates=2, threads=1),
+    dict(filter="mitchell", filter_radius=1.5, crop="25%,0%,75%,100%", pixel_aspect=2.0),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
 

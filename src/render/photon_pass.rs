@@ -343,5 +343,6 @@ fn chunk(settings: &Resolved, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         roulette_after: [1; 2],
         sampling: settings.sampling,
         sequence: Sequence::Shared,
+        is_seen: true,
     }
 }

@@ -11,6 +11,7 @@ use super::emitter::{is_delta, places};
 use super::immersion::{Around, STEPS, spread};
 use super::patches::{Patches, primitives_of_surfaces};
 use super::{Scene, Sensor};
+use crate::film::layout::Layout;
 use crate::geometry::{Hit, offset_distance};
 use crate::math::F32s;
 use crate::scene::baked::NONE;
@@ -65,7 +66,7 @@ impl Look {
         let camera = &scene.camera;
         // The film's own edges are not of the scene.
         let [width, height] = [camera.aspect().unwrap_or(1.0) * EDGE, EDGE].map(|it| it as u32);
-        let sensor = Sensor::new(camera, width.max(1), height);
+        let sensor = Sensor::new(camera, Layout::plain([width.max(1), height]));
         let mut places = Places::default();
         let view = View::of(scene, &sensor, &mut places);
         let [sees_specular, sees_solid, sees_nothing] =

@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::film::layout::Layout;
 use crate::geometry::{
     Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
@@ -107,7 +108,7 @@ impl<const N: usize> Scene<N> {
         let accelerator = Accelerator::of_shapes(&baked.shapes);
         settle(&mut baked.shapes, &accelerator);
         let placed = (Arc::new(baked.shapes), Arc::new(accelerator));
-        Self::with_tree(placed, baked.camera, baked.optics, [width, height])
+        Self::with_tree(placed, baked.camera, baked.optics, Layout::plain([width, height]))
     }
 
     /// Builds the look-ups for shapes whose tree there is already: that of other wavelengths, of
@@ -116,7 +117,7 @@ impl<const N: usize> Scene<N> {
         (shapes, accelerator): (Arc<Shapes>, Arc<Accelerator>),
         camera: Camera,
         optics: Optics<N>,
-        [width, height]: [u32; 2],
+        film: Layout,
     ) -> Self {
         let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
         let material_of_primitive: Arc<[u32]> =
@@ -135,7 +136,7 @@ impl<const N: usize> Scene<N> {
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
         let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
         let media_of = |emitter: &Emitter| media_about(&immersion, emitter);
-        let sensor = Sensor::new(&camera, width, height);
+        let sensor = Sensor::new(&camera, film);
         let sensor_medium = immersion.about(sensor.places());
         let emitter_media: Arc<[_]> = optics.emitters.par_iter().map(media_of).collect();
         let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media).map(Arc::new);
@@ -211,7 +212,7 @@ impl<const N: usize> Scene<N> {
             camera: self.camera,
             accelerator: Arc::clone(&self.accelerator),
             optics,
-            sensor: self.sensor,
+            sensor: self.sensor.clone(),
             surfaces,
             material_of_primitive: Arc::clone(&self.material_of_primitive),
             events: self.events.clone(),

@@ -14,7 +14,7 @@ use super::emitter::Emitter;
 use super::instanced::Instanced;
 use super::luminaire::Luminaire;
 use super::painting::Painting;
-use super::world::SurfaceModel;
+use super::world::{Raster, SurfaceModel};
 use crate::polarization::Analyzer;
 use crate::spectrum::Carried;
 
@@ -369,6 +369,8 @@ pub struct Camera {
     pub forward: Vec3,
     /// Film size in pixels that the scene asks for (width, height).
     pub resolution: Option<[u32; 2]>,
+    /// How the pixels of that film see.
+    pub raster: Raster,
     /// What stands before the film, in its frame.
     pub analyzer: Option<Analyzer>,
 }
@@ -377,7 +379,9 @@ impl Camera {
     /// Width over height of what it shows, if the scene says so.
     pub fn aspect(&self) -> Option<f32> {
         match (self.resolution, self.projection) {
-            (Some([width, height]), _) => Some(width as f32 / height as f32),
+            (Some([width, height]), _) => {
+                Some(width as f32 * self.raster.pixel_aspect / height as f32)
+            }
             (None, Projection::Perspective { aspect, .. }) => aspect,
             (None, Projection::Orthographic { half_width, half_height }) => {
                 Some(half_width / half_height)

@@ -1,11 +1,14 @@
 //! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
+mod blender;
 mod built;
 mod common;
 mod errors;
 mod far;
+mod films;
 mod framed;
 mod fuzz;
+mod layered;
 mod luminaires;
 mod meaning;
 mod media;

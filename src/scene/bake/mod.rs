@@ -34,8 +34,8 @@ use super::error::SceneError;
 use super::painting::Painting;
 use super::warnings::Warnings;
 use super::world::{
-    Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Textures, Transform,
-    Window, World,
+    Bsdf, FillsScene, Lens, Medium, Name, Raster, Resolution, Sides, SurfaceModel, Textures,
+    Transform, Window, World,
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
@@ -442,13 +442,17 @@ fn bounds(lights: &[Vec3], primitives: &primitives::Primitives) -> Result<Bounds
 }
 
 fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
-    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
+    type Seen<'a> = (Option<&'a Analyzer>, Option<&'a Window>);
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Seen<'a>);
     type Components<'a> = (&'a Transform, &'a Lens, Film<'a>);
-    let cameras =
-        world.in_order::<Components, _>(|(place, lens, (resolution, analyzer, window))| {
-            (*place, *lens, (resolution.copied(), analyzer.copied(), window.copied()))
-        });
-    let Some((place, lens, (resolution, analyzer, window))) = cameras.into_iter().next() else {
+    let cameras = world.in_order::<Components, _>(
+        |(place, lens, (resolution, raster, (analyzer, window)))| {
+            let film = (resolution.copied(), raster.copied(), (analyzer.copied(), window.copied()));
+            (*place, *lens, film)
+        },
+    );
+    let Some((place, lens, (resolution, raster, (analyzer, window)))) = cameras.into_iter().next()
+    else {
         return Err(SceneError::new("bake", "the world has no camera", "add one"));
     };
     // Rounded from orthonormal double-precision axes, hence orthonormal to the last bit of f32.
@@ -477,6 +481,7 @@ fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
         up: up.as_vec3(),
         forward: up.cross(right).as_vec3(),
         resolution: resolution.map(|Resolution(sides)| sides),
+        raster: raster.unwrap_or_default(),
         analyzer,
     })
 }

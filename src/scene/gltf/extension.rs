@@ -64,8 +64,11 @@ pub const CAMERA: Keys = Keys {
     planned: &[],
 };
 /// Keys of a camera's film.
-pub const FILM: Keys =
-    Keys { definition: "film", known: &["analyzer", "resolution"], planned: &[] };
+pub const FILM: Keys = Keys {
+    definition: "film",
+    known: &["analyzer", "crop", "filter", "filter_radius", "pixel_aspect", "resolution"],
+    planned: &[],
+};
 /// Keys of what stands before a film.
 pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };

@@ -12,6 +12,7 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -20,7 +21,7 @@ use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
     Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
-    Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform, Window, World,
+    Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -478,15 +479,16 @@ impl Writer {
     }
 
     fn camera(&mut self, world: &World) {
-        type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
+        type Seen<'a> = (Option<&'a Analyzer>, Option<&'a Window>);
+        type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Seen<'a>);
         let cameras = world.in_order::<(&Name, &Lens, &Transform, Film), _>(
-            |(name, lens, place, (resolution, analyzer, window))| {
-                let film = (resolution.copied(), analyzer.copied());
+            |(name, lens, place, (resolution, raster, (analyzer, window)))| {
+                let film = (resolution.copied(), raster.copied(), analyzer.copied());
                 // Whoever reads the file puts the same one in.
                 window.is_none().then(|| (called(name), *lens, place.0, film))
             },
         );
-        for (name, lens, place, (resolution, analyzer)) in cameras.into_iter().flatten() {
+        for (name, lens, place, (resolution, raster, analyzer)) in cameras.into_iter().flatten() {
             let mut body = json!({});
             let mut camera = match lens {
                 Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
@@ -506,7 +508,7 @@ impl Writer {
                         "zfar": 1000.0},
                 }),
             };
-            let mut film = json!({});
+            let mut film = film_of(raster.unwrap_or_default());
             if let Some(Resolution(size)) = resolution {
                 film["resolution"] = json!(size);
             }
@@ -547,13 +549,24 @@ fn check_backdrops(world: &World) -> Result<(), SceneError> {
     }
 }
 
-/// What is in quotes in a name, which is what its file calls the thing, or else the whole.
-fn called(Name(name): &Name) -> String {
-    let quoted = |quote: char| {
-        let (_, rest) = name.split_once(quote)?;
-        rest.split_once(quote).map(|(inner, _)| inner.to_owned())
-    };
-    quoted('"').or_else(|| quoted('`')).unwrap_or_else(|| name.clone())
+/// How the pixels of a film see; nothing where they are as others.
+fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
+    let mut film = json!({});
+    if filter != Filter::PIXEL {
+        film["filter"] = json!(filter.kind.name());
+        film["filter_radius"] = json!(filter.radius);
+    }
+    if let Some(ends) = crop {
+        film["crop"] = json!(ends);
+    }
+    if pixel_aspect != 1.0 {
+        film["pixel_aspect"] = json!(pixel_aspect);
+    }
+    film
+}
+
+fn called(name: &Name) -> String {
+    name.own().to_owned()
 }
 
 /// Sixteen numbers, by column.

@@ -11,8 +11,8 @@ use super::incandescent::Incandescent;
 use super::material::check_material;
 use super::{
     Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    FillsScene, Geometry, Lens, Luminaire, MadeOf, Material, Medium, Mesh, Name, Order, Photometry,
-    Picture, Punctual, Resolution, Skin, Textures, Transform, World,
+    FillsScene, Film, Geometry, Lens, Luminaire, MadeOf, Material, Medium, Mesh, Name, Order,
+    Photometry, Picture, Punctual, Raster, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -225,7 +225,7 @@ impl World {
     ) -> Result<Entity, SceneError> {
         let place = place.into();
         let camera = self.called("camera", name, |world, name| {
-            world.put_camera(name, lens, place, (None, None))
+            world.put_camera(name, lens, place, Film::default())
         })?;
         self.keep_only::<Lens>(camera);
         Ok(camera)
@@ -240,6 +240,19 @@ impl World {
         let resolution = Resolution(resolution);
         resolution.check().map_err(|fault| SceneError::at(&name.0, fault))?;
         self.insert(camera, resolution);
+        Ok(())
+    }
+
+    /// Says how the pixels of the film see where a render does not: their filter, which of them are
+    /// rendered, and their shape.
+    ///
+    /// # Errors
+    /// When there is no camera, or its resolution does not go with that.
+    pub fn set_raster(&mut self, raster: Raster) -> Result<(), SceneError> {
+        let (camera, name) = self.camera("raster")?;
+        let resolution = self.entities.get::<&Resolution>(camera).ok().map(|it| *it);
+        raster.check(resolution).map_err(|fault| SceneError::at(&name.0, fault))?;
+        self.insert(camera, raster);
         Ok(())
     }
 
@@ -447,16 +460,20 @@ impl World {
         name: Name,
         lens: Lens,
         place: Transform,
-        (resolution, analyzer): (Option<Resolution>, Option<Analyzer>),
+        Film { resolution, raster, analyzer }: Film,
     ) -> Result<Entity, Fault> {
         Lens::check_place(&place)?;
         lens.check()?;
         resolution.map_or(Ok(()), Resolution::check)?;
+        raster.check(resolution).map_err(|fault| fault.within("film"))?;
         let checked = analyzer.map_or(Ok(()), Analyzer::check);
         checked.map_err(|fault| fault.within("film.analyzer"))?;
         let camera = self.spawn(name, (place, lens));
         resolution.into_iter().for_each(|resolution| self.insert(camera, resolution));
         analyzer.into_iter().for_each(|analyzer| self.insert(camera, analyzer));
+        if !raster.is_plain() {
+            self.insert(camera, raster);
+        }
         Ok(camera)
     }
 

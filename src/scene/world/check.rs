@@ -11,8 +11,8 @@ use super::light::Luminaire;
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
-    Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures,
-    Transform, Window, World,
+    Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides,
+    Textures, Transform, Window, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -44,7 +44,7 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 13] = [
+const PARTS: [(&str, Has, &[Kind], bool); 14] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     (
@@ -59,6 +59,7 @@ const PARTS: [(&str, Has, &[Kind], bool); 13] = [
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
     ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
     ("Resolution", has::<Resolution>, &[Kind::Camera], false),
+    ("Raster", has::<Raster>, &[Kind::Camera], false),
     ("Window", has::<Window>, &[Kind::Camera], false),
     ("MadeOf", has::<MadeOf>, &[Kind::Mesh, Kind::Sphere], true),
     ("Boundary", has::<Boundary>, &[Kind::Mesh, Kind::Sphere], true),
@@ -193,7 +194,9 @@ impl World {
                     entity.get::<&Analyzer>().map_or(Ok(()), |analyzer| analyzer.check());
                 analyzer.map_err(|fault| fault.within("analyzer"))?;
                 entity.get::<&Window>().map_or(Ok(()), |window| window.check())?;
-                entity.get::<&Resolution>().map_or(Ok(()), |resolution| resolution.check())
+                let resolution = entity.get::<&Resolution>().map(|resolution| *resolution);
+                resolution.map_or(Ok(()), Resolution::check)?;
+                entity.get::<&Raster>().map_or(Ok(()), |raster| raster.check(resolution))
             }
             Kind::Environment => part::<&Environment>(entity)?.check(),
         }

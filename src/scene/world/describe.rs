@@ -10,8 +10,10 @@ use super::incandescent::Incandescent;
 use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
-    Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
+    Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster, Resolution, Sides, Transform, World,
 };
+use crate::film::filter::Filter;
+use crate::film::layout::Crop;
 use crate::math::text::{counted, excerpt};
 use crate::polarization::Analyzer;
 use crate::polarization::milk::Milk;
@@ -243,10 +245,10 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
 }
 
 fn write_camera(world: &World, text: &mut String) -> fmt::Result {
-    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>);
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Option<&'a Analyzer>);
     type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Film<'a>);
     let cameras = world.in_order::<Components, _>(|(name, place, lens, film)| {
-        let (resolution, analyzer) = film;
+        let (resolution, raster, analyzer) = film;
         let lens = match lens {
             Lens::Perspective { yfov, aperture_radius, .. } => {
                 let degrees = yfov.to_degrees();
@@ -260,9 +262,25 @@ fn write_camera(world: &World, text: &mut String) -> fmt::Result {
             format!(", {width} x {height} pixels")
         });
         let behind = analyzer.map_or_else(String::new, |it| format!(", behind an analyzer: {it}"));
-        format!("  {}: {lens}{pixels}{behind}, at {}", name.0, vector(place.0.translation))
+        let seen = raster.map_or_else(String::new, raster_in_words);
+        format!("  {}: {lens}{pixels}{seen}{behind}, at {}", name.0, vector(place.0.translation))
     });
     lines(text, &cameras)
+}
+
+/// How the pixels of a film see, where they are unlike others.
+fn raster_in_words(Raster { filter, crop, pixel_aspect }: &Raster) -> String {
+    let mut text = String::new();
+    if *filter != Filter::PIXEL {
+        text += &format!(", filter {filter}");
+    }
+    if let Some(ends) = crop {
+        text += &format!(", of which {} are rendered", Crop::Pixels(*ends));
+    }
+    if *pixel_aspect != 1.0 {
+        text += &format!(", {pixel_aspect} times as wide as high each");
+    }
+    text
 }
 
 fn lines(text: &mut String, lines: &[String]) -> fmt::Result {

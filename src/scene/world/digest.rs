@@ -13,7 +13,8 @@ use super::incandescent::Incandescent;
 use super::light::Luminaire;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
+    Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides, Textures, Transform, Window,
+    World,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -33,7 +34,7 @@ macro_rules! columns {
 
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
-    Punctual, Lens, Resolution, Analyzer, Window, Environment, EmittedStokes,
+    Punctual, Lens, Resolution, Raster, Analyzer, Window, Environment, EmittedStokes,
     Incandescent, Luminaire,
 }
 

@@ -13,6 +13,7 @@
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
 //! | | measured, [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
+//! | | [`Raster`] if its pixels are unlike others, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
 //! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
 //!
@@ -51,7 +52,8 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
-pub use self::camera::{Lens, Resolution};
+pub(in crate::scene) use self::camera::Film;
+pub use self::camera::{Lens, Raster, Resolution};
 pub use self::clear_sky::ClearSky;
 pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
@@ -169,6 +171,15 @@ impl World {
         [parts, balls].concat()
     }
 
+    /// What their file calls the materials, and the shapes in the order of surfaces.
+    pub(crate) fn own_names(&self) -> [Vec<String>; 2] {
+        let own = |name: &Name| name.own().to_owned();
+        let materials = self.in_order::<(&Name, &Bsdf), _>(|(name, _)| own(name));
+        let parts = self.in_order::<(&Name, &Mesh), _>(|(name, _)| own(name));
+        let balls = self.in_order::<(&Name, &Ball), _>(|(name, _)| own(name));
+        [materials, [parts, balls].concat()]
+    }
+
     /// The names of the media, in their order, and whether particles say their coefficients.
     pub(crate) fn media_names(&self) -> Vec<(String, bool)> {
         self.in_order::<(&Name, &Medium), _>(|(name, medium)| {
@@ -225,3 +236,14 @@ pub struct Order(pub u32);
 /// ``material 3 "glass"``, or as a program named it, as in ``material `glass` ``.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name(pub String);
+
+impl Name {
+    /// What is in quotes in it, which is what its file calls the thing, or else the whole.
+    pub(crate) fn own(&self) -> &str {
+        let quoted = |quote: char| {
+            let (_, rest) = self.0.split_once(quote)?;
+            rest.split_once(quote).map(|(inner, _)| inner)
+        };
+        quoted('"').or_else(|| quoted('`')).unwrap_or(&self.0)
+    }
+}

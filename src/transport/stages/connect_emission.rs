@@ -8,6 +8,7 @@ use crate::transport::emission::{sample_emissions, state_sent};
 use crate::transport::mis;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::sides::LightSide;
+use crate::transport::splat::pixel_of;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::{Chunk, Strategy};
@@ -40,7 +41,14 @@ pub fn connect_emission<const N: usize, C: LightSide<N>>(
             if !(sample.delta || is_left_to_others) {
                 let lens = lens.map(|u| u[lane]);
                 let is_polarized = paths.carriers.columns().is_some();
-                connect(connections, sample, scene, (lens, is_polarized), (light_paths, competes));
+                let of_path = (chunk, row + lane, lens);
+                connect(
+                    connections,
+                    sample,
+                    (scene, is_polarized),
+                    of_path,
+                    (light_paths, competes),
+                );
             }
         }
     }
@@ -51,8 +59,8 @@ pub fn connect_emission<const N: usize, C: LightSide<N>>(
 fn connect<const N: usize>(
     connections: &mut ConnectionTable<N>,
     sample: &EmissionSample<N>,
-    scene: &Scene<N>,
-    (lens, is_polarized): ([f32; 2], bool),
+    (scene, is_polarized): (&Scene<N>, bool),
+    (chunk, slot, lens): (&Chunk, usize, [f32; 2]),
     (light_paths, competes): (f32, bool),
 ) {
     let found = if sample.finite {
@@ -65,12 +73,13 @@ fn connect<const N: usize>(
     if cosine <= 0.0 {
         return;
     }
+    let Some((pixel, share)) = pixel_of(&found, &scene.sensor, chunk, slot, 0) else { return };
     let importance = found.pdf_area / light_paths;
     let weight = match competes {
         true => mis::weight_of_start_connected(sample.start_pdf, cosine, importance),
         false => 1.0,
     };
-    let factor = weight * cosine * importance / sample.start_pdf;
+    let factor = weight * cosine * importance / sample.start_pdf * share;
     let mut value = sample.radiance.map(|radiance| radiance * factor);
     if scene.has_incandescent_lamps() {
         let shares = scene.emissivity(sample.emitter, sample.normal, found.direction);
@@ -89,7 +98,7 @@ fn connect<const N: usize>(
     let cargo = Cargo { value, weight };
     let sent = || state_sent(scene, sample.emitter, (sample.position, found.direction));
     match is_polarized.then(sent).flatten() {
-        Some(state) => connections.push_polarized(segment, cargo, found.pixel, state),
-        None => connections.push(segment, cargo, found.pixel),
+        Some(state) => connections.push_polarized(segment, cargo, pixel, state),
+        None => connections.push(segment, cargo, pixel),
     }
 }

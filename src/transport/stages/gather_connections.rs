@@ -22,7 +22,7 @@ use crate::transport::tables::states::scatter_states;
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
 ///
-/// From: trace_connections, cross_connections. To: the film.
+/// From: trace_connections, cross_connections. To: weigh_samples, the film.
 /// Writes: measured. Reads: connections, paths, surfaces, scene.
 pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
