@@ -222,7 +222,7 @@ fn write_lights(world: &World, text: &mut String) -> fmt::Result {
     type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Option<&'a Luminaire>);
     let lights = world.in_order::<Light, _>(|(name, light, stokes, luminaire)| {
         let measured = luminaire.map_or_else(String::new, |it| {
-            format!(", measured, {} cd on the average", it.0.mean())
+            format!(", measured, {:.3} cd on the average", it.0.mean())
         });
         let (intensity, state) = (spectrum(&light.intensity), state(stokes));
         format!("  {}: {:?}, intensity {intensity}{measured}{state}", name.0, light.kind)
