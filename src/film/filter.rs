@@ -17,7 +17,7 @@ use crate::math::elementary::{exp, sin};
 use crate::math::{Fault, Range};
 
 /// Pieces of a [`Profile`] from the center to the end.
-const PIECES: usize = 512;
+const PIECES: usize = 768;
 /// Radii that filters may have, in pixels.
 const RADII: Range = Range::new("from 0.01 to 32 pixels", |x| (0.01..=32.0).contains(&x));
 

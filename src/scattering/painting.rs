@@ -8,13 +8,13 @@ use glam::Vec3;
 
 use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scene::baked::NONE;
-use crate::scene::emitter::EmitterModel;
+use crate::scene::baked::{NONE, Optics, Shapes};
+use crate::scene::emitter::{Emitter, EmitterModel};
 use crate::scene::painting::{Painting, coverage_at, normal_at};
 use crate::scene::world::{SurfaceModel, Textures};
 
 use super::Scene;
-use super::emitter::primitive;
+use super::emitter::{self, primitive};
 use super::surface::Surfaces;
 use super::surface::model::LaneRows;
 
@@ -283,4 +283,31 @@ impl<const N: usize> Scene<N> {
 #[inline]
 fn over<const N: usize>(value: [f32; N], lamp: [f32; N]) -> [f32; N] {
     std::array::from_fn(|n| if lamp[n] > 0.0 { value[n] / lamp[n] } else { 0.0 })
+}
+
+/// All textures of a scene's materials.
+fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
+    let of =
+        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
+    optics.painting.as_deref().into_iter().flat_map(of)
+}
+
+/// Whether some have shading normals by a picture.
+pub(super) fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
+    textures(optics).any(|textures| textures.relief.is_some())
+}
+
+/// Whether some say what emitters emit.
+pub(super) fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
+    let is_picture = |emitter: &Emitter| matches!(emitter.model, EmitterModel::Panorama(_));
+    if optics.emitters.iter().any(is_picture) {
+        return true;
+    }
+    let Some(painting) = optics.painting.as_deref() else { return false };
+    optics.emitters.iter().any(|emitter| {
+        let surface = shapes.surface_of(emitter::primitive(&emitter.model));
+        let material = shapes.surfaces.get(surface as usize).map(|it| it.material as usize);
+        let textures = material.and_then(|material| painting.of(material));
+        textures.is_some_and(|it| it.emission.is_some() || it.coverage.is_some())
+    })
 }

@@ -14,8 +14,6 @@ use crate::geometry::{
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::{Emitter, EmitterModel};
-use crate::scene::painting::Painting;
-use crate::scene::world::Textures;
 
 use super::boundaries::settle;
 use super::emitter::aim::Aim;
@@ -28,6 +26,7 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
+use super::painting::{has_painted_lamps, has_relief};
 use super::surface::model::LaneRows;
 use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
@@ -551,33 +550,6 @@ impl<const N: usize> Scene<N> {
             Some(_) | None => 0..0,
         }
     }
-}
-
-/// All textures of a scene's materials.
-fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
-    let of =
-        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
-    optics.painting.as_deref().into_iter().flat_map(of)
-}
-
-/// Whether some have shading normals by a picture.
-fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
-    textures(optics).any(|textures| textures.relief.is_some())
-}
-
-/// Whether some say what emitters emit.
-fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
-    let is_picture = |emitter: &Emitter| matches!(emitter.model, EmitterModel::Panorama(_));
-    if optics.emitters.iter().any(is_picture) {
-        return true;
-    }
-    let Some(painting) = optics.painting.as_deref() else { return false };
-    optics.emitters.iter().any(|emitter| {
-        let surface = shapes.surface_of(emitter::primitive(&emitter.model));
-        let material = shapes.surfaces.get(surface as usize).map(|it| it.material as usize);
-        let textures = material.and_then(|material| painting.of(material));
-        textures.is_some_and(|it| it.emission.is_some() || it.coverage.is_some())
-    })
 }
 
 /// Those of the events that media and these materials are met by.

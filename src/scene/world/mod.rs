@@ -36,6 +36,7 @@ mod light;
 mod material;
 mod medium;
 mod mesh;
+mod parameter;
 mod particles;
 mod phase_matrix;
 mod photometry;
@@ -64,10 +65,11 @@ pub use self::light::{
     Backdrop, BackdropSource, Environment, Luminaire, Punctual, PunctualKind, SUN_DIAMETER,
 };
 pub(crate) use self::material::tabulated;
-pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
+pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};
+pub use self::parameter::Parameter;
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};

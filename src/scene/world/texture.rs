@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec2;
 
-use super::material::{Bsdf, Parameter};
+use super::{Bsdf, Parameter};
 use crate::image::StokesImage;
 use crate::image::texels::{Coding, Texels};
 use crate::math::{Fault, Range};
