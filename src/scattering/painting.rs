@@ -119,8 +119,8 @@ pub fn paint<const N: usize>(
     }
 }
 
-/// Gives a model the parameters that pictures have where a row has been hit, and the row its shading
-/// normal; whether the model has any such parameters.
+/// Gives a model the parameters that pictures have where a row has been hit, and the row its
+/// shading normal; whether the model has any such parameters.
 fn paint_row<const N: usize>(
     model: &mut SurfaceModel<[f32; N]>,
     surfaces: &mut SurfaceColumns,

@@ -118,17 +118,11 @@ impl<const N: usize> Scene<N> {
         optics: Optics<N>,
         film: Layout,
     ) -> Self {
-        let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
-        let material_of_primitive: Arc<[u32]> =
-            shapes.surface_of_primitive.iter().map(material_of).collect();
+        let material_of_primitive = materials_of_primitives(&shapes);
         let mut surfaces = Surfaces::new(&optics.materials, optics.painting.as_deref());
         let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
         let materials = surfaces.materials();
-        let event_of = |&row: &u32| materials[row as usize].kind.event();
-        let event_of_hit = std::iter::once(END)
-            .chain(material_of_primitive.iter().map(event_of))
-            .map(|event| event as u8)
-            .collect();
+        let event_of_hit = events_of_hits(&material_of_primitive, materials);
         let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
         let events = events(&media);
         media.push(Medium::clear());
@@ -550,6 +544,19 @@ impl<const N: usize> Scene<N> {
             Some(_) | None => 0..0,
         }
     }
+}
+
+/// For every primitive, the row of its material.
+fn materials_of_primitives(shapes: &Shapes) -> Arc<[u32]> {
+    let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
+    shapes.surface_of_primitive.iter().map(material_of).collect()
+}
+
+/// What is met by way of hits: nothing, or the event of a primitive's material.
+fn events_of_hits(material_of_primitive: &[u32], materials: &[Material]) -> Arc<[u8]> {
+    let event_of = |&row: &u32| materials[row as usize].kind.event();
+    let events = std::iter::once(END).chain(material_of_primitive.iter().map(event_of));
+    events.map(|event| event as u8).collect()
 }
 
 /// Those of the events that media and these materials are met by.

@@ -325,7 +325,7 @@ fn materials_of_gltf() {
                 d["materials"][0]["extensions"] =
                     json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
             },
-            &["material 0", "rough glass"],
+            &["material 0", "rough pane"],
         ),
         (
             |d| {

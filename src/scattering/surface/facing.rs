@@ -38,8 +38,8 @@ impl Facing {
         consistent & (self.two_sided | given_geometric.simd_gt(zero))
     }
 
-    /// Where light can go between the directions `given` and `drawn`, away from a surface that light
-    /// goes through, too: each must be on one side by both normals.
+    /// Where light can go between the directions `given` and `drawn`, away from a surface that it
+    /// may go through, too: each must be on one side by both normals.
     #[inline(always)]
     pub fn is_on_sides(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let zero = F32s::splat(0.0);

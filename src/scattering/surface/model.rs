@@ -149,9 +149,9 @@ pub trait Connecting<const N: usize>: Copy {
     }
 
     /// The scattering function over its factor, between two directions away from the surface, for
-    /// a path of the `side` that comes from `given`: on sensor paths, of radiance that arrives along
-    /// `drawn`, and on light paths of power that leaves there. What stays on one side is the same
-    /// for both orders of the two.
+    /// a path of the `side` that comes from `given`: on sensor paths, of radiance that arrives
+    /// along `drawn`, and on light paths of power that leaves there. What stays on one side is the
+    /// same for both orders of the two.
     fn shape(
         of: &Self::Lanes,
         facing: &Facing,

@@ -76,7 +76,10 @@ pub fn read(fields: &Fields) -> Result<Surface, SceneError> {
         return Err(fields.refuse(problem, format!("the types are {}", names.join(", "))));
     };
     let surface = read(fields)?;
-    surface.bsdf.check().map_err(|fault| fields.fault(fault, &NAMES))?;
+    let is_plastic = matches!(surface.bsdf, Bsdf::Plastic { .. });
+    let named = |(of, _): &(&str, &str)| is_plastic || *of != "reflectance";
+    let names: Vec<_> = NAMES.into_iter().filter(named).collect();
+    surface.bsdf.check().map_err(|fault| fields.fault(fault, &names))?;
     fields.finish()?;
     Ok(surface)
 }

@@ -6,8 +6,8 @@ use crate::scattering::{Scene, Side};
 use crate::transport::tables::paths::PathTable;
 
 /// Gives every row on a painted surface a row of its own in the table of its model, and its shading
-/// normal; so too on rough glass that touches other glass. Vertices of light paths may be kept, and with them their rows; those of sensor paths are
-/// forgotten when the next have been met.
+/// normal; so too on rough glass that touches other glass. Vertices of light paths may be kept, and
+/// with them their rows; those of sensor paths are forgotten when the next have been met.
 ///
 /// From: resolve_surfaces. To: weigh_arrival.
 /// Writes: surfaces, models. Reads: hits, paths (rays, nested), scene.

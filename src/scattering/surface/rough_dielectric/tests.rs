@@ -1,3 +1,5 @@
+//! Rough glass against its definitions, energy, reciprocity and densities.
+
 use std::f64::consts::PI;
 
 use super::super::glossy::{GlossyLanes, GlossyTable};
