@@ -328,17 +328,7 @@ impl Writer {
                 "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
                 "specular": specular, "internal_reflection": internal_reflection.name()}),
             Bsdf::MetallicRoughness { base_color, .. } => {
-                let color = match base_color {
-                    Spectrum::Constant(value) => [*value; 3],
-                    Spectrum::Rgb(rgb) => *rgb,
-                    Spectrum::Table(_) | Spectrum::Formula(_) => {
-                        let text = "has a base color by wavelength, of which red, green and blue \
-                                    are written";
-                        self.warnings.add(&name.0, text);
-                        RGB_WAVELENGTHS_NM.map(|nm| base_color.at(nm).unwrap_or(0.0))
-                    }
-                };
-                let [red, green, blue] = color;
+                let [red, green, blue] = self.base_color(name, base_color);
                 json!({"base_color": [red, green, blue, 1.0]})
             }
             Bsdf::Dielectric { ior, exterior_ior } => {
@@ -361,6 +351,20 @@ impl Writer {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
+        }
+    }
+
+    /// A color that glTF knows as red, green and blue alone.
+    fn base_color(&mut self, name: &Name, color: &Spectrum) -> [f32; 3] {
+        match color {
+            Spectrum::Constant(value) => [*value; 3],
+            Spectrum::Rgb(rgb) => *rgb,
+            Spectrum::Table(_) | Spectrum::Formula(_) => {
+                let text =
+                    "has a base color by wavelength, of which red, green and blue are written";
+                self.warnings.add(&name.0, text);
+                RGB_WAVELENGTHS_NM.map(|nm| color.at(nm).unwrap_or(0.0))
+            }
         }
     }
 

@@ -380,7 +380,10 @@ impl<S> SurfaceModel<S> {
         &self,
         mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
     ) -> Result<SurfaceModel<T>, E> {
-        let mut index = |spectrum, key| sample(spectrum, key, Role::Index);
+        const INDICES: [&str; 2] = ["ior", "exterior_ior"];
+        let mut indices = |[first, second]: [&S; 2], [one, other]: [&'static str; 2]| {
+            Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+        };
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
             Self::Diffuse { reflectance } => {
@@ -388,28 +391,15 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Diffuse { reflectance }
             }
             Self::Conductor { eta, k } => {
-                SurfaceModel::Conductor { eta: index(eta, "eta")?, k: index(k, "k")? }
+                let [eta, k] = indices([eta, k], ["eta", "k"])?;
+                SurfaceModel::Conductor { eta, k }
             }
             &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
-                let (eta, k) = (index(eta, "eta")?, index(k, "k")?);
+                let [eta, k] = indices([eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
             }
-            &Self::RoughDielectric {
-                ref ior,
-                ref exterior_ior,
-                alpha,
-                distribution,
-                multiple_scattering,
-            } => {
-                let (ior, exterior_ior) =
-                    (index(ior, "ior")?, index(exterior_ior, "exterior_ior")?);
-                SurfaceModel::RoughDielectric {
-                    ior,
-                    exterior_ior,
-                    alpha,
-                    distribution,
-                    multiple_scattering,
-                }
+            Self::RoughDielectric { ior, exterior_ior, .. } => {
+                self.between(indices([ior, exterior_ior], INDICES)?)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -436,13 +426,11 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let ior = index(ior, "ior")?;
-                let exterior_ior = index(exterior_ior, "exterior_ior")?;
+                let [ior, exterior_ior] = indices([ior, exterior_ior], INDICES)?;
                 SurfaceModel::DispersiveDielectric { ior, exterior_ior }
             }
             Self::ThinDielectric { ior, exterior_ior } => {
-                let ior = index(ior, "ior")?;
-                let exterior_ior = index(exterior_ior, "exterior_ior")?;
+                let [ior, exterior_ior] = indices([ior, exterior_ior], INDICES)?;
                 SurfaceModel::ThinDielectric { ior, exterior_ior }
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
@@ -453,6 +441,20 @@ impl<S> SurfaceModel<S> {
             }
             Self::Null => SurfaceModel::Null,
         })
+    }
+
+    /// Rough glass with other indices of refraction, behind and before; absent elsewhere.
+    fn between<T>(&self, [ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
+        let &Self::RoughDielectric { alpha, distribution, multiple_scattering, .. } = self else {
+            return SurfaceModel::Null;
+        };
+        SurfaceModel::RoughDielectric {
+            ior,
+            exterior_ior,
+            alpha,
+            distribution,
+            multiple_scattering,
+        }
     }
 
     /// What paths make of it: a boundary between equal indices of refraction is none to them, and
