@@ -340,6 +340,14 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
     })
 }
 
+/// Rough glass between two indices of refraction, behind and before, with these facets.
+fn rough_dielectric<T>(
+    [ior, exterior_ior]: [T; 2],
+    (alpha, distribution, multiple_scattering): (f32, Distribution, bool),
+) -> SurfaceModel<T> {
+    SurfaceModel::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+}
+
 /// Indices of refraction of coats.
 const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
@@ -398,8 +406,15 @@ impl<S> SurfaceModel<S> {
                 let [eta, k] = indices([eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
             }
-            Self::RoughDielectric { ior, exterior_ior, .. } => {
-                self.between(indices([ior, exterior_ior], INDICES)?)
+            Self::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let facets = (*alpha, *distribution, *multiple_scattering);
+                rough_dielectric(indices([ior, exterior_ior], INDICES)?, facets)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -441,20 +456,6 @@ impl<S> SurfaceModel<S> {
             }
             Self::Null => SurfaceModel::Null,
         })
-    }
-
-    /// Rough glass with other indices of refraction, behind and before; absent elsewhere.
-    fn between<T>(&self, [ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
-        let &Self::RoughDielectric { alpha, distribution, multiple_scattering, .. } = self else {
-            return SurfaceModel::Null;
-        };
-        SurfaceModel::RoughDielectric {
-            ior,
-            exterior_ior,
-            alpha,
-            distribution,
-            multiple_scattering,
-        }
     }
 
     /// What paths make of it: a boundary between equal indices of refraction is none to them, and
