@@ -340,6 +340,18 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
     })
 }
 
+/// Keys of indices of refraction behind and before.
+const INDICES: [&str; 2] = ["ior", "exterior_ior"];
+
+/// Samples two indices of refraction, or the parts of one, by the names of their keys.
+fn indices<S, T, E>(
+    sample: &mut impl FnMut(&S, &'static str, Role) -> Result<T, E>,
+    [first, second]: [&S; 2],
+    [one, other]: [&'static str; 2],
+) -> Result<[T; 2], E> {
+    Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
 /// Rough glass between two indices of refraction, behind and before, with these facets.
 fn rough_dielectric<T>(
     [ior, exterior_ior]: [T; 2],
@@ -388,10 +400,6 @@ impl<S> SurfaceModel<S> {
         &self,
         mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
     ) -> Result<SurfaceModel<T>, E> {
-        const INDICES: [&str; 2] = ["ior", "exterior_ior"];
-        let mut indices = |[first, second]: [&S; 2], [one, other]: [&'static str; 2]| {
-            Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
-        };
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
             Self::Diffuse { reflectance } => {
@@ -399,11 +407,11 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Diffuse { reflectance }
             }
             Self::Conductor { eta, k } => {
-                let [eta, k] = indices([eta, k], ["eta", "k"])?;
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::Conductor { eta, k }
             }
             &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
-                let [eta, k] = indices([eta, k], ["eta", "k"])?;
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
             }
             Self::RoughDielectric {
@@ -414,7 +422,7 @@ impl<S> SurfaceModel<S> {
                 multiple_scattering,
             } => {
                 let facets = (*alpha, *distribution, *multiple_scattering);
-                rough_dielectric(indices([ior, exterior_ior], INDICES)?, facets)
+                rough_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?, facets)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -441,11 +449,11 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices([ior, exterior_ior], INDICES)?;
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
                 SurfaceModel::DispersiveDielectric { ior, exterior_ior }
             }
             Self::ThinDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices([ior, exterior_ior], INDICES)?;
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
                 SurfaceModel::ThinDielectric { ior, exterior_ior }
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
