@@ -110,7 +110,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 30
+    assert len(names) == len(set(names)) == 34
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -796,7 +796,7 @@ def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPa
 
 #: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
 ALLOWED = r"""
-sunstone\._scene\.(Color|Integrator|Light|Mode|RgbWhite|Sampling)
+sunstone\._scene\.(Color|Filter|Integrator|Light|Mode|RgbWhite|Sampling)
 sunstone\._sunstone\.__all__
 """
 
