@@ -41,6 +41,7 @@ const CHUNK: Chunk = Chunk {
     path_length_max: 12,
     roulette_after: [100; 2],
     sampling: Sampling::Stokes,
+    is_seen: true,
     sequence: Sequence::PerPath,
 };
 
@@ -127,7 +128,7 @@ fn bounce<M: LightModel<N>>(criterion: &mut Criterion, mode: &str) {
         });
     });
     group.bench_function("advance_paths", |bench| {
-        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces));
+        bench.iter(|| advance_paths(&mut sorted, &departures.direction, &surfaces, &scene));
     });
     group.finish();
 }

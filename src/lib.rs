@@ -91,6 +91,9 @@ mod scene;
 mod spectrum;
 mod transport;
 
+pub use crate::film::filter::{Filter, FilterKind};
+pub use crate::film::layout::{Crop, Layout};
+pub use crate::image::cut::Cut;
 pub use crate::image::{OutputError as ImageError, StokesImage};
 pub use crate::integrators::Integrator;
 pub use crate::polarization::{Analyzer, Distribution};

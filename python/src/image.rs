@@ -148,7 +148,16 @@ fn image(
     }
     let variance = variance.map(planes).transpose()?;
     let planes = planes(stokes)?;
-    Ok(StokesImage { width, height, color, components, planes, variance, metadata })
+    Ok(StokesImage {
+        width,
+        height,
+        color,
+        components,
+        planes,
+        variance,
+        layers: Vec::new(),
+        metadata,
+    })
 }
 
 /// Writes an image in the format that the extension names.

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Bsdf, InternalReflection, Material, Sides};
+use sunstone::world::{Bsdf, EmittedStokes, InternalReflection, Material, Sides};
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
@@ -16,20 +16,27 @@ const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
 const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, plastic, \
-                      polarizer, retarder, rough_conductor, thin_dielectric";
+                      polarizer, retarder, rough_conductor, rough_dielectric, thin_dielectric";
 
-/// A material.
-pub fn material(keys: Keys) -> PyResult<Material> {
+/// A material, and how what it emits is polarized: in a state, or by its heat.
+pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>, bool)> {
     let model: String = keys.need("bsdf", MODELS)?;
     let two_sided = keys.flag("two_sided")?;
     let emission = keys.lamp("emission")?;
+    let stokes = keys.stokes("stokes")?;
+    if stokes.is_some() && emission.is_none() {
+        let problem = "is the state of what is emitted, and nothing is";
+        return Err(keys.refuse("stokes", problem, "add an emission"));
+    }
+    let incandescent = keys.flag("incandescent")?;
     let bsdf = bsdf(&keys, &model)?;
     keys.finish(&format!("a material of bsdf \"{model}\""))?;
     let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
-    Ok(match emission {
+    let material = match emission {
         Some(radiance) => material.emitting(radiance),
         None => material,
-    })
+    };
+    Ok((material, stokes, incandescent))
 }
 
 fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
@@ -54,6 +61,11 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
                 .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
         },
         "rough_conductor" => rough_conductor(keys)?,
+        "rough_dielectric" => {
+            let [ior, exterior_ior] = indices(keys)?;
+            let (alpha, distribution, multiple_scattering) = facets(keys)?;
+            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+        }
         "thin_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
             Bsdf::ThinDielectric { ior, exterior_ior }
@@ -74,9 +86,15 @@ fn conductor(keys: &Keys) -> PyResult<Bsdf> {
 
 fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "rough_conductor")?;
+    let (alpha, distribution, multiple_scattering) = facets(keys)?;
+    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+}
+
+/// What facets are like, and whether what several of them scatter is given back.
+fn facets(keys: &Keys) -> PyResult<(f32, Distribution, bool)> {
     let distribution = distribution(keys)?;
     let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha: alpha(keys)?, distribution, multiple_scattering })
+    Ok((alpha(keys)?, distribution, multiple_scattering))
 }
 
 fn plastic(keys: &Keys) -> PyResult<Bsdf> {

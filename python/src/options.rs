@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyString};
 use sunstone::internals::cli::color::{ColorArguments, ColorName, of_arguments};
 use sunstone::internals::cli::white::WhiteName;
 use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX};
-use sunstone::{Integrator, Mode, Options, Photons, Sampling, Settings, White};
+use sunstone::{Crop, FilterKind, Integrator, Mode, Options, Photons, Sampling, Settings, White};
 
 use crate::errors::{RENDER_ERROR, of_settings};
 use crate::keys::{extract, flag};
@@ -36,6 +36,10 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         mode: named(options, "mode", &Mode::ALL, Mode::name)?.unwrap_or(default.mode),
         width: option(options, "width")?,
         height: option(options, "height")?,
+        filter: named(options, "filter", &FilterKind::ALL, FilterKind::name)?,
+        filter_radius: option(options, "filter_radius")?,
+        crop: crop(options)?,
+        pixel_aspect: option(options, "pixel_aspect")?,
         samples,
         iterations,
         replicates: replicates(options, variance, iterations.unwrap_or(samples / of_photons))?,
@@ -137,6 +141,19 @@ fn parsed<T: FromStr<Err = String>>(options: &Bound<PyDict>, name: &str) -> PyRe
     };
     let wrong = |rule: String| RENDER_ERROR.says(format!("{name}: {rule}, not {text}"));
     text.parse().map(Some).map_err(wrong)
+}
+
+/// The part of the film that is rendered: four whole numbers of pixels, or a text as the command
+/// line takes it.
+fn crop(options: &Bound<PyDict>) -> PyResult<Option<Crop>> {
+    let Some(value) = options.get_item("crop")?.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    let Ok(text) = value.cast::<PyString>() else {
+        return extract("crop", &value).map(|ends| Some(Crop::Pixels(ends)));
+    };
+    let text = text.to_cow()?;
+    text.parse().map(Some).map_err(|rule: String| RENDER_ERROR.says(format!("crop {rule}")))
 }
 
 fn photons(options: &Bound<PyDict>, integrator: Option<Integrator>) -> PyResult<Photons> {

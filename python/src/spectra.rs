@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sunstone::Spectrum;
 use sunstone::spectra::{Line, LineShape, illuminant_names, index, index_names, metal};
+use sunstone::world::EmittedStokes;
 
 use crate::errors::SCENE_ERROR;
 use crate::keys::{Keys, holds_truth};
@@ -37,6 +38,12 @@ impl Keys<'_> {
     pub fn lamp(&self, key: &str) -> PyResult<Option<Spectrum>> {
         let value: Option<Bound<PyAny>> = self.take(key)?;
         value.map(|value| lamp(&self.place_of(key), &value)).transpose()
+    }
+
+    /// Takes S1, S2 and S3 over S0 of what is emitted.
+    pub fn stokes(&self, key: &str) -> PyResult<Option<EmittedStokes>> {
+        let value: Option<Bound<PyAny>> = self.take(key)?;
+        value.map(|value| stokes(&self.place_of(key), &value)).transpose()
     }
 
     /// Takes part of an index of refraction: a spectrum, a formula, or that of a substance.
@@ -141,6 +148,18 @@ fn lines(keys: &Keys, rows: &[[f64; 3]]) -> PyResult<Spectrum> {
     let line = |&[center_nm, power, width_nm]: &[f64; 3]| Line { center_nm, power, width_nm };
     let lines: Vec<Line> = rows.iter().map(line).collect();
     Spectrum::lines(&lines, shape).map_err(|fault| keys.fault(&fault))
+}
+
+/// S1, S2 and S3 over S0, each a spectrum.
+pub fn stokes(place: &str, value: &Bound<PyAny>) -> PyResult<EmittedStokes> {
+    let components = value.extract::<Vec<Bound<PyAny>>>();
+    let Ok([s1, s2, s3]) = components.as_deref() else {
+        let problem = "is not three components: give [S1, S2, S3] over S0, each a spectrum";
+        return Err(SCENE_ERROR.says(format!("{place}: {problem}")));
+    };
+    let of = |index: usize, value| spectrum(&format!("{place}[{index}]"), value);
+    let stokes = EmittedStokes::new([of(0, s1)?, of(1, s2)?, of(2, s3)?]);
+    stokes.map_err(|fault| SCENE_ERROR.says(format!("{place}: {}", fault.of(""))))
 }
 
 /// A number, red, green and blue, or {"nm": [...], "value": [...]}.

@@ -2,15 +2,18 @@
 
 use sunstone::internals::cli::color::ColorName;
 use sunstone::internals::render::settings::AUTO;
-use sunstone::{Integrator, LightChoice, Mode, Sampling, White};
+use sunstone::{FilterKind, Integrator, LightChoice, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 31] = [
+const OPTIONS: [(&str, &str); 35] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("bands", ""),
     ("camera", ""),
     ("color", ""),
+    ("crop", ""),
+    ("filter", ""),
+    ("filter-radius", ""),
     ("height", ""),
     ("hold-spectra", "=True"),
     ("integrator", ""),
@@ -19,6 +22,7 @@ const OPTIONS: [(&str, &str); 31] = [
     ("max-path-length", ""),
     ("mode", ""),
     ("photons", ""),
+    ("pixel-aspect", ""),
     ("radius", ""),
     ("range", ""),
     ("raw-response", "=True"),
@@ -78,6 +82,7 @@ fn values(name: &str) -> Box<dyn Iterator<Item = &'static str>> {
             std::iter::once(AUTO).chain(Integrator::ALL.iter().copied().map(Integrator::name)),
         ),
         "mode" => Box::new(Mode::ALL.into_iter().map(Mode::name)),
+        "filter" => Box::new(FilterKind::ALL.into_iter().map(FilterKind::name)),
         "sampling" => Box::new(Sampling::ALL.into_iter().map(Sampling::name)),
         "rgb-white" => Box::new(White::ALL.into_iter().map(White::name)),
         "light" => {

@@ -6,15 +6,16 @@ use std::collections::HashMap;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sunstone::glam::{DQuat, DVec3};
 use sunstone::hecs::Entity;
-use sunstone::world::{Filling, Lens, Punctual, Skin};
+use sunstone::world::{ClearSky, EmittedStokes, Filling, Lens, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
 use crate::keys::{Keys, extract};
 use crate::place::{looking, place};
 use crate::scene::Scene;
-use crate::spectra::lamp;
+use crate::spectra::{lamp, stokes};
 use crate::{material, medium};
 
 /// Kinds of lights.
@@ -40,8 +41,12 @@ impl World {
     /// Adds a material.
     fn add_material(&mut self, name: &str, keys: &Bound<PyDict>) -> PyResult<()> {
         let place = free_place("material", name, &self.materials)?;
-        let material = material::material(Keys::of(place, keys)?)?;
+        let (material, stokes, incandescent) = material::material(Keys::of(place, keys)?)?;
         let entity = self.world()?.add_material(name, material).map_err(of_any)?;
+        self.polarize(entity, stokes)?;
+        if incandescent {
+            self.world()?.set_incandescent(entity).map_err(of_any)?;
+        }
         self.materials.insert(name.to_owned(), entity);
         Ok(())
     }
@@ -100,7 +105,10 @@ impl World {
         let missing = || keys.refuse("intensity", "is missing", remedy);
         let intensity = keys.lamp("intensity")?.ok_or_else(missing)?;
         let light = match kind.as_str() {
-            "directional" => Punctual::directional(intensity),
+            "directional" => match keys.take("angular_diameter")? {
+                Some(diameter) => Punctual::sun(intensity, diameter),
+                None => Punctual::directional(intensity),
+            },
             "point" => Punctual::point(intensity),
             "spot" => {
                 let outer = keys.need("outer", "give the half angle of the cone in radians")?;
@@ -111,9 +119,11 @@ impl World {
                 return Err(keys.refuse("kind", &problem, LIGHTS));
             }
         };
+        let stokes = keys.stokes("stokes")?;
         let place = looking(&keys)?;
         keys.finish(&format!("a light of kind \"{kind}\""))?;
-        self.world()?.add_light(name, light, place).map(drop).map_err(of_any)
+        let entity = self.world()?.add_light(name, light, place).map_err(of_any)?;
+        self.polarize(entity, stokes)
     }
 
     /// Sets the camera.
@@ -132,9 +142,34 @@ impl World {
     }
 
     /// Sets the environment.
-    fn set_environment(&mut self, radiance: &Bound<PyAny>) -> PyResult<()> {
+    fn set_environment(
+        &mut self,
+        radiance: &Bound<PyAny>,
+        state: Option<&Bound<PyAny>>,
+    ) -> PyResult<()> {
         let radiance = lamp("environment, radiance", radiance)?;
-        self.world()?.set_environment(radiance).map(drop).map_err(of_any)
+        let state = state.map(|state| stokes("environment, stokes", state)).transpose()?;
+        let entity = self.world()?.set_environment(radiance).map_err(of_any)?;
+        self.polarize(entity, state)
+    }
+
+    /// Sets the environment by the bytes of a picture.
+    fn set_environment_map(
+        &mut self,
+        picture: &[u8],
+        factor: [f32; 3],
+        rotation: [f64; 4],
+    ) -> PyResult<()> {
+        let rotation = DQuat::from_array(rotation);
+        let entity = self.world()?.set_environment_map(picture, factor, rotation);
+        entity.map(drop).map_err(of_any)
+    }
+
+    /// Sets the environment to a clear sky.
+    fn set_clear_sky(&mut self, sun: [f64; 3], shape: [f64; 2], factor: f32) -> PyResult<()> {
+        let [turbidity, max_degree] = shape;
+        let sky = ClearSky { sun: DVec3::from_array(sun), turbidity, max_degree };
+        self.world()?.set_clear_sky(sky, factor).map(drop).map_err(of_any)
     }
 
     /// Fills what is outside all boundaries.
@@ -163,6 +198,12 @@ impl World {
 impl World {
     fn world(&mut self) -> PyResult<&mut sunstone::World> {
         self.world.as_mut().ok_or_else(gone)
+    }
+
+    /// Has what was just added emit in a state.
+    fn polarize(&mut self, emitter: Entity, stokes: Option<EmittedStokes>) -> PyResult<()> {
+        let Some(stokes) = stokes else { return Ok(()) };
+        self.world()?.set_emitted_stokes(emitter, stokes).map_err(of_any)
     }
 
     /// What a shape is made of, and what is on its two sides.

@@ -16,6 +16,7 @@ Integrator = Literal["auto", "path", "light", "bdpt", "ppm"]
 Mode = Literal["polarized", "intensity", "scalar"]
 Color = Literal["rgb", "mono", "spectral"]
 Sampling = Literal["stokes", "intensity"]
+Filter = Literal["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]
 RgbWhite = Literal["d65", "e"]
 Light = Literal["auto", "none"]
 
@@ -225,6 +226,10 @@ class Scene(Editable):
         seed: int = 0,
         width: int | None = None,
         height: int | None = None,
+        filter: Filter | None = None,
+        filter_radius: float | None = None,
+        crop: tuple[int, int, int, int] | str | None = None,
+        pixel_aspect: float | None = None,
         color: Color = "rgb",
         wavelength: float | None = None,
         rgb_white: RgbWhite | None = None,
@@ -262,6 +267,12 @@ class Scene(Editable):
             seed: seed of all randomness, from 0 to 2^32 - 1.
             width: width in pixels; by default the scene's, or 512.
             height: height in pixels; by default what follows from the width and the camera.
+            filter: how light about a pixel counts for it: "box", "tent", "gaussian", "mitchell",
+                "catmullrom" or "lanczos"; by default the scene's, or "box".
+            filter_radius: where that ends, in pixels from the center; each has its own by default.
+            crop: the part of the film that is rendered: left, top, right, bottom in pixels, as
+                (100, 50, 300, 200), or "25%,25%,75%,75%"; its pixels are those of the whole.
+            pixel_aspect: width of a pixel over its height; by default the scene's, or 1.
             color: "rgb" is linear in sRGB primaries, "mono" one wavelength, "spectral" carries
                 light at several wavelengths, others in every iteration, and measures `bands`, or
                 red, green and blue as the CIE 1931 observer sees them.

@@ -27,6 +27,9 @@ Index = Union[Spectrum, str, Mapping[str, Mapping[str, Any]]]
 #: What shines: a spectrum, {"illuminant": "D65"}, {"blackbody_k": 3000}, or
 #: {"lines": [[nm, power, width_nm], ...], "shape": "gaussian"}; with "scale" if need be.
 Lamp = Union[Spectrum, Mapping[str, Any]]
+#: How what is emitted is polarized: S1, S2 and S3 over S0, each a spectrum, whose squares add up to 1
+#: at most. For light along k the frame is (x, k cross x, k), x less what of it is along k.
+Stokes = Sequence[Spectrum]
 #: Three numbers.
 Vector = Union[Sequence[float], npt.NDArray[Any]]
 
@@ -107,6 +110,7 @@ class World(Editable):
             "polarizer",
             "retarder",
             "rough_conductor",
+            "rough_dielectric",
             "thin_dielectric",
         ],
         *,
@@ -126,6 +130,8 @@ class World(Editable):
         extinction_ratio: float | None = None,
         retardance_deg: float | None = None,
         emission: Lamp | None = None,
+        stokes: Stokes | None = None,
+        incandescent: bool = False,
         two_sided: bool = False,
     ) -> None:
         """Adds a material.
@@ -138,19 +144,20 @@ class World(Editable):
                 `k`.
             eta: of the same: real part of the index of refraction n - i k.
             k: of the same: its extinction coefficient.
-            alpha: of "rough_conductor" and "plastic": roughness of its facets, from 0 to 1; smooth
-                below 0.001.
+            alpha: of "rough_conductor", "rough_dielectric" and "plastic": roughness of facets, from 0
+                to 1; smooth below 0.001.
             roughness: of the same, instead of `alpha`: its root.
             distribution: of the same: how the normals of facets are distributed; "ggx" by default.
-            multiple_scattering: of "rough_conductor": whether light that several facets have
-                reflected is there; true by default.
+            multiple_scattering: of "rough_conductor" and "rough_dielectric": whether light that
+                several facets have scattered is there; true by default.
             specular: of "plastic": share of what its facets would reflect; 1 by default.
             internal_reflection: of "plastic": what becomes of light that its interface reflects
                 back to the base: "lost", or scattered again, without loss ("linear") or like all
                 light ("nonlinear", by default).
-            ior: of "dielectric" (behind the front), "thin_dielectric" and "plastic" (within; one
-                number, from that outside to ten times it); 1.5 by default. One that depends on the
-                wavelength disperses light by "dielectric"; in RGB that at 587.56 nm holds for all.
+            ior: of "dielectric" and "rough_dielectric" (behind the front), "thin_dielectric" and
+                "plastic" (within; one number, from that outside to ten times it); 1.5 by default.
+                One that depends on the wavelength disperses light by the former two; in RGB that at
+                587.56 nm holds for all.
             exterior_ior: of these: index of refraction outside; 1 by default.
             axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
                 the x axis of the shape, counterclockwise about the normal; 0 by default.
@@ -158,6 +165,9 @@ class World(Editable):
                 default.
             retardance_deg: of "retarder", in degrees.
             emission: radiance in W/(m^2 sr) that it emits besides.
+            stokes: how that is polarized; unpolarized by default. x is the x axis of the shape.
+            incandescent: of "conductor" and "dielectric": emission is that of a black body, of
+                which leaves what the surface does not reflect, polarized.
             two_sided: the back is like the front; else it is black and dark.
         """
         self._add(
@@ -181,6 +191,8 @@ class World(Editable):
                 extinction_ratio=extinction_ratio,
                 retardance_deg=retardance_deg,
                 emission=emission,
+                stokes=stokes,
+                incandescent=incandescent,
                 two_sided=two_sided,
             ),
         )
@@ -317,6 +329,8 @@ class World(Editable):
         *,
         inner: float | None = None,
         outer: float | None = None,
+        angular_diameter: float | None = None,
+        stokes: Stokes | None = None,
         position: Vector | None = None,
         direction: Vector | None = None,
         target: Vector | None = None,
@@ -331,6 +345,9 @@ class World(Editable):
                 faces it.
             inner: of "spot": half angle of full intensity in radians; 0 by default.
             outer: of "spot": half angle of the cone in radians, at most pi/2.
+            angular_diameter: of "directional": the angle in radians that it takes up, 0.0093 for
+                the sun; a direction by default.
+            stokes: how its light is polarized; unpolarized by default. x is its x axis.
             position: where it is, in meters.
             direction: where it shines.
             target: or else what it shines on.
@@ -344,6 +361,8 @@ class World(Editable):
                 intensity=intensity,
                 inner=inner,
                 outer=outer,
+                angular_diameter=angular_diameter,
+                stokes=stokes,
                 position=position,
                 direction=direction,
                 target=target,
@@ -404,9 +423,53 @@ class World(Editable):
             ),
         )
 
-    def set_environment(self, radiance: Lamp) -> None:
-        """Has light of a radiance in W/(m^2 sr) come from everywhere outside."""
-        self._add("set_environment", plain(radiance))
+    def set_environment(self, radiance: Lamp, *, stokes: Stokes | None = None) -> None:
+        """Has light come from everywhere outside.
+
+        Args:
+            radiance: in W/(m^2 sr).
+            stokes: how it is polarized; unpolarized by default. x is that of the scene.
+        """
+        self._add("set_environment", plain(radiance), plain(stokes))
+
+    def set_environment_map(
+        self,
+        picture: bytes,
+        *,
+        factor: float | Sequence[float] = 1.0,
+        rotation: Sequence[float] = (0.0, 0.0, 0.0, 1.0),
+    ) -> None:
+        """Has light come from everywhere as a picture of all directions says.
+
+        Args:
+            picture: the bytes of an equirectangular OpenEXR or Radiance HDR file, in W/(m^2 sr), or
+                of PNG, JPEG or WebP. Its middle shows +x, right of that lies +z, and the upper edge
+                is +y. OpenEXR with Stokes channels is polarized.
+            factor: what its values are multiplied by; one number or red, green and blue.
+            rotation: a quaternion (x, y, z, w) that turns it.
+        """
+        colors = np.broadcast_to(np.asarray(factor, dtype=float), 3).tolist()
+        turn = np.asarray(rotation, dtype=float).tolist()
+        self._add("set_environment_map", bytes(picture), colors, turn)
+
+    def set_clear_sky(
+        self,
+        sun_direction: Vector,
+        *,
+        turbidity: float = 3.0,
+        max_degree: float = 0.8,
+        factor: float = 1.0,
+    ) -> None:
+        """Has the light of a clear sky, which is polarized, come from above the plane of x and z.
+
+        Args:
+            sun_direction: to the sun, y > 0. The sun itself is a light of its own.
+            turbidity: how hazy it is, from 2 (clear) to 10.
+            max_degree: the degree of polarization at a right angle to the sun.
+            factor: what its radiance is multiplied by.
+        """
+        sun = np.asarray(sun_direction, dtype=float).tolist()
+        self._add("set_clear_sky", sun, [float(turbidity), float(max_degree)], float(factor))
 
     def set_scene_medium(self, name: str | None) -> None:
         """Fills what is outside all boundaries with a medium, or with none."""

@@ -46,6 +46,7 @@ CASES: list[dict[str, Any]] = [
     dict(color="spectral", responses="nikon-d5100", white_balance="D50", wavelengths=4),
     dict(color="spectral", responses="xyz", raw_response=True, mode="scalar", variance=True),
     dict(sampling="intensity", replicates=2, threads=1),
+    dict(filter="mitchell", filter_radius=1.5, crop="25%,0%,75%,100%", pixel_aspect=2.0),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
 
@@ -109,7 +110,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 30
+    assert len(names) == len(set(names)) == 34
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
@@ -795,7 +796,7 @@ def test_the_readme_is_true(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPa
 
 #: What stubtest does not understand: aliases of literals, and a list that pyo3 adds.
 ALLOWED = r"""
-sunstone\._scene\.(Color|Integrator|Light|Mode|RgbWhite|Sampling)
+sunstone\._scene\.(Color|Filter|Integrator|Light|Mode|RgbWhite|Sampling)
 sunstone\._sunstone\.__all__
 """
 

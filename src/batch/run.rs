@@ -301,7 +301,8 @@ impl<'a> Work<'a> {
         let files = world.world().files();
         *inputs = batch.checksums.of_all(files, &batch.folder).map_err(JobError::Inputs)?;
         refuse_overwriting(order, files)?;
-        let [width, height] = world.film_size(&order.settings).map_err(RenderError::from)?;
+        let film = world.film(&order.settings).map_err(RenderError::from)?;
+        let [width, height] = film.cut.size;
         // Tables of large scenes take a quarter of what their shapes do, for every job in work.
         let room = match triangles_of(world.world()) {
             LARGE.. => u64::MAX,

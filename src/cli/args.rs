@@ -11,6 +11,7 @@ use super::bench::args::BenchArguments;
 use super::color::ColorArguments;
 use super::convert::ConvertArguments;
 use super::files::FileArguments;
+use super::film::FilmArguments;
 use super::images::{ChannelArguments, PixelText};
 use super::view::LightName;
 use crate::image::analyzed::ANALYZERS;
@@ -265,6 +266,9 @@ pub struct RenderArguments {
     /// Height in pixels [default: from the width and the camera's aspect]
     #[arg(long, value_name = "PIXELS", help_heading = FILM)]
     pub height: Option<u32>,
+    /// How the film's pixels see.
+    #[command(flatten)]
+    pub film: FilmArguments,
     /// Name of the camera or of its node, or 0, 1, ... by the file's order; `auto` puts one in that
     /// sees all of the scene [default: the first, and auto where there is none]
     #[arg(long, value_name = "NAME", help_heading = FILM)]
@@ -432,7 +436,7 @@ pub struct ReportArguments {
 const PHOTONS: &str = "Photons (ppm)";
 pub(super) const LIGHT: &str = "Light transport";
 const SAMPLES: &str = "Samples";
-const FILM: &str = "Film";
+pub(super) const FILM: &str = "Film";
 pub(super) const RUN: &str = "Run";
 
 /// `merge` as typed.

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 
+use crate::image::cut::{CROP, FILTER, PIXEL_ASPECT};
 use crate::image::view::{self as pages, Named};
 use crate::image::{self, compare as comparison, inspect as image_inspection, png};
 use crate::image::{OutputError, StokesImage, extension};
@@ -98,6 +99,15 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     let image = load_at(&arguments.image, &arguments.channel)?;
     let reference = load_at(&arguments.reference, &arguments.channel)?;
     let comparison = comparison::compare(&image, &reference)?;
+    for what in [FILTER, CROP, PIXEL_ASPECT] {
+        let said = [&image, &reference].map(|image| image.metadata(what));
+        // What says nothing of a filter may have any; of others, what says nothing has none.
+        let are_known = what != FILTER || said.iter().all(Option::is_some);
+        if are_known && said[0] != said[1] {
+            let [one, other] = said.map(|it| it.unwrap_or("none"));
+            say(format_args!("warning: the {what} of one is {one}, of the other {other}"));
+        }
+    }
     if arguments.json {
         print(json(&comparison)?)?;
     } else {

@@ -38,6 +38,14 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
             arguments.output.display()
         )));
     }
+    let keeps_layers = named_by(&arguments.output, "written", Format::writes_layers).is_ok();
+    if !arguments.film.layers.is_empty() && !keeps_layers && arguments.part.is_none() {
+        return Err(CliError::Usage(format!(
+            "--layers needs an output that ends in {}, and {} does not: other formats store none",
+            extensions(Format::writes_layers),
+            arguments.output.display()
+        )));
+    }
     let light = light(&arguments.color)?;
     let color = &light.color;
     let is_image = arguments.part.is_none();
@@ -69,7 +77,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         part: arguments.part,
         ..light
     };
-    Ok(Settings::new(options)?)
+    Ok(Settings::new(arguments.film.with(options))?)
 }
 
 /// The integrator that is named, or none: what suits the scene.

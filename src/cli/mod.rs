@@ -7,6 +7,7 @@ mod checkpoint;
 pub mod color;
 mod convert;
 mod files;
+mod film;
 mod images;
 mod interrupt;
 mod job;

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::halves::{Shares, TILE};
 use super::{Block, Film, Finished, Gauge};
 use crate::image::StokesImage;
+use crate::image::layers::Layer;
 use crate::image::rows::{Frame, Rows};
 use crate::polarization::{Analyzer, Stokes};
 
@@ -30,6 +31,8 @@ pub struct Developed<'a> {
     has_variance: bool,
     /// Factors of the components, where the film measures what an analyzer lets pass.
     gains: Option<Vec<f32>>,
+    /// What is known of pixels besides their light.
+    pub layers: Vec<Layer>,
     /// What is known of its making.
     pub metadata: Vec<(String, String)>,
 }
@@ -87,6 +90,7 @@ impl Film {
             shares: None,
             has_variance: false,
             gains: None,
+            layers: Vec::new(),
             metadata: Vec::new(),
         }
     }
@@ -116,6 +120,7 @@ impl<'a> Developed<'a> {
             count: Count::Finished,
             shares: None,
             gains: None,
+            layers: Vec::new(),
             metadata: Vec::new(),
         };
         developed.shares = developed.shares();
@@ -309,7 +314,8 @@ impl Rows for Developed<'_> {
         let &Film { width, height, ref color, .. } = &*self.film;
         let color = color.clone();
         let components = self.gains.as_ref().map_or(self.film.components, Vec::len);
-        Frame { width, height, color, components, has_variance: self.has_variance }
+        let layers = self.layers.iter().map(|layer| layer.kind).collect();
+        Frame { width, height, color, components, has_variance: self.has_variance, layers }
     }
 
     fn metadata(&self) -> &[(String, String)] {
@@ -319,13 +325,18 @@ impl Rows for Developed<'_> {
     fn row(&self, y: usize, numbers: &mut [f32]) {
         let frame = self.frame();
         let mut planes: Vec<&mut [f32]> = numbers.chunks_exact_mut(frame.width).collect();
-        let (values, variances) = planes.split_at_mut(frame.planes());
+        let (light, layers) = planes.split_at_mut(frame.planes_of_light());
+        let (values, variances) = light.split_at_mut(frame.planes());
         self.planes_of_row(y, false, values);
         self.planes_of_row(y, true, variances);
+        let all = self.layers.iter().flat_map(|layer| &layer.planes);
+        for (numbers, plane) in layers.iter_mut().zip(all) {
+            numbers.copy_from_slice(&plane[y * frame.width..][..frame.width]);
+        }
     }
 
     fn whole(&self) -> Cow<'_, StokesImage> {
-        let Frame { width, height, color, components, has_variance } = self.frame();
+        let Frame { width, height, color, components, has_variance, .. } = self.frame();
         Cow::Owned(StokesImage {
             width,
             height,
@@ -333,6 +344,7 @@ impl Rows for Developed<'_> {
             components,
             planes: self.planes(false),
             variance: has_variance.then(|| self.planes(true)),
+            layers: self.layers.clone(),
             metadata: self.metadata.clone(),
         })
     }

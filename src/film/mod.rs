@@ -2,7 +2,9 @@
 //! that the order would change, in two doubles a value. No render loop.
 
 mod developed;
+pub mod filter;
 mod halves;
+pub mod layout;
 pub mod record;
 mod state;
 

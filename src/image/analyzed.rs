@@ -45,6 +45,7 @@ pub fn behind(image: &StokesImage, analyzer: Analyzer) -> Result<StokesImage, Ou
     Ok(StokesImage {
         planes: state.into_iter().flat_map(component).collect(),
         variance: None,
+        layers: image.layers.clone(),
         metadata,
         width: image.width,
         height: image.height,

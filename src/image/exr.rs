@@ -11,6 +11,10 @@
 //! | bands, Stokes | `S0.550,000000nm` ... |
 //! | responses, Stokes | `S0.NAME` ... |
 //! | squared standard errors, if known | `variance.S0.R` ..., `variance.S0` ... |
+//! | layers, if there are any | `depth.Z`, `normal.X` ..., `material.id` ... |
+//!
+//! An image of a part of its film, which its metadata name, is the data window in the display
+//! window that the film is; `pixelAspectRatio` is theirs, too.
 //!
 //! Metadata are string attributes `sunstone.KEY`. Six keys are the format's own: `frame`,
 //! `handedness`, `wavelength_nm` (a float), `bands` (JSON), `responses` (JSON: the curves, each
@@ -33,10 +37,13 @@ use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, ChannelDescription, Compression, FlatImage,
-    FlatSamples, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, SampleType, Text,
+    FlatSamples, ImageAttributes, Layer as FileLayer, LayerAttributes, LineOrder, ReadChannels,
+    ReadLayers, SampleType, Text, Vec2,
 };
 
+use super::cut::{CROP, Cut, PIXEL_ASPECT};
 use super::error::OutputError;
+use super::layers::{Layer, LayerKind};
 use super::rows::{Frame, Rows};
 use super::{atomic, source};
 use crate::image::StokesImage;
@@ -75,6 +82,7 @@ pub fn write(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
     let list = names.into_iter().map(described).collect();
     let header = Header::new(Text::default(), (frame.width, frame.height), list)
         .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_shared_attributes(shared_attributes(image))
         .with_attributes(attributes(image, path)?);
     let mut refused = None;
     let written = atomic::write_with(path, |file| {
@@ -104,6 +112,8 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
     if frame.has_variance {
         channels.extend(names.iter().map(|name| variance_name(name)).zip(frame.planes()..));
     }
+    let layers = frame.layers.iter().flat_map(|kind| kind.channel_names());
+    channels.extend(layers.zip(frame.planes_of_light()..));
     channels.sort();
     channels
 }
@@ -112,9 +122,12 @@ fn channels(frame: &Frame) -> Vec<(String, usize)> {
 ///
 /// Alpha and other channels beside the known ones are left unread. 16-bit files are widened.
 pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
-    let bytes = source::read(path)?;
-    let malformed = |reason: String| OutputError::malformed(path, FORMAT, reason);
-    check_header(&bytes).map_err(malformed)?;
+    decode(&source::read(path)?).map_err(|reason| OutputError::malformed(path, FORMAT, reason))
+}
+
+/// The same from the bytes of a file; what is wrong with it otherwise.
+pub fn decode(bytes: &[u8]) -> Result<StokesImage, String> {
+    check_header(bytes)?;
     let file: FlatImage = read_with()
         .no_deep_data()
         .largest_resolution_level()
@@ -122,13 +135,12 @@ pub fn read(path: &Path) -> Result<StokesImage, OutputError> {
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(Cursor::new(&bytes))
-        .map_err(|error| malformed(error.to_string()))?;
-    let layer = match file.layer_data.as_slice() {
-        [layer] => layer,
-        layers => return Err(malformed(format!("it has {} parts, not one", layers.len()))),
-    };
-    assemble(layer).map_err(malformed)
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| error.to_string())?;
+    match file.layer_data.as_slice() {
+        [layer] => assemble(layer),
+        layers => Err(format!("it has {} parts, not one", layers.len())),
+    }
 }
 
 const RGB_NAMES: [&str; 3] = ["R", "G", "B"];
@@ -157,10 +169,35 @@ fn variance_name(name: &str) -> String {
     format!("variance.{name}")
 }
 
+/// The part of its film that an image shows, by its metadata; all of it if they do not say that.
+fn cut_of(image: &dyn Rows) -> Cut {
+    let Frame { width, height, .. } = image.frame();
+    let size = [width as u32, height as u32];
+    let cut = fact(image, CROP).and_then(Cut::from_text).filter(|cut| cut.size == size);
+    cut.unwrap_or(Cut::whole(size))
+}
+
+fn fact<'a>(image: &'a dyn Rows, name: &str) -> Option<&'a str> {
+    let mut facts = image.metadata().iter();
+    facts.find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+}
+
+/// The whole film, as what the image is a part of, and the shape of its pixels.
+fn shared_attributes(image: &dyn Rows) -> ImageAttributes {
+    let [width, height] = cut_of(image).film.map(|side| side as usize);
+    let mut attributes = ImageAttributes::with_size((width, height));
+    let aspect = fact(image, PIXEL_ASPECT).and_then(|text| text.parse().ok());
+    attributes.pixel_aspect = aspect.unwrap_or(1.0);
+    attributes
+}
+
 fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputError> {
     let text = |value: &str| Text::from_slice_unchecked(value.as_bytes());
     let software_name = Some(text(concat!("Sunstone ", env!("CARGO_PKG_VERSION"))));
-    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
+    let [x, y] = cut_of(image).start.map(|start| start as i32);
+    let layer_position = Vec2(x, y);
+    let mut attributes =
+        LayerAttributes { software_name, layer_position, ..LayerAttributes::default() };
     let other = &mut attributes.other;
     for (key, value) in image.metadata() {
         let name = format!("{KEY_PREFIX}{key}");
@@ -217,7 +254,7 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {
+fn assemble(layer: &FileLayer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {
     let attributes = &layer.attributes.other;
     let (width, height) = (layer.size.x(), layer.size.y());
     let list = &layer.channel_data.list;
@@ -243,8 +280,15 @@ fn assemble(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<StokesImage, Stri
         true => Some(variance_names.iter().map(plane).collect::<Result<Vec<_>, _>>()?),
         false => None,
     };
+    let is_whole = |kind: &LayerKind| kind.channel_names().all(|name| by_name.contains_key(&name));
+    let layer = |kind: LayerKind| {
+        let planes = kind.channel_names().map(|name| plane(&name)).collect::<Result<_, _>>()?;
+        Ok::<_, String>(Layer { kind, planes })
+    };
+    let kinds = LayerKind::ALL.into_iter().filter(is_whole);
+    let layers = kinds.map(layer).collect::<Result<Vec<_>, _>>()?;
     let metadata = metadata(attributes);
-    Ok(StokesImage { width, height, color, components, planes, variance, metadata })
+    Ok(StokesImage { width, height, color, components, planes, variance, layers, metadata })
 }
 
 /// What channels stand for, their components and names.

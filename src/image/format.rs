@@ -19,6 +19,8 @@ pub struct Format {
     pub summary: &'static str,
     /// Whether variances are kept.
     pub keeps_variance: bool,
+    /// Whether layers are kept.
+    pub keeps_layers: bool,
     /// Whether images of bands and of responses can be written.
     pub takes_many: bool,
     /// Writes an image.
@@ -35,6 +37,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "exr",
         summary: "OpenEXR, 32-bit float, with all Stokes components, variances and metadata.",
         keeps_variance: true,
+        keeps_layers: true,
         takes_many: true,
         write: Some(exr::write),
         read: Some(exr::read),
@@ -45,6 +48,7 @@ pub static FORMATS: [Format; 4] = [
         summary: "Radiance pictures NAME.S0.hdr to NAME.S3.hdr, S0 and S/S0 + 1, as Jarabo and \
                   Gutierrez 2016 store them, with 8 bits of precision.",
         keeps_variance: false,
+        keeps_layers: false,
         takes_many: false,
         write: Some(|image, path| hdr::write(&image.whole(), path)),
         read: Some(hdr::read),
@@ -54,6 +58,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "png",
         summary: "A preview: S0 alone, as sRGB, at exposure 0 unless that is black or white.",
         keeps_variance: false,
+        keeps_layers: false,
         takes_many: true,
         write: Some(|image, path| {
             let image = image.whole();
@@ -66,6 +71,7 @@ pub static FORMATS: [Format; 4] = [
         extension: "npy",
         summary: "A NumPy array of one wavelength; beside stokes.npy, stderr.npy if it is there.",
         keeps_variance: true,
+        keeps_layers: false,
         takes_many: false,
         write: None,
         read: Some(npy::read),
@@ -110,6 +116,11 @@ impl Format {
     /// What writes images of bands and of responses, if that can be.
     pub fn writes_many(&self) -> Option<Write> {
         self.write.filter(|_| self.takes_many)
+    }
+
+    /// What writes images and their layers, if these are kept.
+    pub fn writes_layers(&self) -> Option<Write> {
+        self.write.filter(|_| self.keeps_layers)
     }
 
     /// What writes images and their variances, if that is kept.

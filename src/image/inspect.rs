@@ -100,6 +100,11 @@ pub fn describe(image: &StokesImage) -> String {
             Some(variance) => relative_error(image, variance),
         },
     );
+    for layer in &image.layers {
+        for (name, plane) in layer.kind.channel_names().zip(&layer.planes) {
+            line(&name, range(plane));
+        }
+    }
     for (key, value) in &image.metadata {
         line(key, value.replace('\n', "\n               "));
     }

@@ -22,12 +22,14 @@
 pub mod analyzed;
 pub mod atomic;
 pub mod compare;
+pub mod cut;
 pub mod error;
 pub mod exr;
 mod font;
 pub mod format;
 pub mod hdr;
 pub mod inspect;
+pub mod layers;
 mod legend;
 pub mod live;
 pub mod mosaic;
@@ -53,6 +55,7 @@ pub use source::read_bytes;
 pub use stokes_image::StokesImage;
 
 use format::named_by;
+use layers::Layer;
 use rows::Rows;
 
 /// Writes an image in the format that the extension names ([`format::FORMATS`]).
@@ -94,6 +97,13 @@ fn check_shape(image: &StokesImage) -> Result<(), &'static str> {
     }
     if !whole(&image.planes) || !image.variance.as_deref().is_none_or(whole) {
         return Err("the planes of the image do not match its size");
+    }
+    let fits = |layer: &Layer| {
+        let is_whole = layer.planes.iter().all(|plane| plane.len() == pixels);
+        layer.planes.len() == layer.kind.channels().len() && is_whole
+    };
+    if !image.layers.iter().all(fits) {
+        return Err("the layers of the image do not match its size");
     }
     Ok(())
 }

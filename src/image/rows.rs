@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use super::StokesImage;
+use super::layers::LayerKind;
 use crate::spectrum::Color;
 
 /// What an image consists of.
@@ -19,6 +20,8 @@ pub struct Frame {
     pub components: usize,
     /// Whether the squared standard error of every value is known.
     pub has_variance: bool,
+    /// What is known of pixels besides their light.
+    pub layers: Vec<LayerKind>,
 }
 
 impl Frame {
@@ -27,9 +30,15 @@ impl Frame {
         self.components * self.color.channels()
     }
 
-    /// Numbers of a row: its values, and their variances if they are known.
+    /// Planes of values and, if they are known, of variances.
+    pub fn planes_of_light(&self) -> usize {
+        self.planes() * if self.has_variance { 2 } else { 1 }
+    }
+
+    /// Numbers of a row: its values, their variances if they are known, and its layers.
     pub fn numbers_of_row(&self) -> usize {
-        self.planes() * self.width * if self.has_variance { 2 } else { 1 }
+        let of_layers: usize = self.layers.iter().map(|kind| kind.channels().len()).sum();
+        (self.planes_of_light() + of_layers) * self.width
     }
 }
 
@@ -43,7 +52,7 @@ pub trait Rows: Sync {
 
     /// Writes the numbers of row `y`, counted from the top, to `numbers`, which has room for
     /// [`Frame::numbers_of_row`]: plane by plane in the order of [`StokesImage::planes`], each from
-    /// the left, then the variances likewise.
+    /// the left, then the variances likewise, then the channels of the layers.
     fn row(&self, y: usize, numbers: &mut [f32]);
 
     /// The whole image: its own planes if it has them, else new ones.

@@ -7,6 +7,7 @@ use crate::math::text::{excerpt, listed};
 use crate::spectrum::{Color, RGB_WAVELENGTHS_NM, rgb_of_bands};
 
 use super::exr::WAVELENGTH_UNSTATED_NM;
+use super::layers::{self, Layer};
 use super::rows::{Frame, Rows};
 use super::{OutputError, analyzed, check_shape};
 use crate::polarization::Analyzer;
@@ -33,6 +34,8 @@ pub struct StokesImage {
     pub planes: Vec<Vec<f32>>,
     /// Squared standard error of every value, in the layout of `planes`.
     pub variance: Option<Vec<Vec<f32>>>,
+    /// What is known of pixels besides their light: what the camera sees first.
+    pub layers: Vec<Layer>,
     /// Facts about the render (integrator, seed, ...; the program adds scene, command and seconds),
     /// in the order in which they are shown.
     pub metadata: Vec<(String, String)>,
@@ -42,7 +45,8 @@ impl StokesImage {
     /// A black image.
     pub fn new(width: usize, height: usize, color: Color, components: usize) -> Self {
         let planes = vec![vec![0.0; width * height]; components * color.channels()];
-        Self { width, height, color, components, planes, variance: None, metadata: Vec::new() }
+        let (variance, layers, metadata) = (None, Vec::new(), Vec::new());
+        Self { width, height, color, components, planes, variance, layers, metadata }
     }
 
     /// Height, width, channels and Stokes components: the shape of [`StokesImage::to_array`].
@@ -88,16 +92,22 @@ impl StokesImage {
         self.metadata.iter().find(|(key, _)| key == CHANNEL).map(|(_, name)| name.as_str())
     }
 
-    /// The image of the channel that has a name, as of light of one wavelength: that which
+    /// The image of the channel of a layer, or of that which has a name, as of light of one
+    /// wavelength: that which
     /// the channel stands for, which is the center of a band, the mean of a response, and of red,
     /// green and blue that at which indices of refraction are taken.
     ///
     /// # Errors
     /// When no channel has it.
     pub fn at_channel(&self, name: &str) -> Result<Self, OutputError> {
+        if let Some(plane) = layers::plane(&self.layers, name) {
+            return Ok(self.of_layer(plane).called(name));
+        }
         let names = self.channel_names();
         let Some(channel) = names.iter().position(|known| known == name) else {
-            let (name, known) = (excerpt(name, NAME), listed(&names));
+            let layers = self.layers.iter().flat_map(|layer| layer.kind.channel_names());
+            let known: Vec<String> = names.iter().cloned().chain(layers).collect();
+            let (name, known) = (excerpt(name, NAME), listed(&known));
             return Err(OutputError::NoChannel { name, known });
         };
         let colors = RGB_WAVELENGTHS_NM.get(channel).copied();
@@ -113,6 +123,13 @@ impl StokesImage {
         self
     }
 
+    /// A plane of a layer as intensities.
+    fn of_layer(&self, plane: &[f32]) -> Self {
+        let color = Color::Mono { wavelength_nm: WAVELENGTH_UNSTATED_NM };
+        let (planes, metadata) = (vec![plane.to_vec()], self.metadata.clone());
+        Self { planes, metadata, ..Self::new(self.width, self.height, color, 1) }
+    }
+
     fn of_channel(&self, channel: usize, wavelength_nm: f32) -> Self {
         let channels = self.color.channels();
         let of_channel = |planes: &Vec<Vec<f32>>| -> Vec<Vec<f32>> {
@@ -125,6 +142,7 @@ impl StokesImage {
             components: self.components,
             planes: of_channel(&self.planes),
             variance: self.variance.as_ref().map(of_channel),
+            layers: Vec::new(),
             metadata: self.metadata.clone(),
         }
     }
@@ -164,6 +182,7 @@ impl StokesImage {
             components: self.components,
             planes: self.planes.chunks(channels).flat_map(mixed).collect(),
             variance: None,
+            layers: Vec::new(),
             metadata: self.metadata.clone(),
         })
     }
@@ -214,7 +233,8 @@ impl Rows for StokesImage {
     fn frame(&self) -> Frame {
         let Self { width, height, components, .. } = *self;
         let (color, has_variance) = (self.color.clone(), self.variance.is_some());
-        Frame { width, height, color, components, has_variance }
+        let layers = self.layers.iter().map(|layer| layer.kind).collect();
+        Frame { width, height, color, components, has_variance, layers }
     }
 
     fn metadata(&self) -> &[(String, String)] {
@@ -222,7 +242,8 @@ impl Rows for StokesImage {
     }
 
     fn row(&self, y: usize, numbers: &mut [f32]) {
-        let planes = self.planes.iter().chain(self.variance.iter().flatten());
+        let layers = self.layers.iter().flat_map(|layer| &layer.planes);
+        let planes = self.planes.iter().chain(self.variance.iter().flatten()).chain(layers);
         for (numbers, plane) in numbers.chunks_exact_mut(self.width).zip(planes) {
             numbers.copy_from_slice(&plane[y * self.width..][..self.width]);
         }

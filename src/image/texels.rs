@@ -1,13 +1,15 @@
-//! Pictures that surfaces are painted with, as they come: PNG, JPEG, WebP and OpenEXR. Values keep
-//! the width that their file has, and color profiles are ignored, as glTF asks for.
+//! Pictures that surfaces are painted with, and of what is around scenes, as they come: PNG, JPEG,
+//! WebP, OpenEXR and Radiance. Values of the first three keep the width that their file has, and
+//! color profiles are ignored, as glTF asks for.
 
 use std::fmt;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use exr::prelude as exr_files;
+use ::exr::prelude as exr_files;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
+use super::{StokesImage, exr, rgbe};
 use crate::math::elementary::pow;
 
 /// Most columns and rows of a picture.
@@ -52,6 +54,10 @@ impl fmt::Debug for Texels {
     }
 }
 
+/// What the bytes of two formats start with.
+const OPENEXR: &[u8] = b"\x76\x2f\x31\x01";
+const RADIANCE: &[u8] = b"#?R";
+
 /// Formats that are known by name and not read, with the bytes that they start with.
 const UNREAD: [(&[u8], &str); 6] = [
     (b"\xabKTX 20", "KTX2, which is mostly Basis Universal"),
@@ -68,9 +74,14 @@ impl Texels {
     /// # Errors
     /// What is wrong, and the way to mend it.
     pub fn decode(bytes: &[u8]) -> Result<Self, [String; 2]> {
-        const FORMATS: &str = "save it as PNG, JPEG, WebP or OpenEXR";
+        const FORMATS: &str = "save it as PNG, JPEG, WebP, OpenEXR or Radiance HDR";
         let told = |problem: String| [problem, FORMATS.to_owned()];
-        if bytes.starts_with(b"\x76\x2f\x31\x01") {
+        if bytes.starts_with(RADIANCE) {
+            let told = |problem| [format!("is a Radiance picture, and {problem}"), FORMATS.into()];
+            let picture = rgbe::decode(bytes).map_err(told)?;
+            return Ok(Self::of_colors(picture.width, picture.pixels));
+        }
+        if bytes.starts_with(OPENEXR) {
             return Self::decode_exr(bytes)
                 .map_err(|error| told(format!("is an OpenEXR file that cannot be read: {error}")));
         }
@@ -113,22 +124,57 @@ impl Texels {
         Self { width, height, channels, values }
     }
 
-    fn decode_exr(bytes: &[u8]) -> Result<Self, exr::error::Error> {
+    /// Linear ones of red, green and blue, in rows of a width.
+    pub fn of_colors(width: usize, colors: Vec<[f32; 3]>) -> Self {
+        let height = (colors.len() / width) as u32;
+        let values = Values::Floats(colors.into_flattened());
+        Self { width: width as u32, height, channels: 3, values }
+    }
+
+    /// The Stokes vectors of the bytes of a file, if they are OpenEXR with those, as films are
+    /// written.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn stokes_vectors(bytes: &[u8]) -> Result<Option<StokesImage>, String> {
+        Self::has_stokes_vectors(bytes).then(|| exr::decode(bytes)).transpose()
+    }
+
+    fn has_stokes_vectors(bytes: &[u8]) -> bool {
+        if !bytes.starts_with(OPENEXR) {
+            return false;
+        }
+        let Ok(meta) = exr_files::MetaData::read_from_buffered(Cursor::new(bytes), false) else {
+            return false;
+        };
+        let channels = meta.headers.iter().flat_map(|header| &header.channels.list);
+        channels.map(|channel| channel.name.to_string()).any(|name| {
+            let name = name.rsplit_once('.').map_or(name.as_str(), |(layer, _)| layer);
+            ["S1", "S2", "S3"].contains(&name)
+        })
+    }
+
+    fn decode_exr(bytes: &[u8]) -> Result<Self, exr_files::Error> {
         use exr_files::{ReadChannels, ReadLayers};
         let image = exr_files::read()
             .no_deep_data()
             .largest_resolution_level()
             .rgba_channels(
-                |size, _| Self {
-                    width: size.width() as u32,
-                    height: size.height() as u32,
-                    channels: 4,
-                    values: Values::Floats(vec![0.0; 4 * size.width() * size.height()]),
+                |size, (_, _, _, alpha)| {
+                    let channels = if alpha.is_some() { 4 } else { 3 };
+                    Self {
+                        width: size.width() as u32,
+                        height: size.height() as u32,
+                        channels,
+                        values: Values::Floats(vec![0.0; channels * size.width() * size.height()]),
+                    }
                 },
                 |texels, place, (red, green, blue, alpha): (f32, f32, f32, f32)| {
-                    let at = 4 * (place.y() * texels.width as usize + place.x());
+                    let count = texels.channels;
+                    let at = count * (place.y() * texels.width as usize + place.x());
                     if let Values::Floats(values) = &mut texels.values {
-                        values[at..at + 4].copy_from_slice(&[red, green, blue, alpha]);
+                        let texel = [red, green, blue, alpha];
+                        values[at..at + count].copy_from_slice(&texel[..count]);
                     }
                 },
             )

@@ -69,6 +69,9 @@ impl Schedule for Bdpt {
         }
         store_vertices(workspace, scene, chunk);
         splat_vertices(workspace, scene, chunk, STRATEGY);
+        if !chunk.is_seen {
+            return;
+        }
 
         SensorWalk::start(workspace, scene, chunk, light_paths(scene));
         walk::<SensorWalk, N, M>(workspace, scene, chunk, STRATEGY, |workspace, path_length| {

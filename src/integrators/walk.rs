@@ -253,7 +253,7 @@ fn arrive<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         }
         partition_paths(sorted, sorted_hits, partition, paths, hits, scene);
         resolve_surfaces(surfaces, sorted_hits, &sorted.rays, 0..sorted.len, &scene.shapes);
-        paint_surfaces(surfaces, models, sorted_hits, scene, (S::SIDE, sorted.len));
+        paint_surfaces(surfaces, models, (sorted_hits, sorted), scene, S::SIDE);
         if strategy == Strategy::Bidirectional {
             let from_infinity = path_length == 1 && S::comes_from_infinity(scene);
             weigh_arrival(sorted, sorted_hits, surfaces, (scene, partition), from_infinity);
@@ -288,7 +288,7 @@ fn depart<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
     let WalkTables { surfaces, partition, departures, .. } = walk;
     let DepartureColumns { direction, kernels } = departures;
     profile.time(Stage::Mueller, || S::apply_kernels(sorted, kernels, partition, scene));
-    profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces));
+    profile.time(Stage::Advance, || advance_paths(sorted, direction, surfaces, scene));
     tables.swap(0, 1);
     true
 }

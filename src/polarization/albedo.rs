@@ -14,6 +14,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
+use crate::math::elementary::{exp, ln};
 use crate::math::{F32s, LANES, Vector, lanes};
 
 use super::fresnel;
@@ -26,8 +27,11 @@ const ALPHAS: usize = 32;
 /// Points of the quadrature: turns over a half circle (the other mirrors it), and heights.
 const TURNS: usize = 16;
 const HEIGHTS: usize = 32;
-/// Most coats that are kept.
-const COATS_MAX: usize = 1000;
+/// Most tables that are kept of dielectrics.
+const TABLES_MAX: usize = 1000;
+/// Steps of the logarithm of indices of refraction: those of paths differ from iteration to
+/// iteration.
+const STEP_OF_IOR: f32 = 1e-3;
 
 /// The albedo of facets of one roughness, by the cosine of the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +45,8 @@ pub struct Albedo {
 impl Albedo {
     /// Of facets that reflect all light.
     pub fn of_facets(distribution: Distribution, alpha: f32) -> Self {
-        static OF_GGX: Table = Table::new(Distribution::Ggx, None);
-        static OF_BECKMANN: Table = Table::new(Distribution::Beckmann, None);
+        static OF_GGX: Table = Table::new(Distribution::Ggx, Of::Mirrors);
+        static OF_BECKMANN: Table = Table::new(Distribution::Beckmann, Of::Mirrors);
         match distribution {
             Distribution::Ggx => OF_GGX.at(alpha),
             Distribution::Beckmann => OF_BECKMANN.at(alpha),
@@ -56,25 +60,15 @@ impl Albedo {
 
     /// The same of any distribution.
     pub fn of_dielectric(distribution: Distribution, ior: f32, alpha: f32) -> Self {
-        static COATS: Mutex<BTreeMap<CoatKey, Arc<Table>>> = Mutex::new(BTreeMap::new());
-        let key = (distribution == Distribution::Beckmann, ior.to_bits());
-        let found = || {
-            let mut coats = COATS.lock().expect("no thread panics while it holds the lock");
-            if coats.len() >= COATS_MAX {
-                coats.clear();
-            }
-            let new = || Arc::new(Table::new(distribution, Some(ior)));
-            Arc::clone(coats.entry(key).or_insert_with(new))
-        };
-        thread_local! {
-            /// What this thread has asked for last: it asks again at every hit of a picture.
-            static LAST: RefCell<Option<(CoatKey, Arc<Table>)>> = const { RefCell::new(None) };
-        }
-        let last = LAST.with_borrow(|last| last.clone().filter(|(of, _)| *of == key));
-        let table = last.map_or_else(found, |(_, table)| table);
-        LAST.set(Some((key, Arc::clone(&table))));
-        // No lock is held while it is computed.
-        table.at(alpha)
+        Table::shared(distribution, Of::Coat { ior }).at(alpha)
+    }
+
+    /// Of facets of a dielectric of this index of refraction, relative to what is on the side that
+    /// light comes from: what they reflect and let through. The index counts to a thousandth.
+    pub fn of_glass(distribution: Distribution, ior: f32, alpha: f32) -> Self {
+        let steps = (ln(ior) / STEP_OF_IOR).round();
+        let ior = exp(steps * STEP_OF_IOR);
+        Table::shared(distribution, Of::Glass { ior }).at(alpha)
     }
 
     /// The same with a share of the reflectance.
@@ -114,28 +108,65 @@ pub fn mean_over_cosines(of: impl Fn(F32s) -> F32s) -> f32 {
     sum.sum()
 }
 
-/// Tells coats apart: whether they are Beckmann's, and their indices of refraction.
-type CoatKey = (bool, u32);
+/// What facets are of.
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    /// What reflects all light.
+    Mirrors,
+    /// A dielectric of this index of refraction, of which what is reflected counts.
+    Coat { ior: f32 },
+    /// A dielectric of this index of refraction, of which what is let through counts, too.
+    Glass { ior: f32 },
+}
+
+/// Tells tables apart.
+type Key = (bool, bool, u32);
 
 /// The albedo of facets of any roughness, integrated where it is asked for.
 struct Table {
     distribution: Distribution,
-    /// Index of refraction of a coat.
-    ior: Option<f32>,
+    of: Of,
     /// Terms at the roughnesses of the grid.
     rows: [OnceLock<[f32; TERMS]>; ALPHAS + 1],
 }
 
 impl Table {
-    const fn new(distribution: Distribution, ior: Option<f32>) -> Self {
-        Self { distribution, ior, rows: [const { OnceLock::new() }; ALPHAS + 1] }
+    const fn new(distribution: Distribution, of: Of) -> Self {
+        Self { distribution, of, rows: [const { OnceLock::new() }; ALPHAS + 1] }
+    }
+
+    /// The one that all ask.
+    fn shared(distribution: Distribution, of: Of) -> Arc<Self> {
+        static TABLES: Mutex<BTreeMap<Key, Arc<Table>>> = Mutex::new(BTreeMap::new());
+        thread_local! {
+            /// What this thread has asked for last: it asks again at every hit of a picture.
+            static LAST: RefCell<Option<(Key, Arc<Table>)>> = const { RefCell::new(None) };
+        }
+        let (passes, ior) = match of {
+            Of::Mirrors => (false, 0.0),
+            Of::Coat { ior } => (false, ior),
+            Of::Glass { ior } => (true, ior),
+        };
+        let key = (distribution == Distribution::Beckmann, passes, ior.to_bits());
+        let last = LAST.with_borrow(|last| last.clone().filter(|(of, _)| *of == key));
+        let found = || {
+            let mut tables = TABLES.lock().expect("no thread panics while it holds the lock");
+            if tables.len() >= TABLES_MAX {
+                tables.clear();
+            }
+            Arc::clone(tables.entry(key).or_insert_with(|| Arc::new(Self::new(distribution, of))))
+        };
+        let table = last.map_or_else(found, |(_, table)| table);
+        LAST.set(Some((key, Arc::clone(&table))));
+        // No lock is held while it is computed.
+        table
     }
 
     fn row(&self, row: usize) -> &[f32; TERMS] {
         self.rows[row].get_or_init(|| {
             let root = row as f32 / ALPHAS as f32;
             let (alpha, of) = (root * root, self.distribution);
-            let values = roots().map(|root| integrate(of, self.ior, alpha, root * root));
+            let values = roots().map(|root| integrate(of, self.of, alpha, root * root));
             let term = |row: [f64; TERMS]| row.iter().zip(&values).map(|(a, b)| a * b).sum::<f64>();
             vandermonde_inverse().map(|row| term(row) as f32)
         })
@@ -181,9 +212,9 @@ fn vandermonde_inverse() -> [[f64; TERMS]; TERMS] {
     inverse
 }
 
-/// The share of light of the cosine `cos` that facets reflect: its mean over the directions that
-/// are drawn.
-fn integrate(distribution: Distribution, ior: Option<f32>, alpha: f32, cos: f64) -> f64 {
+/// The share of light of the cosine `cos` that facets reflect, or let through: its mean over the
+/// directions that are drawn.
+fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
     let none = F32s::splat(0.0);
     let is_beckmann = distribution == Distribution::Beckmann;
     let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
@@ -197,20 +228,41 @@ fn integrate(distribution: Distribution, ior: Option<f32>, alpha: f32, cos: f64)
         let (height, weight) = (F32s::splat(1.0 - left * left), F32s::splat(2.0 * left));
         for turn in (0..TURNS).step_by(LANES) {
             let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / TURNS as f32);
-            let drawn = facets.draw(normal, given, [F32s::from(turns), height]);
+            let u = [F32s::from(turns), height];
+            let drawn = facets.draw(normal, given, u);
             let pdf = facets.pdf(normal, given, drawn);
             let reflection = facets.reflect(normal, given, drawn);
-            let reflectance = match ior {
-                Some(ior) => {
+            let reflectance = match of {
+                Of::Mirrors => F32s::splat(1.0),
+                Of::Coat { ior } | Of::Glass { ior } => {
                     fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
                 }
-                None => F32s::splat(1.0),
             };
             let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
             sum += f64::from((pdf.simd_gt(none) & (weight * share)).reduce_add());
+            if let Of::Glass { ior } = of {
+                let passed = passed(&facets, normal, (given, u), F32s::splat(ior));
+                sum += f64::from((weight * passed).reduce_add());
+            }
         }
     }
     sum / (HEIGHTS * TURNS) as f64
+}
+
+/// The share of light that goes through facets that are drawn by `u`.
+fn passed(
+    facets: &Facets,
+    normal: Vector<F32s>,
+    (given, u): (Vector<F32s>, [F32s; 2]),
+    ior: F32s,
+) -> F32s {
+    let half = facets.draw_half(normal, given, u);
+    let cos = given.dot(half);
+    let (reflectance, cos_t) = fresnel::dielectric_reflectance(cos, ior);
+    let drawn = half * (cos / ior - cos_t) - given * (F32s::splat(1.0) / ior);
+    let refraction = facets.refract(normal, given, drawn, ior);
+    let share = refraction.value * ior * ior * -drawn.dot(normal) / refraction.pdf;
+    refraction.pdf.simd_gt(F32s::splat(0.0)) & (share * (F32s::splat(1.0) - reflectance))
 }
 
 #[cfg(test)]
@@ -226,16 +278,16 @@ mod tests {
         for alpha in [0.213, 0.47, 0.83] {
             for cos in [0.1, 0.35, 0.7, 1.0] {
                 let pairs = [
-                    (Albedo::of_facets(Distribution::Ggx, alpha), Distribution::Ggx, None),
+                    (Albedo::of_facets(Distribution::Ggx, alpha), Distribution::Ggx, Of::Mirrors),
                     (
                         Albedo::of_facets(Distribution::Beckmann, alpha),
                         Distribution::Beckmann,
-                        None,
+                        Of::Mirrors,
                     ),
-                    (Albedo::of_coat(1.5, alpha), Distribution::Ggx, Some(1.5)),
+                    (Albedo::of_coat(1.5, alpha), Distribution::Ggx, Of::Coat { ior: 1.5 }),
                 ];
-                for (albedo, distribution, ior) in pairs {
-                    let expected = integrate(distribution, ior, alpha, f64::from(cos));
+                for (albedo, distribution, of) in pairs {
+                    let expected = integrate(distribution, of, alpha, f64::from(cos));
                     let found = f64::from(at(&albedo, cos));
                     assert!((found - expected).abs() < 4e-3, "{alpha} {cos}: {found} {expected}");
                 }

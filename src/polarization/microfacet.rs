@@ -12,6 +12,17 @@
 //! with Smith's masking and shadowing of facets of one height, `G2 = 1 / (1 + L(i) + L(o))`
 //! (Heitz 2014, "Understanding the masking-shadowing function", equation 99).
 //!
+//! Light that goes through leaves below, by facets whose normal is `h = -(i + n o)`, made a unit
+//! vector and turned to the side of i, where n is the index of refraction below over that above
+//! (equation 21 there, but for the square of the index that radiance grows with):
+//!
+//! ```text
+//! f = |i h| |o h| D(h) G1(i) G1(o) / (|cos i| |cos o| (i h + n o h)^2)
+//! ```
+//!
+//! Masking at the two ends is taken for independent there: facets that are high are hidden more
+//! often on one side of the surface, and less often on the other.
+//!
 //! Half vectors are drawn among the facets that are seen from i, of the distribution of Trowbridge
 //! and Reitz (GGX; Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps").
 //! Beckmann's facets are drawn by that of the same roughness, too: it has the longer tail, and the
@@ -78,6 +89,21 @@ pub struct FacetReflection {
     pub cosines: [F32s; 2],
 }
 
+/// A refraction by facets.
+#[derive(Clone, Copy, Debug)]
+pub struct FacetRefraction {
+    /// Their normal, on the side of the given direction.
+    pub half: Vector<F32s>,
+    /// The cosine of incidence on them, 0 to 1.
+    pub cos_half: F32s,
+    /// What they let through of a surface that reflects nothing, per steradian, for radiance that
+    /// arrives along the drawn direction; zero where the two are not on two sides of the surface,
+    /// or facets do not refract one to the other.
+    pub value: F32s,
+    /// The density of drawing the direction where all light goes through.
+    pub pdf: F32s,
+}
+
 /// Keeps denominators off zero that only directions within the surface would make so.
 const TINY: f32 = 1e-12;
 
@@ -140,10 +166,63 @@ impl Facets {
         half.mul_add(twice, -given).normalize()
     }
 
+    /// Light between the direction `given` above the surface of the unit `normal` and `drawn` below
+    /// it, with the index of refraction `eta` below over that above.
+    #[inline(always)]
+    pub fn refract(
+        &self,
+        normal: Vector<F32s>,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        eta: F32s,
+    ) -> FacetRefraction {
+        let zero = F32s::splat(0.0);
+        let sum = drawn * eta + given;
+        let length2 = sum.length_squared().fast_max(F32s::splat(TINY * TINY));
+        let half = sum * (F32s::splat(1.0) / length2.sqrt());
+        let half = Vector::select(half.dot(normal).simd_lt(zero), -half, half);
+        let (cos_given, below) = (given.dot(normal), -drawn.dot(normal));
+        let [given_half, drawn_half] = [given, drawn].map(|v| v.dot(half));
+        let passes = cos_given.simd_gt(zero)
+            & below.simd_gt(zero)
+            & given_half.simd_gt(zero)
+            & drawn_half.simd_lt(zero);
+        let (cos, sin2) = cos_and_sin2(normal, half);
+        let ggx = self.ggx(cos, sin2);
+        // G1 of GGX.
+        let seen =
+            |cos: F32s| (cos + cos) / (cos + self.slope_length(cos)).fast_max(F32s::splat(TINY));
+        let of_given = seen(cos_given);
+        let mut spread = ggx * of_given * seen(below);
+        if self.beckmann.any() {
+            let one = F32s::splat(1.0);
+            let seen = |cos: F32s| one / (one + beckmann_lambda(self.alpha, cos));
+            let beckmann = self.beckmann(cos, sin2) * seen(cos_given) * seen(below);
+            spread = Real::select(self.beckmann, beckmann, spread);
+        }
+        // The sum's length is that of its part along the normal of the facets.
+        let turned = given_half * -drawn_half / length2;
+        let value = turned * spread / (cos_given * below).fast_max(F32s::splat(TINY));
+        // Facets that are seen have the density D G1(i) (i h) / cos i, and o the n^2 |o h| / (..)^2
+        // of theirs.
+        let pdf = turned * (eta * eta) * ggx * of_given / cos_given.fast_max(F32s::splat(TINY));
+        FacetRefraction {
+            half,
+            cos_half: given_half.fast_max(zero).fast_min(F32s::splat(1.0)),
+            value: passes & value,
+            pdf: passes & pdf,
+        }
+    }
+
     /// Draws the normal of a facet that is seen from `given`: facets of a surface that is stretched
     /// by the reciprocal of the roughness are those of a hemisphere.
     #[inline(always)]
-    fn draw_half(&self, normal: Vector<F32s>, given: Vector<F32s>, u: [F32s; 2]) -> Vector<F32s> {
+    pub fn draw_half(
+        &self,
+        normal: Vector<F32s>,
+        given: Vector<F32s>,
+        u: [F32s; 2],
+    ) -> Vector<F32s> {
         let one = F32s::splat(1.0);
         let stretch = |v: Vector<F32s>| {
             let along = normal * v.dot(normal);

@@ -47,6 +47,6 @@ pub use fresnel::{
     Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,
 };
 pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
-pub use microfacet::{ALPHA_MIN, Distribution, FacetReflection, Facets};
+pub use microfacet::{ALPHA_MIN, Distribution, FacetReflection, FacetRefraction, Facets};
 pub use physical::physical;
 pub use stokes::Stokes;

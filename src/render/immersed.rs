@@ -55,10 +55,13 @@ pub fn names_of_emitters<const N: usize>(
         match model {
             EmitterModel::Triangle(it) => of_primitive(it.primitive),
             EmitterModel::Sphere(it) => of_primitive(it.primitive),
-            EmitterModel::Point(_) | EmitterModel::Spot(_) => {
+            EmitterModel::Point(_) | EmitterModel::Luminaire(_) | EmitterModel::Spot(_) => {
                 lamps.next().map(|name| (surfaces.len() + row, name))
             }
-            EmitterModel::Directional(_) | EmitterModel::Environment(_) => None,
+            EmitterModel::Directional(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Environment(_)
+            | EmitterModel::Panorama(_) => None,
         }
     };
     let emitters = scene.optics.emitters.iter().enumerate();

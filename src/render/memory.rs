@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::image::cut::Cut;
 use crate::math::text::counted;
 use crate::scene::World;
 use crate::scene::baked::Shapes;
@@ -39,10 +40,16 @@ const BLOCKS_MAX: u32 = 32;
 
 /// Refuses a film, and photons, that the memory does not hold; none where the system does not tell.
 pub fn check_memory(options: &Options, film: [u32; 2]) -> Result<(), MemoryError> {
+    check_memory_of_cut(options, Cut::whole(film))
+}
+
+/// The same of a part of a film.
+pub fn check_memory_of_cut(options: &Options, cut: Cut) -> Result<(), MemoryError> {
+    let Cut { film, size, .. } = cut;
     let light_paths = if options.shoots_photons() { options.photons.light_paths(film) } else { 0 };
-    let of_film = bytes_of_film(options, film);
+    let of_film = bytes_of_film(options, size);
     let of_photons = bytes_of_photons(options, light_paths);
-    let [width, height] = film;
+    let [width, height] = size;
     let mut what = format!("a film of {width} x {height} pixels");
     if of_photons > 0 {
         let photons = light_paths as usize;

@@ -5,6 +5,7 @@
 pub mod doubts;
 mod facts;
 mod immersed;
+mod layers;
 pub mod memory;
 mod photon_pass;
 mod place;

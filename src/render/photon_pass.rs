@@ -80,7 +80,8 @@ impl<const N: usize> PhotonPass<N> {
     pub fn new(scene: &Scene<N>, passes: Passes, polarized: bool) -> Self {
         // In time: threads that merge could not find them together.
         scene.rims();
-        let is_chromatic = scene.events_present().any(|event| !event.achromatic);
+        let is_chromatic = scene.optics.states.is_chromatic
+            || scene.events_present().any(|event| !event.achromatic);
         let class_of = |map: usize| {
             let mut events = scene.events_present().filter(|event| map_of(event.met) == map);
             if !(polarized && events.any(|event| event.keeps_polarized())) {
@@ -342,5 +343,6 @@ fn chunk(settings: &Resolved, shot: Shot, first_path: u32, paths: u32) -> Chunk 
         roulette_after: [1; 2],
         sampling: settings.sampling,
         sequence: Sequence::Shared,
+        is_seen: true,
     }
 }

@@ -3,7 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
+use crate::film::filter::Filter;
+use crate::film::layout::{Crop, Layout};
 use crate::geometry::Accelerator;
+use crate::image::cut::Cut;
+use crate::image::layers::LayerKind;
 use crate::integrators::Integrator;
 use crate::math::text::counted;
 use crate::scattering::boundaries::{Doubt, settle};
@@ -18,6 +22,7 @@ use crate::spectrum::{Beyond, Carried, Responses, White};
 
 use super::RenderError;
 use super::immersed::{immersed, names_of_emitters};
+use super::layers::{SeenFirst, layers};
 use super::memory::{check_tree, check_world};
 use super::resolved::{Resolved, Rule, blindness};
 use super::sets::{Sets, Spectra};
@@ -56,7 +61,7 @@ struct Ground {
 const KEPT_MAX: usize = 16;
 
 /// A scene of so many columns, with what these are and with its film.
-type Kept<const N: usize> = (Key, [u32; 2], Sets<N>);
+type Kept<const N: usize> = (Key, Layout, Sets<N>);
 
 /// What light is carried at, by which white, what spectra say beyond their ends, and how the film
 /// of a spectral render responds.
@@ -154,6 +159,44 @@ impl PlacedWorld {
         film_size(options, &self.0.camera)
     }
 
+    /// The film: its size, which of its pixels are rendered, and how they see.
+    ///
+    /// # Errors
+    /// When such a film could not be counted or stored, or the part is none of it.
+    pub fn film(&self, options: &Options) -> Result<Layout, SettingsError> {
+        film(options, &self.0.camera)
+    }
+
+    /// What the camera of a film sees first.
+    ///
+    /// # Errors
+    /// When there is no such film, or the world cannot be seen in RGB, which colors of layers are.
+    pub(super) fn seen_first(&self, settings: &Settings) -> Result<SeenFirst, RenderError> {
+        if settings.layers.is_empty() {
+            return Ok(SeenFirst::default());
+        }
+        let film = self.film(settings)?;
+        let carried = Carried::RGB.beyond(settings.beyond());
+        let scene = self.fixed(&self.0.rgb, Columns::Rgb, carried, film)?.scene;
+        let layers = layers(&scene, &settings.layers, settings.seed);
+        let [materials, objects] = self.0.world.own_names();
+        let names = |kind: LayerKind| {
+            let names = match kind {
+                LayerKind::Material => &materials[..],
+                LayerKind::Object => &objects[..],
+                LayerKind::Depth
+                | LayerKind::Normal
+                | LayerKind::Albedo
+                | LayerKind::Position
+                | LayerKind::Uv => return None,
+            };
+            let key = kind.names_key()?.to_owned();
+            Some((key, serde_json::Value::from(names).to_string()))
+        };
+        let names = settings.layers.iter().filter_map(|kind| names(*kind)).collect();
+        Ok(SeenFirst { layers, names })
+    }
+
     /// In words: what of the world is not rendered as it was described, the coefficients that its
     /// media compute, in RGB, the media that the camera and the emitters are in, and which
     /// integrator suits it.
@@ -164,7 +207,7 @@ impl PlacedWorld {
         let Placed { world, ground, .. } = &*self.0;
         let warnings = ground.shapes.warnings.iter().map(|warning| format!("warning: {warning}\n"));
         let options = Options { integrator: Some(Integrator::Path), ..Options::default() };
-        let film = self.film_size(&options).unwrap_or([1, 1]);
+        let film = self.film(&options).unwrap_or(Layout::plain([1, 1]));
         let scene = self.fixed(&self.0.rgb, Columns::Rgb, Carried::RGB, film)?.scene;
         let media = match world.media_names().is_empty() {
             true => String::new(),
@@ -188,7 +231,7 @@ impl PlacedWorld {
     /// # Errors
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
-        let film = self.film_size(settings)?;
+        let film = self.film(settings)?;
         let notes = self.with_scene(settings, film, Notes { world: &self.0.world, settings })?;
         let put_in = self.world().put_in().iter().map(|it| it.note.clone());
         Ok(put_in.chain(notes).collect())
@@ -199,7 +242,7 @@ impl PlacedWorld {
     /// # Errors
     /// As [`PlacedWorld::notes`].
     pub fn lacks(&self, settings: &Resolved) -> Result<Vec<String>, RenderError> {
-        let film = self.film_size(settings)?;
+        let film = self.film(settings)?;
         self.with_scene(settings, film, Lacks { world: &self.0.world, settings })
     }
 
@@ -207,7 +250,7 @@ impl PlacedWorld {
     pub(super) fn with_scene<W: WithScene>(
         &self,
         settings: &Settings,
-        film: [u32; 2],
+        film: Layout,
         work: W,
     ) -> Result<W::Output, RenderError> {
         let Placed { rgb, mono, four, eight, .. } = &*self.0;
@@ -232,7 +275,7 @@ impl PlacedWorld {
         latest: &Latest<N>,
         columns: Columns,
         carried: Carried<N>,
-        film: [u32; 2],
+        film: Layout,
     ) -> Result<Sets<N>, SceneError> {
         let key = (columns, carried.white(), carried.held_beyond(), None);
         self.latest(latest, key, film, || {
@@ -248,7 +291,7 @@ impl PlacedWorld {
         latest: &Latest<N>,
         (columns, spectral): (Columns, Spectral),
         settings: &Settings,
-        film: [u32; 2],
+        film: Layout,
     ) -> Result<Sets<N>, RenderError> {
         let by = (settings.white(), settings.beyond());
         let responses = settings.responses().unwrap_or_else(|| Responses::new(Vec::new()));
@@ -261,7 +304,7 @@ impl PlacedWorld {
         })
     }
 
-    fn scene<const N: usize>(&self, optics: Optics<N>, film: [u32; 2]) -> Scene<N> {
+    fn scene<const N: usize>(&self, optics: Optics<N>, film: Layout) -> Scene<N> {
         let Placed { ground, camera, .. } = &*self.0;
         let Ground { shapes, accelerator, looks, .. } = &**ground;
         let tree = (Arc::clone(shapes), Arc::clone(accelerator));
@@ -272,7 +315,7 @@ impl PlacedWorld {
         &self,
         latest: &Latest<N>,
         key: Key,
-        film: [u32; 2],
+        film: Layout,
         make: impl FnOnce() -> Result<Sets<N>, E>,
     ) -> Result<Sets<N>, E> {
         let find = |latest: &[Kept<N>]| {
@@ -418,8 +461,27 @@ fn shut_in<const N: usize>(world: &World, scene: &Scene<N>) -> Option<String> {
     Some(format!("{first}{others}: no light gets from it to the camera, past what is opaque"))
 }
 
+/// The film that options ask for, and the camera where they do not say it.
+fn film(options: &Options, camera: &Camera) -> Result<Layout, SettingsError> {
+    let size = film_size(options, camera)?;
+    let of_camera = camera.raster;
+    let own = camera.resolution.unwrap_or(size);
+    let crop = options.crop.or(of_camera.crop.map(|ends| Crop::Pixels(ends).scaled(own, size)));
+    let refuse = |rule| SettingsError { setting: "crop", rule };
+    let cut = crop.map_or(Ok(Cut::whole(size)), |crop| crop.on(size).map_err(refuse))?;
+    let mut filter = options.filter.map_or(of_camera.filter, Filter::of);
+    filter.radius = options.filter_radius.unwrap_or(filter.radius);
+    Ok(Layout { cut, filter, pixel_aspect: pixel_aspect(options, camera) })
+}
+
+/// Width of a pixel over its height.
+fn pixel_aspect(options: &Options, camera: &Camera) -> f32 {
+    options.pixel_aspect.unwrap_or(camera.raster.pixel_aspect)
+}
+
 fn film_size(options: &Options, camera: &Camera) -> Result<[u32; 2], SettingsError> {
-    let aspect = camera.aspect().unwrap_or(1.0);
+    // Of the picture; that of the film, counted in pixels, is less where these are wide.
+    let aspect = camera.aspect().unwrap_or(1.0) / pixel_aspect(options, camera);
     let edge = |value: f32| (value.round() as u32).max(1);
     let [width, height] = match (options.width, options.height) {
         (Some(width), Some(height)) => [width, height],

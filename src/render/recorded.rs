@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use crate::film::Developed;
+use crate::film::layout::Layout;
 use crate::film::record::{self, Fact, Record};
 use crate::film::{Film, Gauge, Variances, recorded_values};
 use crate::image::rows::Rows;
@@ -128,19 +129,19 @@ pub enum PartError {
 /// Where a render comes from: what tells it from others.
 pub struct Origin {
     world: Option<PlacedWorld>,
-    film: [u32; 2],
+    film: Layout,
     /// The digest of the world, as soon as somebody asks for it.
     digest: OnceLock<String>,
 }
 
 impl Origin {
-    /// That of a world, on a film of so many pixels.
-    pub fn of(world: PlacedWorld, film: [u32; 2]) -> Self {
+    /// That of a world, on a film.
+    pub fn of(world: PlacedWorld, film: Layout) -> Self {
         Self { world: Some(world), film, digest: OnceLock::new() }
     }
 
     /// That of tables which nobody knows the world of.
-    pub fn unknown(film: [u32; 2]) -> Self {
+    pub fn unknown(film: Layout) -> Self {
         Self { world: None, film, digest: OnceLock::new() }
     }
 
@@ -164,8 +165,11 @@ impl Origin {
         });
         let [sensor, light] = settings.roulette_of_sides();
         let facts = [
-            (WIDTH, self.film[0].to_string()),
-            (HEIGHT, self.film[1].to_string()),
+            (WIDTH, self.film.cut.size[0].to_string()),
+            (HEIGHT, self.film.cut.size[1].to_string()),
+            ("image: part of the film", self.film.cut.to_string()),
+            ("image: filter", self.film.filter.to_string()),
+            ("image: pixel aspect", self.film.pixel_aspect.to_string()),
             (MODE, settings.mode.name().to_owned()),
             (ANALYZER, analyzer_text(settings.analyzer)),
             (COLOR, color_text(&settings.color)),

@@ -8,14 +8,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::film::Developed;
+use crate::film::layout::Layout;
 use crate::image::StokesImage;
+use crate::image::cut::{CROP, FILTER, PIXEL_ASPECT};
 use crate::image::rows::Rows;
 use crate::integrators::profile::Profile;
 use crate::scattering::{Scene, Side};
 use crate::scene::SceneError;
 use crate::transport::{Polarized, Scalar};
 
-use super::memory::{MemoryError, check_memory};
+use super::layers::SeenFirst;
+use super::memory::{MemoryError, check_memory_of_cut};
 use super::placed::WithScene;
 use super::recorded::{self, Origin, PartError};
 use super::resolved::Resolved;
@@ -34,8 +37,9 @@ use super::{Mode, Options, PlacedWorld, Settings, SettingsError};
 pub struct Renderer {
     steps: Box<dyn Steps>,
     settings: Resolved,
-    film: [u32; 2],
+    film: Layout,
     origin: Origin,
+    seen_first: SeenFirst,
     threads: Option<Arc<Threads>>,
     stop: Stop,
 }
@@ -158,9 +162,10 @@ impl Renderer {
     /// When a spectrum of the world does not cover the color, nothing emits, or the film is too
     /// large to be counted or for the memory.
     pub fn new(world: &PlacedWorld, settings: &Settings) -> Result<Self, RenderError> {
-        let film = world.film_size(settings)?;
+        let film = world.film(settings)?;
         let mut renderer = world.with_scene(settings, film, InMemory { settings })??;
         renderer.origin = Origin::of(world.clone(), film);
+        renderer.seen_first = world.seen_first(settings)?;
         let put_in = world.world().put_in().iter();
         renderer.settings.put_in = put_in.map(|it| (it.what, it.text.clone())).collect();
         Ok(renderer)
@@ -192,7 +197,7 @@ impl Renderer {
     }
 
     fn with<const N: usize>(sets: Sets<N>, settings: Resolved) -> Self {
-        let film = [sets.scene.sensor.width, sets.scene.sensor.height];
+        let film = sets.scene.sensor.layout;
         let steps: Box<dyn Steps> = match settings.mode {
             Mode::Scalar => Box::new(Run::<N, Scalar>::new(sets, &settings)),
             Mode::Intensity | Mode::Polarized => {
@@ -200,7 +205,8 @@ impl Renderer {
             }
         };
         let origin = Origin::unknown(film);
-        Self { steps, settings, film, origin, threads: None, stop: Stop::default() }
+        let (seen_first, stop) = (SeenFirst::default(), Stop::default());
+        Self { steps, settings, film, origin, seen_first, threads: None, stop }
     }
 
     /// The same render on threads of its own, which several renders may share.
@@ -325,9 +331,9 @@ impl Renderer {
         &self.settings
     }
 
-    /// Width and height of the film in pixels.
+    /// Width and height of the image in pixels: of the part of the film that is rendered.
     pub fn film_size(&self) -> [u32; 2] {
-        self.film
+        self.film.cut.size
     }
 
     /// What stops the render from another thread.
@@ -378,6 +384,8 @@ impl Renderer {
         let steps = self.steps;
         let mut image = on(self.threads.as_deref(), || steps.finish());
         image.metadata = metadata;
+        image.layers = self.seen_first.layers;
+        image.metadata.extend(self.seen_first.names);
         image
     }
 
@@ -398,7 +406,7 @@ impl WithScene for InMemory<'_> {
     fn with<const N: usize>(self, sets: Sets<N>) -> Self::Output {
         let resolved = Resolved::new(self.settings, &sets.scene).of_part()?;
         let options = Options { integrator: Some(resolved.integrator), ..self.settings.options() };
-        check_memory(&options, [sets.scene.sensor.width, sets.scene.sensor.height])?;
+        check_memory_of_cut(&options, sets.scene.sensor.layout.cut)?;
         Ok(Renderer::with(sets, resolved))
     }
 }
@@ -441,6 +449,9 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
     let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
+    let Layout { cut, filter, pixel_aspect } = settings.film;
+    let crop = (!cut.is_whole()).then(|| (CROP, cut.to_string()));
+    let pixels = (pixel_aspect != 1.0).then(|| (PIXEL_ASPECT, pixel_aspect.to_string()));
     let is_plain = settings.spectral.is_none() && settings.color == crate::spectrum::Color::Rgb;
     let white = (!is_plain).then(|| ("rgb white", settings.white().name().to_owned()));
     let spectral = settings.spectral.map(|it| ("spectral", spectral::in_words(it)));
@@ -454,12 +465,14 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         ("max path length", settings.path_length_max.to_string()),
         ("roulette after", roulette_after(settings)),
         ("sampling", settings.sampling.name().to_owned()),
+        (FILTER, filter.to_string()),
         ("seed", settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     let held = (!settings.held.is_empty()).then(|| ("held spectra", settings.held.join("; ")));
     let put_in = settings.put_in.iter().cloned();
     let facts = integrator.into_iter().flatten().chain(analyzer).chain(put_in).chain(spectral);
-    let facts = facts.chain(others).chain(white).chain(balance).chain(held);
+    let facts =
+        facts.chain(others).chain(crop).chain(pixels).chain(white).chain(balance).chain(held);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

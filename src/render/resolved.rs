@@ -5,6 +5,7 @@ use std::ops::Deref;
 use super::Mode;
 use super::place::Groups;
 use super::settings::{AUTO, Settings, SettingsError};
+use crate::film::layout::Layout;
 use crate::integrators::Integrator;
 use crate::polarization::Analyzer;
 use crate::scattering::{Look, Scene, Side};
@@ -36,6 +37,8 @@ pub struct Resolved {
     pub first_sample: u32,
     /// and before this one.
     pub end_sample: u32,
+    /// The film: which of its pixels are rendered, and how they see.
+    pub film: Layout,
     /// What stands before the film.
     pub analyzer: Option<Analyzer>,
     /// Spectra that are held beyond their ends, a sentence each.
@@ -80,6 +83,7 @@ impl Resolved {
             passes,
             first_sample,
             end_sample,
+            film: scene.sensor.layout,
             analyzer,
             held,
             put_in: Vec::new(),

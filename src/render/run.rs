@@ -204,7 +204,7 @@ impl<const N: usize, M: LightModel<N>> Steps for Run<N, M> {
 }
 
 fn black_film<const N: usize>(scene: &Scene<N>, settings: &Resolved, sets_differ: bool) -> Film {
-    let size = [scene.sensor.width, scene.sensor.height];
+    let size = scene.sensor.layout.cut.size;
     let variances = match (settings.replicates, settings.variance) {
         (2.., _) => Variances::Replicates,
         (_, true) => Variances::Blocks,

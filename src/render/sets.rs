@@ -205,8 +205,9 @@ impl Spectra {
         let densities = wavelengths.map(|nm| self.density.at(f64::from(nm)));
         let emitters = Emitters {
             rows: Arc::clone(&base.optics.emitters),
+            luminaires: Arc::clone(&base.optics.luminaires),
             emitter_of_primitive: Arc::clone(&base.optics.emitter_of_primitive),
-            environment: base.optics.environment,
+            skies: base.optics.skies.clone(),
         };
         let optics = self.optics(&carried(wavelengths, self.by), emitters);
         let optics = optics.expect("spectra cover what lies between the ends of the range");

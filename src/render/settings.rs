@@ -4,7 +4,11 @@ use std::fmt::Display;
 use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
+use crate::film::filter::{Filter, FilterKind};
+use crate::film::layout::{Crop, check_pixel_aspect};
+use crate::image::layers::LayerKind;
 use crate::integrators::Integrator;
+use crate::math::Fault;
 use crate::spectrum::{Beyond, Color, Responses, White, WhiteBalance};
 use crate::transport::Sampling;
 
@@ -148,6 +152,20 @@ pub struct Options {
     /// Height of the film in pixels; by default what follows from the width and the camera's
     /// aspect.
     pub height: Option<u32>,
+    /// How light about a pixel counts for it; by default as the world's camera says, which is by
+    /// the pixel's square if it says nothing.
+    pub filter: Option<FilterKind>,
+    /// Where that ends, in pixels, from 0.01 to 32; by default [`FilterKind::radius`], or what the
+    /// camera says of its filter.
+    pub filter_radius: Option<f32>,
+    /// The part of the film that is rendered; by default what the camera says, or all of it. Its
+    /// pixels have the bits that they have in the whole.
+    pub crop: Option<Crop>,
+    /// Width of a pixel over its height, from 0.01 to 100; by default what the camera says, or 1.
+    pub pixel_aspect: Option<f32>,
+    /// What the image holds of pixels besides their light, as the camera sees it first; nothing by
+    /// default. Not of parts.
+    pub layers: Vec<LayerKind>,
     /// Samples per pixel, at least one; with photons, a multiple of the samples of an iteration.
     pub samples: u32,
     /// Iterations in place of a number of samples: of one sample per pixel, or, with photons, of a
@@ -196,6 +214,11 @@ impl Default for Options {
             hold_spectra: false,
             width: None,
             height: None,
+            filter: None,
+            filter_radius: None,
+            crop: None,
+            pixel_aspect: None,
+            layers: Vec::new(),
             samples: 64,
             iterations: None,
             replicates: 1,
@@ -226,6 +249,11 @@ impl Settings {
         for (setting, edge) in [("width", width), ("height", height)] {
             edge.map_or(Ok(()), |edge| within(setting, edge, 1, EDGE_MAX))?;
         }
+        let rule = |fault: Fault| SettingsError { setting: "filter_radius", rule: fault.problem };
+        let radius = |radius| Filter { radius, ..Filter::PIXEL }.check();
+        options.filter_radius.map_or(Ok(()), radius).map_err(rule)?;
+        let rule = |fault: Fault| SettingsError { setting: "pixel_aspect", rule: fault.problem };
+        options.pixel_aspect.map_or(Ok(()), check_pixel_aspect).map_err(rule)?;
         within("samples", samples, 1, SAMPLES_MAX)?;
         let of_iteration = if options.may_shoot_photons() {
             check_photons(&photons)?;
@@ -254,6 +282,7 @@ impl Settings {
             let rule = "goes without a time limit, as all samples of a part are needed".to_owned();
             return Err(SettingsError { setting: "part", rule });
         }
+        check_layers(&options)?;
         Ok(Self(options))
     }
 
@@ -360,6 +389,20 @@ pub fn within<T: PartialOrd + Display>(
         return Ok(());
     }
     Err(SettingsError { setting, rule: format!("must be from {least} to {most}, not {value}") })
+}
+
+/// Refuses layers twice, and those of parts: whoever merges these has no scene.
+fn check_layers(options: &Options) -> Result<(), SettingsError> {
+    let refuse = |rule: String| Err(SettingsError { setting: "layers", rule });
+    if options.part.is_some() && !options.layers.is_empty() {
+        let rule = "go without a part: render them apart, with one sample";
+        return refuse(rule.to_owned());
+    }
+    let is_twice = |(index, kind): (usize, &LayerKind)| options.layers[..index].contains(kind);
+    match options.layers.iter().enumerate().any(is_twice) {
+        true => refuse("must be different ones".to_owned()),
+        false => Ok(()),
+    }
 }
 
 /// Checks that there is light of a color.

@@ -7,11 +7,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use wide::f32x4;
 
 use crate::film::Film;
+use crate::image::cut::Cut;
 use crate::integrators::profile::{Profile, Stage};
 use crate::integrators::workspace::Workspace;
 use crate::math::exact::ExactSums;
 use crate::spectrum::Taken;
 use crate::transport::chunk::{ITERATIONS, Sequence, TILE, WIDE_TILE, tiles};
+use crate::transport::stages::weigh_samples::weigh_samples;
 use crate::transport::tables::measured::{PolarizedSplat, Splat, Splats};
 use crate::transport::tables::photon_maps::PhotonMaps;
 use crate::transport::{Chunk, LightModel};
@@ -73,7 +75,7 @@ pub fn wave<const N: usize, M: LightModel<N>>(
     is_wanted: &(impl Fn() -> bool + Sync),
 ) {
     let (iterations, samples_of_each) = lit;
-    let render = |[x, y, width, height]: [u32; 4]| {
+    let render = |Tile { area: [x, y, width, height], is_seen }: Tile| {
         let chunk = |first_iteration: u32, iterations: u32| Chunk {
             x,
             y,
@@ -86,14 +88,16 @@ pub fn wave<const N: usize, M: LightModel<N>>(
             roulette_after: settings.roulette_of_sides(),
             sampling: settings.sampling,
             sequence: Sequence::PerPath,
+            is_seen,
         };
         pool.with(|workspace| tile(workspace, lit, settings, (first, count), maps, chunk))
     };
     let sensor = &iterations[0].scene.sensor;
-    let tiles = tiles_of([sensor.width, sensor.height], samples_of_each);
+    let tiles = tiles_of(sensor.layout.cut, settings.integrator.splats(), samples_of_each);
     let next = AtomicUsize::new(0);
     let waiting = BTreeMap::new();
-    let line = Mutex::new(Line { film: &mut *film, profile, iterations, added: 0, waiting });
+    let cut = sensor.layout.cut;
+    let line = Mutex::new(Line { film: &mut *film, profile, iterations, cut, added: 0, waiting });
     // Every thread takes the next tile when it is done with one, so that none waits for others
     // before the end, and few results for those before them.
     let work = || {
@@ -125,17 +129,52 @@ fn add_to_gauge<const N: usize>(film: &mut Film, (iterations, of_each): Lit<N>, 
     }
 }
 
-/// The tiles of a film: wide ones where a chunk has a single sample, unless these are so few that
-/// threads would wait for each other. No bit hangs on it.
-fn tiles_of(size: [u32; 2], samples_of_each: u32) -> Vec<[u32; 4]> {
+/// A tile of a film.
+#[derive(Clone, Copy)]
+struct Tile {
+    /// Left, top, width, height in pixels of the whole film.
+    area: [u32; 4],
+    /// Whether its pixels are rendered, or paths from emitters alone are traced there.
+    is_seen: bool,
+}
+
+/// The tiles of the rendered part of a film, and, if paths from emitters reach the film, those of
+/// the rest of it: such a path of any pixel may reach any other, and a part is to have the bits
+/// that it has in the whole. Wide ones where a chunk has a single sample, unless these are so few
+/// that threads would wait for each other. No bit hangs on that.
+fn tiles_of(cut: Cut, has_splats: bool, samples_of_each: u32) -> Vec<Tile> {
     const TILES_OF_THREAD: usize = 2;
-    let wide = tiles(size, WIDE_TILE);
+    let areas = [(cut.start, cut.size, true)];
+    let around = if has_splats { around(cut) } else { [(cut.start, [0; 2], false); 4] };
+    let tiles_of = |edge: u32| -> Vec<Tile> {
+        let of_area = |(start, size, is_seen): ([u32; 2], [u32; 2], bool)| {
+            tiles(size, edge).into_iter().map(move |[x, y, width, height]| Tile {
+                area: [start[0] + x, start[1] + y, width, height],
+                is_seen,
+            })
+        };
+        areas.into_iter().chain(around).flat_map(of_area).collect()
+    };
+    let wide = tiles_of(WIDE_TILE);
     let are_few = wide.len() < TILES_OF_THREAD * rayon::current_num_threads();
-    if samples_of_each > 1 || are_few { tiles(size, TILE) } else { wide }
+    if samples_of_each > 1 || are_few { tiles_of(TILE) } else { wide }
+}
+
+/// What of a film is above, below, left and right of a cut: its start and size, and that it is not
+/// seen.
+fn around(cut: Cut) -> [([u32; 2], [u32; 2], bool); 4] {
+    let Cut { film: [width, height], start: [x, y], size: [across, down] } = cut;
+    let [right, bottom] = [x + across, y + down];
+    [
+        ([0, 0], [width, y], false),
+        ([0, bottom], [width, height - bottom], false),
+        ([0, y], [x, down], false),
+        ([right, y], [width - right, down], false),
+    ]
 }
 
 /// The next tile and its place among all.
-fn take(next: &AtomicUsize, tiles: &[[u32; 4]]) -> Option<(usize, [u32; 4])> {
+fn take(next: &AtomicUsize, tiles: &[Tile]) -> Option<(usize, Tile)> {
     let index = next.fetch_add(1, Ordering::Relaxed);
     tiles.get(index).map(|tile| (index, *tile))
 }
@@ -145,6 +184,7 @@ struct Line<'a, const N: usize> {
     film: &'a mut Film,
     profile: &'a mut Profile,
     iterations: &'a [Iteration<N>],
+    cut: Cut,
     /// Tiles that are in the film.
     added: usize,
     /// Results of later tiles.
@@ -152,13 +192,13 @@ struct Line<'a, const N: usize> {
 }
 
 impl<const N: usize> Line<'_, N> {
-    fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[[u32; 4]]) {
-        let Self { film, profile, iterations, added, waiting } = self;
+    fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[Tile]) {
+        let Self { film, profile, iterations, cut, added, waiting } = self;
         waiting.insert(index, result);
         let not_finite = profile.time(Stage::Film, || {
             let mut not_finite = 0;
             while let Some(result) = waiting.remove(added) {
-                add_sums(film, &result.sums, tiles[*added]);
+                add_sums(film, &result.sums, tiles[*added].area, *cut);
                 for (iteration, splats) in iterations.iter().zip(&result.splats) {
                     not_finite += add_splats(film, &iteration.film, splats);
                 }
@@ -248,10 +288,11 @@ fn tile<const N: usize, M: LightModel<N>>(
         for start in (start..end).step_by(ITERATIONS as usize) {
             let chunk = chunk(start, ITERATIONS.min(end - start));
             integrator.chunk(workspace, &iteration.scene, &chunk, maps);
-            if integrator.measures() {
+            if integrator.measures() && chunk.is_seen {
                 let Workspace { measured, profile, .. } = &mut *workspace;
                 let slots = (chunk.slots(), chunk.pixels());
                 profile.not_finite += profile.time(Stage::Film, || {
+                    weigh_samples(measured, &chunk, &iteration.scene.sensor);
                     sum_measured(&mut result.sums, measured, &iteration.film, slots)
                 });
             }
@@ -266,11 +307,12 @@ fn tile<const N: usize, M: LightModel<N>>(
     result
 }
 
-fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4]) {
+fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4], cut: Cut) {
     if sums.is_empty() {
         return;
     }
     let (film_width, width) = (film.width(), width as usize);
+    let [x, y] = [x - cut.start[0], y - cut.start[1]];
     for line in 0..height as usize {
         let pixel = (y as usize + line) * film_width + x as usize;
         film.add_row(pixel, sums, line * width, width);

@@ -17,6 +17,15 @@ pub enum Met {
 }
 
 impl Met {
+    /// Whether light that is connected, or drawn any way, may go through it.
+    #[inline(always)]
+    pub const fn passes_any_way(self) -> bool {
+        match self {
+            Self::Surface(kind) => kind.passes_any_way(),
+            Self::Medium(_) => false,
+        }
+    }
+
     /// Its place among the scene's events.
     #[inline(always)]
     pub fn event(self) -> usize {

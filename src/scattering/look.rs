@@ -11,6 +11,7 @@ use super::emitter::{is_delta, places};
 use super::immersion::{Around, STEPS, spread};
 use super::patches::{Patches, primitives_of_surfaces};
 use super::{Scene, Sensor};
+use crate::film::layout::Layout;
 use crate::geometry::{Hit, offset_distance};
 use crate::math::F32s;
 use crate::scene::baked::NONE;
@@ -65,13 +66,13 @@ impl Look {
         let camera = &scene.camera;
         // The film's own edges are not of the scene.
         let [width, height] = [camera.aspect().unwrap_or(1.0) * EDGE, EDGE].map(|it| it as u32);
-        let sensor = Sensor::new(camera, width.max(1), height);
+        let sensor = Sensor::new(camera, Layout::plain([width.max(1), height]));
         let mut places = Places::default();
         let view = View::of(scene, &sensor, &mut places);
         let [sees_specular, sees_solid, sees_nothing] =
             [view.specular, view.solid, view.nothing].map(View::share);
         let hidden = if view.hidden > 0.0 { view.hidden / (view.hidden + view.open) } else { 0.0 };
-        let has_sky = scene.optics.environment != NONE && sees_nothing > 0.0;
+        let has_sky = !scene.optics.skies.is_empty() && sees_nothing > 0.0;
         let mut lamps = Lamps::default();
         for (index, (point, normal, step)) in specular_points(scene).into_iter().enumerate() {
             lamps.look(scene, &mut places, (point, normal, step), index);
@@ -337,17 +338,31 @@ impl Aim {
             let seen = Seen { irradiance, share };
             Some(Self { direction, reach: f32::INFINITY, seen })
         };
-        match emitter.model {
+        match &emitter.model {
             EmitterModel::Triangle(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Sphere(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Point(_) => to_point(),
+            EmitterModel::Luminaire(it) => {
+                let measured = &scene.optics.luminaires[it.row as usize];
+                to_point().filter(|aim| measured.share(-aim.direction.normalize()) > 0.0)
+            }
             EmitterModel::Spot(it) => {
                 to_point().filter(|aim| -aim.direction.normalize().dot(it.direction) > it.cos_outer)
             }
             EmitterModel::Directional(it) => to_infinity(-it.direction, radiance, 0.0),
+            EmitterModel::Sun(it) => {
+                let share = it.solid_angle() / (4.0 * PI);
+                to_infinity(-it.direction, radiance * it.faced(), share)
+            }
             EmitterModel::Environment(_) => {
                 let direction = spread(POINTS).nth(index * 197 % POINTS)?;
                 to_infinity(direction, radiance * 4.0 * PI, 1.0)
+            }
+            EmitterModel::Panorama(it) => {
+                let place = index * 197 % POINTS;
+                let u =
+                    [place as f32 / POINTS as f32, (place * 55 % POINTS) as f32 / POINTS as f32];
+                to_infinity(it.draw(u).0, radiance * 4.0 * PI, it.spread())
             }
         }
     }

@@ -312,7 +312,8 @@ impl Interfaces {
         let index = |solid: &Solid| {
             let ior = match optics.materials[solid.material as usize].model {
                 SurfaceModel::Dielectric { ior, .. } => [ior; N],
-                SurfaceModel::DispersiveDielectric { ior, .. } => ior,
+                SurfaceModel::DispersiveDielectric { ior, .. }
+                | SurfaceModel::RoughDielectric { ior, .. } => ior,
                 SurfaceModel::Absorber
                 | SurfaceModel::Conductor { .. }
                 | SurfaceModel::MetallicRoughness { .. }

@@ -6,15 +6,17 @@ use std::ops::{Deref, Range};
 
 use glam::Vec3;
 
-use crate::geometry::{HitColumns, SurfaceColumns};
+use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::scene::baked::NONE;
+use crate::scene::baked::{NONE, Optics, Shapes};
+use crate::scene::emitter::{Emitter, EmitterModel};
 use crate::scene::painting::{Painting, coverage_at, normal_at};
-use crate::scene::world::Textures;
+use crate::scene::world::{SurfaceModel, Textures};
 
 use super::Scene;
-use super::emitter::primitive;
+use super::emitter::{self, primitive};
 use super::surface::Surfaces;
+use super::surface::model::LaneRows;
 
 /// A scene, with the tables of models that have a row for every painted point at hand.
 pub struct SceneAt<'a, const N: usize> {
@@ -61,7 +63,7 @@ pub struct PaintedModels<const N: usize> {
 impl<const N: usize> PaintedModels<N> {
     /// Takes the tables of a scene, and forgets all points.
     pub fn start(&mut self, scene: &Scene<N>) {
-        if scene.is_painted() {
+        if scene.has_models_by_place {
             self.tables.restart(&scene.surfaces);
             self.keep();
         }
@@ -80,40 +82,82 @@ impl<const N: usize> PaintedModels<N> {
     /// The scene with these.
     #[inline(always)]
     pub fn of<'a>(&'a self, scene: &'a Scene<N>) -> SceneAt<'a, N> {
-        match scene.is_painted() {
+        match scene.has_models_by_place {
             true => SceneAt { scene, surfaces: &self.tables },
             false => scene.into(),
         }
     }
 }
 
-/// Finds the models and the shading normals of painted surfaces where they have been hit. Points of
-/// earlier calls are forgotten but for those that are kept, unless `adds`.
+/// Finds the models of surfaces where they have been hit that are not the same everywhere, and the
+/// shading normals of painted ones: those have parameters by pictures, and rough glass that touches
+/// other glass is between what is on its two sides there, for `paths` that have come by these rays
+/// from inside these dielectrics. Points of earlier calls are forgotten but for those that are
+/// kept, unless `adds`.
+#[inline(never)]
 pub fn paint<const N: usize>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,
-    hits: &HitColumns,
+    (hits, paths): (&HitColumns, (&RayColumns, &[u32])),
     (rows, adds): (Range<usize>, bool),
     scene: &Scene<N>,
 ) {
-    let Some(painting) = scene.optics.painting.as_deref() else { return };
     if !adds {
         models.forget();
     }
     for row in rows {
         let primitive = surfaces.primitive[row];
         surfaces.model[row] = NONE;
-        let Some((textures, material)) = textures_at(scene, painting, primitive) else { continue };
-        if !textures.parameters.is_empty()
-            && let Some(on) = scene.shapes.painted(primitive)
-        {
-            let at = (&on, [hits.u[row], hits.v[row]]);
-            let model = scene.optics.materials[material].model.clone();
-            let model = painting.model_at(model, textures, at);
+        if scene.shapes.surface_of(primitive) == NONE {
+            continue;
+        }
+        let mut model = scene.optics.materials[scene.material_row(primitive)].model.clone();
+        let painted = paint_row(&mut model, surfaces, hits, row, scene);
+        if nest(&mut model, surfaces, paths, row, scene) || painted {
             surfaces.model[row] = models.tables.append(&model);
         }
-        bend(surfaces, row, textures, hits, scene);
     }
+}
+
+/// Gives a model the parameters that pictures have where a row has been hit, and the row its
+/// shading normal; whether the model has any such parameters.
+fn paint_row<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    surfaces: &mut SurfaceColumns,
+    hits: &HitColumns,
+    row: usize,
+    scene: &Scene<N>,
+) -> bool {
+    let Some(painting) = scene.optics.painting.as_deref() else { return false };
+    let primitive = surfaces.primitive[row];
+    let Some((textures, _)) = textures_at(scene, painting, primitive) else { return false };
+    let on = scene.shapes.painted(primitive).filter(|_| !textures.parameters.is_empty());
+    if let Some(on) = &on {
+        *model = painting.model_at(model.clone(), textures, (on, [hits.u[row], hits.v[row]]));
+    }
+    bend(surfaces, row, textures, hits, scene);
+    on.is_some()
+}
+
+/// Gives rough glass the index of refraction between what is on its two sides where a row has been
+/// hit; whether it is a model that other glass changes.
+fn nest<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    surfaces: &SurfaceColumns,
+    paths: (&RayColumns, &[u32]),
+    row: usize,
+    scene: &Scene<N>,
+) -> bool {
+    let SurfaceModel::RoughDielectric { ior, exterior_ior, .. } = model else { return false };
+    let Some(interfaces) = &scene.interfaces else { return false };
+    if scene.shapes.surfaces[surfaces.surface[row] as usize].solid == NONE {
+        return false;
+    }
+    let met = scene.interfaces_at(interfaces, surfaces, paths, [row; LANES], &LaneRows::Same(0));
+    let [of_interface, ..] = met.rows.numbers().to_array();
+    *ior = scene.surfaces.ior_of_interface(of_interface as usize);
+    *exterior_ior = [1.0; N];
+    true
 }
 
 /// Finds the shading normals of painted surfaces where they have been hit.
@@ -189,8 +233,13 @@ impl<const N: usize> Scene<N> {
         found.unwrap_or(1.0)
     }
 
-    /// What a point of an emitter emits over what its lamp does, by textures.
-    pub fn tint(&self, emitter: usize, position: Vec3) -> [f32; N] {
+    /// What a point of an emitter emits over what its lamp does, by textures; of one that is
+    /// infinitely far away, what comes from a direction.
+    pub fn tint(&self, emitter: usize, position: Vec3, direction: Vec3) -> [f32; N] {
+        if let EmitterModel::Panorama(panorama) = &self.optics.emitters[emitter].model {
+            let value = panorama.radiance(direction, &self.optics.carried);
+            return over(value, self.optics.radiance_of(emitter));
+        }
         let tint = || {
             let painting = self.optics.painting.as_deref()?;
             let primitive = primitive(&self.optics.emitters[emitter].model);
@@ -200,13 +249,7 @@ impl<const N: usize> Scene<N> {
             let at = (&on, on.weights_at(position));
             let mut tint = [1.0; N];
             if let Some(paint) = &textures.emission {
-                let (value, lamp) =
-                    (painting.radiance(paint, at), self.optics.radiance_of(emitter));
-                // Where the factor is zero, its product with a picture is.
-                tint = std::array::from_fn(|n| match lamp[n] > 0.0 {
-                    true => value[n] / lamp[n],
-                    false => 0.0,
-                });
+                tint = over(painting.radiance(paint, at), self.optics.radiance_of(emitter));
             }
             if let Some(coverage) = &textures.coverage {
                 let share = coverage_at(coverage, at);
@@ -217,21 +260,54 @@ impl<const N: usize> Scene<N> {
         tint().unwrap_or([1.0; N])
     }
 
-    /// Multiplies what arrives of points of eight emitters by their tints.
+    /// Multiplies what arrives of points of eight emitters, or from directions, by their tints.
     #[cold]
     pub fn tint_lanes(
         &self,
         radiance: &mut [F32s; N],
         emitters: [usize; LANES],
-        points: Vector<F32s>,
+        (points, directions): (Vector<F32s>, Vector<F32s>),
     ) {
-        let points = points.to_rows();
+        let [points, directions] = [points, directions].map(Vector::to_rows);
         let mut tints = [[1.0; N]; LANES];
         for (lane, tint) in tints.iter_mut().enumerate() {
-            *tint = self.tint(emitters[lane], points[lane].into());
+            *tint = self.tint(emitters[lane], points[lane].into(), directions[lane].into());
         }
         for (n, radiance) in radiance.iter_mut().enumerate() {
             *radiance *= F32s::from(lanes::each(|lane| tints[lane][n]));
         }
     }
+}
+
+/// Values over those of a lamp; nothing where that is black, as then the values are.
+#[inline]
+fn over<const N: usize>(value: [f32; N], lamp: [f32; N]) -> [f32; N] {
+    std::array::from_fn(|n| if lamp[n] > 0.0 { value[n] / lamp[n] } else { 0.0 })
+}
+
+/// All textures of a scene's materials.
+fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
+    let of =
+        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
+    optics.painting.as_deref().into_iter().flat_map(of)
+}
+
+/// Whether some have shading normals by a picture.
+pub(super) fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
+    textures(optics).any(|textures| textures.relief.is_some())
+}
+
+/// Whether some say what emitters emit.
+pub(super) fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
+    let is_picture = |emitter: &Emitter| matches!(emitter.model, EmitterModel::Panorama(_));
+    if optics.emitters.iter().any(is_picture) {
+        return true;
+    }
+    let Some(painting) = optics.painting.as_deref() else { return false };
+    optics.emitters.iter().any(|emitter| {
+        let surface = shapes.surface_of(emitter::primitive(&emitter.model));
+        let material = shapes.surfaces.get(surface as usize).map(|it| it.material as usize);
+        let textures = material.and_then(|material| painting.of(material));
+        textures.is_some_and(|it| it.emission.is_some() || it.coverage.is_some())
+    })
 }

@@ -1,19 +1,19 @@
 //! The scene as the stages see it: the baked tables, the tree, and the look-ups derived from both.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::film::layout::Layout;
 use crate::geometry::{
     Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
-use crate::scene::emitter::Emitter;
-use crate::scene::painting::Painting;
-use crate::scene::world::Textures;
+use crate::scene::emitter::{Emitter, EmitterModel};
 
 use super::boundaries::settle;
 use super::emitter::aim::Aim;
@@ -26,12 +26,14 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
+use super::painting::{has_painted_lamps, has_relief};
 use super::surface::model::LaneRows;
 use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
 use super::{Look, Looks, Sensor};
 
-/// Lamps are small whose area is less of that of the ball about the scene.
+/// Lamps are small whose area is less of that of the ball about the scene, or, if they are
+/// infinitely far away, that take up less of all directions.
 const SMALL_LAMP: f64 = 1e-3;
 
 /// Everything read-only that a render needs, for `N` wavelengths.
@@ -69,6 +71,10 @@ pub struct Scene<const N: usize> {
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
     /// photons find some light.
     pub has_narrow_facets: bool,
+    /// Whether light that is connected, or drawn any way, may go through some surfaces.
+    pub passes_any_way: bool,
+    /// Whether surfaces may have rows in the tables of their models that are of the place.
+    pub has_models_by_place: bool,
     /// Whether any shading normal differs from the geometric one.
     pub has_shading_normals: bool,
     /// How far off every emitter rays start and end.
@@ -101,7 +107,7 @@ impl<const N: usize> Scene<N> {
         let accelerator = Accelerator::of_shapes(&baked.shapes);
         settle(&mut baked.shapes, &accelerator);
         let placed = (Arc::new(baked.shapes), Arc::new(accelerator));
-        Self::with_tree(placed, baked.camera, baked.optics, [width, height])
+        Self::with_tree(placed, baked.camera, baked.optics, Layout::plain([width, height]))
     }
 
     /// Builds the look-ups for shapes whose tree there is already: that of other wavelengths, of
@@ -110,26 +116,20 @@ impl<const N: usize> Scene<N> {
         (shapes, accelerator): (Arc<Shapes>, Arc<Accelerator>),
         camera: Camera,
         optics: Optics<N>,
-        [width, height]: [u32; 2],
+        film: Layout,
     ) -> Self {
-        let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
-        let material_of_primitive: Arc<[u32]> =
-            shapes.surface_of_primitive.iter().map(material_of).collect();
+        let material_of_primitive = materials_of_primitives(&shapes);
         let mut surfaces = Surfaces::new(&optics.materials, optics.painting.as_deref());
         let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
         let materials = surfaces.materials();
-        let event_of = |&row: &u32| materials[row as usize].kind.event();
-        let event_of_hit = std::iter::once(END)
-            .chain(material_of_primitive.iter().map(event_of))
-            .map(|event| event as u8)
-            .collect();
+        let event_of_hit = events_of_hits(&material_of_primitive, materials);
         let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
         let events = events(&media);
         media.push(Medium::clear());
         let has_polarizing_vertices = present(&events, materials).any(|it| it.keeps_polarized());
         let immersion = Immersion::new(&shapes, &accelerator, !optics.media.is_empty());
         let media_of = |emitter: &Emitter| media_about(&immersion, emitter);
-        let sensor = Sensor::new(&camera, width, height);
+        let sensor = Sensor::new(&camera, film);
         let sensor_medium = immersion.about(sensor.places());
         let emitter_media: Arc<[_]> = optics.emitters.par_iter().map(media_of).collect();
         let lamps = Lamps::new((&shapes, &optics), materials, &media, &emitter_media).map(Arc::new);
@@ -137,6 +137,9 @@ impl<const N: usize> Scene<N> {
             |emitter: &Emitter| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
+        let passes_any_way = materials.iter().any(|it| it.kind.passes_any_way());
+        let has_models_by_place =
+            optics.painting.is_some() || (passes_any_way && interfaces.is_some());
         let has_straight_on = !straight_on_kinds.is_empty();
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =
@@ -160,6 +163,8 @@ impl<const N: usize> Scene<N> {
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
+            passes_any_way,
+            has_models_by_place,
             looks: Arc::default(),
             look: OnceLock::new(),
             rims: Arc::default(),
@@ -200,7 +205,7 @@ impl<const N: usize> Scene<N> {
             camera: self.camera,
             accelerator: Arc::clone(&self.accelerator),
             optics,
-            sensor: self.sensor,
+            sensor: self.sensor.clone(),
             surfaces,
             material_of_primitive: Arc::clone(&self.material_of_primitive),
             events: self.events.clone(),
@@ -213,6 +218,8 @@ impl<const N: usize> Scene<N> {
             has_painted_lamps: self.has_painted_lamps,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
+            passes_any_way: self.passes_any_way,
+            has_models_by_place: self.has_models_by_place,
             emitter_offsets: Arc::clone(&self.emitter_offsets),
             direct: Arc::clone(&self.direct),
             sensor_medium: self.sensor_medium,
@@ -246,6 +253,18 @@ impl<const N: usize> Scene<N> {
             self.direct = Arc::new(DirectTable::new(&self.shapes, emitters));
             self.choice = Arc::new(Choice::new(&self.shapes, emitters));
         }
+    }
+
+    /// Whether lamps emit polarized light.
+    #[inline(always)]
+    pub fn has_polarized_lamps(&self) -> bool {
+        self.optics.states.any()
+    }
+
+    /// Whether lamps emit by their heat.
+    #[inline(always)]
+    pub fn has_incandescent_lamps(&self) -> bool {
+        self.optics.states.has_incandescent
     }
 
     /// The row of a primitive's material.
@@ -378,7 +397,10 @@ impl<const N: usize> Scene<N> {
         let size: f64 = finite.map(|model| model.size(&self.shapes)).sum();
         let whole = (2.0 * PI * f64::from(self.shapes.bounds.radius)).powi(2);
         let is_small = size > 0.0 && size < SMALL_LAMP * whole;
-        self.has_specular_surfaces() && (is_small || models().any(emitter::is_delta))
+        let is_narrow =
+            |model: &EmitterModel| emitter::share_of_sky(model).is_some_and(|it| it < SMALL_LAMP);
+        let hides = |model| emitter::is_delta(model) || is_narrow(model);
+        self.has_specular_surfaces() && (is_small || models().any(hides))
     }
 
     /// Where its surfaces end. Found by all threads, when it is first asked for.
@@ -510,38 +532,31 @@ impl<const N: usize> Scene<N> {
         met
     }
 
-    /// The emitter of a primitive, or of what a ray that hits nothing ([`NONE`]) sees; none in
-    /// media.
-    pub fn emitter_seen(&self, primitive: u32) -> u32 {
+    /// The emitter of a primitive, or those that a ray may see that hits nothing ([`NONE`]); none
+    /// in media.
+    #[inline]
+    pub fn emitters_seen(&self, primitive: u32) -> Range<u32> {
         if primitive == NONE {
-            self.optics.environment
-        } else {
-            self.optics.emitter_of_primitive.get(primitive as usize).copied().unwrap_or(NONE)
+            return self.optics.skies.clone();
+        }
+        match self.optics.emitter_of_primitive.get(primitive as usize) {
+            Some(&row) if row != NONE => row..row + 1,
+            Some(_) | None => 0..0,
         }
     }
 }
 
-/// All textures of a scene's materials.
-fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Textures> {
-    let of =
-        |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
-    optics.painting.as_deref().into_iter().flat_map(of)
+/// For every primitive, the row of its material.
+fn materials_of_primitives(shapes: &Shapes) -> Arc<[u32]> {
+    let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
+    shapes.surface_of_primitive.iter().map(material_of).collect()
 }
 
-/// Whether some have shading normals by a picture.
-fn has_relief<const N: usize>(optics: &Optics<N>) -> bool {
-    textures(optics).any(|textures| textures.relief.is_some())
-}
-
-/// Whether some say what emitters emit.
-fn has_painted_lamps<const N: usize>(shapes: &Shapes, optics: &Optics<N>) -> bool {
-    let Some(painting) = optics.painting.as_deref() else { return false };
-    optics.emitters.iter().any(|emitter| {
-        let surface = shapes.surface_of(emitter::primitive(&emitter.model));
-        let material = shapes.surfaces.get(surface as usize).map(|it| it.material as usize);
-        let textures = material.and_then(|material| painting.of(material));
-        textures.is_some_and(|it| it.emission.is_some() || it.coverage.is_some())
-    })
+/// What is met by way of hits: nothing, or the event of a primitive's material.
+fn events_of_hits(material_of_primitive: &[u32], materials: &[Material]) -> Arc<[u8]> {
+    let event_of = |&row: &u32| materials[row as usize].kind.event();
+    let events = std::iter::once(END).chain(material_of_primitive.iter().map(event_of));
+    events.map(|event| event as u8).collect()
 }
 
 /// Those of the events that media and these materials are met by.

@@ -1,20 +1,28 @@
 //! The camera with its film: rays out of it, and connections from points to it.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
+use crate::film::filter::Profile;
+use crate::film::layout::Layout;
 use crate::math::elementary::sin_cos;
-use crate::math::{F32s, Vector, warp};
+use crate::math::{F32s, Vector, lanes, warp};
 use crate::polarization::Analyzer;
 use crate::scene::baked::{Camera, Projection};
 
 /// A camera with a film of a certain size. One pixel is one unit of sensor area, so the
 /// importance of a pixel integrates to one and densities are per pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Sensor {
-    /// Film width in pixels.
+    /// Width of the whole film in pixels.
     pub width: u32,
-    /// Film height in pixels.
+    /// Height of the whole film in pixels.
     pub height: u32,
+    /// The film: which of its pixels are rendered, and how they see.
+    pub layout: Layout,
+    /// The filter of its pixels, if that is not their squares.
+    filter: Option<Arc<Profile>>,
     position: Vec3,
     right: Vec3,
     up: Vec3,
@@ -34,8 +42,8 @@ const FAR: f32 = 1e5;
 /// A connection from a point of the scene to the sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorConnection {
-    /// Index of the pixel, `y * width + x`.
-    pub pixel: u32,
+    /// Where on the film it arrives: pixels from the left and from the top.
+    pub film: [f32; 2],
     /// From the point to the sensor, unit length.
     pub direction: Vec3,
     /// The point on the lens, or on the film for parallel projection.
@@ -50,8 +58,9 @@ const PLACES: u32 = 16;
 
 impl Sensor {
     /// Puts a film behind a camera; the film's aspect rules, the vertical extent is kept.
-    pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
-        let aspect = width as f32 / height as f32;
+    pub fn new(camera: &Camera, layout: Layout) -> Self {
+        let [width, height] = layout.cut.film;
+        let aspect = width as f32 * layout.pixel_aspect / height as f32;
         let (half_size, perspective, aperture_radius, focus_distance) = match camera.projection {
             Projection::Perspective {
                 tan_half_y,
@@ -70,6 +79,8 @@ impl Sensor {
         Self {
             width,
             height,
+            layout,
+            filter: Profile::new(layout.filter).map(Arc::new),
             position: camera.position,
             right: camera.right,
             up: camera.up,
@@ -92,6 +103,49 @@ impl Sensor {
         self.analyzer
     }
 
+    /// Where samples of the pixels at `column` and `row` lie on the film, by numbers in [0, 1).
+    #[inline(always)]
+    pub fn points(&self, [column, row]: [F32s; 2], numbers: [F32s; 2]) -> [F32s; 2] {
+        let [dx, dy] = numbers;
+        match &self.filter {
+            None => [dx + column, dy + row],
+            Some(filter) => {
+                let about = |center: F32s, numbers: F32s| {
+                    center + F32s::splat(0.5) + offsets(filter, numbers)
+                };
+                [about(column, dx), about(row, dy)]
+            }
+        }
+    }
+
+    /// What a sample counts that has been drawn by these numbers, where samples have weights.
+    pub fn weights(&self) -> Option<impl Fn([f32; 2]) -> f32> {
+        let filter = self.filter.as_deref().filter(|filter| filter.is_signed())?;
+        Some(|[x, y]: [f32; 2]| filter.draw(x).1 * filter.draw(y).1)
+    }
+
+    /// Whether a point of the film counts for one of several pixels ([`Sensor::pixel_of`]).
+    pub fn shares_light(&self) -> bool {
+        self.filter.is_some()
+    }
+
+    /// The pixel that light at a point of the film counts for, by numbers in [0, 1), and how much
+    /// of it; by its index among those that are rendered. None if that is another one.
+    pub fn pixel_of(
+        &self,
+        [x, y]: [f32; 2],
+        numbers: impl FnOnce() -> [f32; 2],
+    ) -> Option<(u32, f32)> {
+        let Some(filter) = &self.filter else {
+            return Some((self.layout.cut.index_of(x as u32, y as u32)?, 1.0));
+        };
+        let [of_x, of_y] = numbers();
+        let (column, weight) = filter.pixel_of(x, of_x)?;
+        let (row, of_row) = filter.pixel_of(y, of_y)?;
+        let [column, row] = [u32::try_from(column).ok()?, u32::try_from(row).ok()?];
+        Some((self.layout.cut.index_of(column, row)?, weight * of_row))
+    }
+
     /// Whether the first vertex sees the sensor at a finite distance.
     pub fn is_finite(&self) -> bool {
         self.perspective
@@ -110,8 +164,10 @@ impl Sensor {
         let steps = (0..=PLACES).map(|step| step as f32 / PLACES as f32);
         let pairs = steps.clone().flat_map(|u| steps.clone().map(move |v| [u, v]));
         let size = [self.width as f32, self.height as f32];
+        let margin = self.margin();
         let place = |of: [f32; 2]| {
-            let film = [of[0] * size[0], of[1] * size[1]].map(F32s::splat);
+            let along = |axis: usize| of[axis] * (size[axis] + 2.0 * margin) - margin;
+            let film = [along(0), along(1)].map(F32s::splat);
             let (origin, ..) = self.rays(film, || of.map(F32s::splat));
             Vec3::from(origin.to_rows()[0])
         };
@@ -167,12 +223,12 @@ impl Sensor {
         }
         // Where the ray from the lens meets the plane at focus, as seen from the lens's center.
         let focus = on_lens / self.focus_distance + from_lens / depth;
-        let pixel = self.pixel(focus.dot(self.right), focus.dot(self.up))?;
+        let film = self.film_point(focus.dot(self.right), focus.dot(self.up))?;
         let distance2 = from_lens.length_squared();
         let distance = distance2.sqrt();
         let cos = depth / distance;
         Some(SensorConnection {
-            pixel,
+            film,
             direction: -from_lens / distance,
             lens: self.position + on_lens,
             pdf_area: 1.0 / (self.pixel_area() * cos * cos * cos * distance2),
@@ -193,24 +249,31 @@ impl Sensor {
     fn connect_parallel(&self, point: Vec3) -> Option<SensorConnection> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);
-        let pixel = self.pixel(offset.dot(self.right), offset.dot(self.up))?;
+        let film = self.film_point(offset.dot(self.right), offset.dot(self.up))?;
         if depth <= 0.0 {
             return None;
         }
         Some(SensorConnection {
-            pixel,
+            film,
             direction: -self.forward,
             lens: point - self.forward * depth,
             pdf_area: 1.0 / self.pixel_area(),
         })
     }
 
-    /// The pixel at a point of the image plane, in the units of `half_size`.
-    fn pixel(&self, right: f32, up: f32) -> Option<u32> {
+    /// The point of the film at one of the image plane, in the units of `half_size`; none where it
+    /// counts for no pixel.
+    fn film_point(&self, right: f32, up: f32) -> Option<[f32; 2]> {
         let x = (right / self.half_size[0] + 1.0) * 0.5 * self.width as f32;
         let y = (1.0 - up / self.half_size[1]) * 0.5 * self.height as f32;
-        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
-        inside.then(|| y as u32 * self.width + x as u32)
+        let margin = self.margin();
+        let is_within = |at: f32, side: u32| at >= -margin && at < side as f32 + margin;
+        (is_within(x, self.width) && is_within(y, self.height)).then_some([x, y])
+    }
+
+    /// How far beyond the film light counts for its pixels, in pixels.
+    fn margin(&self) -> f32 {
+        self.layout.filter.margin().max(0.0)
     }
 
     fn pixel_area(&self) -> f32 {
@@ -218,9 +281,17 @@ impl Sensor {
     }
 }
 
+/// Where numbers in [0, 1) put samples, in pixels from the center.
+#[inline(never)]
+fn offsets(filter: &Profile, numbers: F32s) -> F32s {
+    let numbers = numbers.to_array();
+    F32s::from(lanes::each(|lane| filter.draw(numbers[lane]).0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::world::Raster;
 
     fn sensor(projection: Projection) -> Sensor {
         let camera = Camera {
@@ -230,9 +301,10 @@ mod tests {
             up: Vec3::Y,
             forward: Vec3::NEG_Z,
             resolution: None,
+            raster: Raster::default(),
             analyzer: None,
         };
-        Sensor::new(&camera, 40, 30)
+        Sensor::new(&camera, Layout::plain([40, 30]))
     }
 
     /// A ray and the connection from any point on it agree on pixel, direction and density.
@@ -254,7 +326,10 @@ mod tests {
             let row = |v: Vector<F32s>| Vec3::from_array(v.lane(0).into());
             let point = row(origin) + row(direction) * 2.5;
             let connection = sensor.connect(point, u).expect("on the film");
-            assert_eq!(connection.pixel, 8 * 40 + 17);
+            let on = |axis: usize| (connection.film[axis] - [17.25, 8.5][axis]).abs() < 1e-4;
+            assert!(on(0) && on(1), "{:?}", connection.film);
+            let pixel = sensor.pixel_of(connection.film, || [0.0; 2]);
+            assert_eq!(pixel, Some((8 * 40 + 17, 1.0)));
             assert!((connection.direction + row(direction)).length() < 1e-5);
             let area = if sensor.is_finite() { 2.5 * 2.5 } else { 1.0 };
             let expected = pdf.to_array()[0] / area;

@@ -1,5 +1,6 @@
 //! What a look depends on beside the shapes: where that is the same, so is what is found.
 
+use std::ops::Range;
 use std::sync::Mutex;
 
 use super::surface::SurfaceKind;
@@ -26,7 +27,7 @@ struct Subject {
     emitters: Vec<EmitterModel>,
     /// Of all of these in turn.
     radiance: Vec<f32>,
-    environment: u32,
+    skies: Range<u32>,
     /// Of each medium, whether it scatters.
     scattering: Vec<bool>,
 }
@@ -61,9 +62,9 @@ impl Subject {
         Some(Self {
             camera: scene.camera,
             kinds: materials.iter().map(|material| (material.kind, material.has_holes)).collect(),
-            emitters: emitters.iter().map(|emitter| emitter.model).collect(),
+            emitters: emitters.iter().map(|emitter| emitter.model.clone()).collect(),
             radiance: (0..emitters.len()).flat_map(|row| optics.radiance_of(row)).collect(),
-            environment: optics.environment,
+            skies: optics.skies.clone(),
             scattering: optics.media.iter().map(|medium| medium.scatters()).collect(),
         })
     }

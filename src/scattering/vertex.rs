@@ -11,6 +11,7 @@ use super::Scene;
 use super::event::{Elements, Form, spheroids};
 use super::medium::Medium;
 use super::phase::{Scatters, half_sine2};
+use super::side::Side;
 use super::surface::model::{LaneRows, two_sided};
 use super::surface::{Connecting, Facing};
 
@@ -65,6 +66,12 @@ pub trait Vertices<const N: usize>: Copy {
         false
     }
 
+    /// All elements of the kernels that there are.
+    #[inline(always)]
+    fn leaving(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Leaving<N> {
+        Leaving::Blocks(self.kernels(k_in, k_out))
+    }
+
     /// Light that arrives along `k_in` leaves along `k_out`.
     fn scatter(&self, k_in: Vector<F32s>, k_out: Vector<F32s>, light: &mut LightLanes<N>);
 }
@@ -81,7 +88,7 @@ pub struct LightLanes<const N: usize> {
 impl<const N: usize> LightLanes<N> {
     /// The light after an event whose axis is `axis`; before, it travels along `k_in`.
     #[inline(always)]
-    fn pass<K: Kernel<F32s>>(
+    pub fn pass<K: Kernel<F32s>>(
         &mut self,
         k_in: Vector<F32s>,
         (kernels, axis): &([K; N], Vector<F32s>),
@@ -101,6 +108,16 @@ pub type Kernels<const N: usize> = ([SpheroidBlock<F32s>; N], Vector<F32s>);
 
 /// The same with all elements.
 pub type DenseKernels<const N: usize> = ([Dense<F32s>; N], Vector<F32s>);
+
+/// Kernels of some form.
+// One of them at a time is on the stack.
+#[allow(clippy::large_enum_variant, reason = "it is built, used and forgotten in one place")]
+pub enum Leaving<const N: usize> {
+    /// Blocks on the diagonal.
+    Blocks(Kernels<N>),
+    /// All elements.
+    Dense(DenseKernels<N>),
+}
 
 /// Which rows of columns eight lanes hold.
 pub trait RowLanes: Copy {
@@ -231,7 +248,7 @@ impl<'a, M: Connecting<N>, const N: usize> OnSurfaces<'a, M, N> {
             shading: rows.vectors(&surfaces.shading_normal),
             two_sided: two_sided(materials, &material),
         };
-        let models = match self.scene.is_painted() {
+        let models = match self.scene.has_models_by_place {
             true => rows.rows().map(|row| self.scene.model_row(surfaces, row)),
             false => material.map(|row| materials[row].row as usize),
         };
@@ -274,14 +291,14 @@ impl<M: Connecting<N>, const N: usize> SurfaceVertices<M, N> {
         &self,
         given: Vector<F32s>,
         drawn: Vector<F32s>,
-        scaled: impl FnOnce(F32s) -> F32s,
+        (side, scaled): (Side, impl FnOnce(F32s) -> F32s),
     ) -> Turn<N> {
         let facing = &self.kept.facing;
         let cosine = scaled(drawn.dot(facing.shading).abs());
-        let reflects = facing.reflects(given, drawn);
-        let mut value = M::shape(&self.lanes, facing, given, drawn);
+        let passes = M::passes(&self.lanes, facing, given, drawn);
+        let mut value = M::shape(&self.lanes, facing, given, drawn, side);
         for (value, &factor) in value.iter_mut().zip(&self.factor) {
-            *value = reflects & (factor * *value * cosine);
+            *value = passes & (factor * *value * cosine);
         }
         Turn {
             value,
@@ -307,22 +324,23 @@ impl<M: Connecting<N>, const N: usize> Vertices<N> for SurfaceVertices<M, N> {
 
     #[inline(always)]
     fn turn(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
-        self.turned(given, drawn, |cosine| cosine)
+        self.turned(given, drawn, (Side::Sensor, |cosine| cosine))
     }
 
     #[inline(always)]
     fn turn_of_light(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Turn<N> {
-        self.turned(given, drawn, |cosine| self.kept.facing.adjoint(given, drawn) * cosine)
+        let adjoint = |cosine| self.kept.facing.adjoint(given, drawn) * cosine;
+        self.turned(given, drawn, (Side::Light, adjoint))
     }
 
     /// Photons count by the geometric normal, and the integral asks for the shading normal.
     #[inline(always)]
     fn merge(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> [F32s; N] {
         let facing = &self.kept.facing;
-        let reflects = facing.reflects(k_out, -k_in);
+        let passes = M::passes(&self.lanes, facing, k_out, -k_in);
         let ratio = k_in.dot(facing.shading) / k_in.dot(facing.geometric);
-        let mut value = M::shape(&self.lanes, facing, k_out, -k_in);
-        value.iter_mut().for_each(|value| *value = reflects & (*value * ratio));
+        let mut value = M::shape(&self.lanes, facing, k_out, -k_in, Side::Sensor);
+        value.iter_mut().for_each(|value| *value = passes & (*value * ratio));
         value
     }
 
@@ -345,6 +363,14 @@ impl<M: Connecting<N>, const N: usize> Vertices<N> for SurfaceVertices<M, N> {
     #[inline(always)]
     fn is_dense(&self) -> bool {
         M::is_dense(&self.lanes)
+    }
+
+    #[inline(always)]
+    fn leaving(&self, k_in: Vector<F32s>, k_out: Vector<F32s>) -> Leaving<N> {
+        match M::is_dense(&self.lanes) {
+            true => Leaving::Dense(M::dense_kernels(&self.lanes, &self.kept.facing, k_in, k_out)),
+            false => Leaving::Blocks(self.kernels(k_in, k_out)),
+        }
     }
 
     #[inline(never)]

@@ -3,16 +3,20 @@
 //!
 //! Lengths are in scene units (meters in glTF), angles in radians, radiometry per channel.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use super::corners::Corners;
+use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
+use super::luminaire::Luminaire;
 use super::painting::Painting;
-use super::world::SurfaceModel;
+use super::world::{Raster, SurfaceModel};
 use crate::polarization::Analyzer;
+use crate::spectrum::Carried;
 
 /// Marks the absence of an index.
 pub const NONE: u32 = u32::MAX;
@@ -98,16 +102,23 @@ pub struct Optics<const N: usize> {
     /// Participating media.
     pub media: Vec<Medium<N>>,
     /// Everything that emits, the environment included; at least one row, none without power.
-    /// Primitives come first, in their order, then punctual lights, then the environment.
+    /// Primitives come first, in their order, then punctual lights, suns last, then the
+    /// environment.
     pub emitters: Arc<Vec<Emitter>>,
     /// What emitters emit, one row for all of one spectrum: radiance, radiant intensity or
     /// irradiance, as their models have it; not negative, finite. By materials first, then by
     /// punctual lights, then by environments.
     pub lamps: Vec<[f32; N]>,
+    /// How what lamps emit is polarized.
+    pub states: EmittedStates<N>,
+    /// What emits as it was measured.
+    pub luminaires: Arc<Vec<Luminaire>>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
-    /// The row of the constant environment in `emitters`, or [`NONE`].
-    pub environment: u32,
+    /// The rows in `emitters` of what is infinitely far away and can be seen: suns and environment.
+    pub skies: Range<u32>,
+    /// What the columns carry.
+    pub carried: Carried<N>,
     /// What of materials differs from place to place, if anything does.
     pub painting: Option<Arc<Painting<N>>>,
     /// Spectra that are held beyond their ends: whose, and over which wavelengths of the render,
@@ -358,6 +369,8 @@ pub struct Camera {
     pub forward: Vec3,
     /// Film size in pixels that the scene asks for (width, height).
     pub resolution: Option<[u32; 2]>,
+    /// How the pixels of that film see.
+    pub raster: Raster,
     /// What stands before the film, in its frame.
     pub analyzer: Option<Analyzer>,
 }
@@ -366,7 +379,9 @@ impl Camera {
     /// Width over height of what it shows, if the scene says so.
     pub fn aspect(&self) -> Option<f32> {
         match (self.resolution, self.projection) {
-            (Some([width, height]), _) => Some(width as f32 / height as f32),
+            (Some([width, height]), _) => {
+                Some(width as f32 * self.raster.pixel_aspect / height as f32)
+            }
             (None, Projection::Perspective { aspect, .. }) => aspect,
             (None, Projection::Orthographic { half_width, half_height }) => {
                 Some(half_width / half_height)

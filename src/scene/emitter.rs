@@ -6,17 +6,22 @@ use std::f64::consts::PI;
 use glam::Vec3;
 
 use super::baked::{self, Shapes};
+use crate::math::elementary::sin;
+
+pub use super::panorama::Panorama;
 
 /// Hands all models to a macro: the list from which everything else that knows them all is made.
 macro_rules! for_all_emitters {
     ($then:ident) => {
-        $then! { Triangle, Sphere, Point, Spot, Directional, Environment }
+        $then! {
+            Triangle, Sphere, Point, Luminaire, Spot, Directional, Sun, Environment, Panorama
+        }
     };
 }
 pub(crate) use for_all_emitters;
 
-/// Something that emits unpolarized light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Something that emits light; how that is polarized, its lamp says (`Optics::states`).
+#[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
     /// Its model, with the parameters of that.
     pub model: EmitterModel,
@@ -71,6 +76,15 @@ pub struct Point {
     pub position: Vec3,
 }
 
+/// A point of radiant intensities by direction, in W/sr on the average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Luminaire {
+    /// Where it is.
+    pub position: Vec3,
+    /// Row in the scene's luminaires.
+    pub row: u32,
+}
+
 /// A point with a cone, of a radiant intensity on the axis in W/sr.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
@@ -92,6 +106,16 @@ pub struct Directional {
     pub direction: Vec3,
 }
 
+/// A disk infinitely far away, of the same radiance all over it in W/(m^2 sr).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Where the light of its middle travels, unit length.
+    pub direction: Vec3,
+    /// One less the cosine of its angular radius, which no `f32` tells from one: greater than zero,
+    /// at most one.
+    pub versine: f32,
+}
+
 /// Radiance from everywhere outside the scene: from a direction 1 + its projection on the gradient
 /// times the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +127,7 @@ pub struct Environment {
 macro_rules! emitter_models {
     ($($Model:ident),*) => {
         /// A model of an emitter, with its parameters.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         pub enum EmitterModel {
             $(#[doc = concat!("See [`", stringify!($Model), "`].")] $Model($Model),)*
         }
@@ -192,6 +216,14 @@ impl Extent for Point {
     }
 }
 
+impl Extent for Luminaire {
+    const FINITE: bool = true;
+
+    fn size(&self, _: &Shapes) -> f64 {
+        4.0 * PI
+    }
+}
+
 impl Extent for Spot {
     const FINITE: bool = true;
 
@@ -207,6 +239,41 @@ impl Extent for Directional {
 
     fn size(&self, shapes: &Shapes) -> f64 {
         disk(shapes)
+    }
+}
+
+impl Sun {
+    /// One that takes up an angle in radians, between zero and half a turn.
+    pub fn new(direction: Vec3, diameter: f64) -> Self {
+        let sine = sin(0.25 * diameter);
+        Self { direction, versine: (2.0 * sine * sine) as f32 }
+    }
+
+    /// Steradians that it takes up.
+    pub fn solid_angle(&self) -> f64 {
+        2.0 * PI * f64::from(self.versine)
+    }
+
+    /// The irradiance of a plane that faces its middle over its radiance, in sr.
+    pub fn faced(&self) -> f64 {
+        let versine = f64::from(self.versine);
+        PI * versine * (2.0 - versine)
+    }
+}
+
+impl Extent for Sun {
+    const FINITE: bool = false;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        self.solid_angle() * disk(shapes)
+    }
+}
+
+impl Extent for Panorama {
+    const FINITE: bool = false;
+
+    fn size(&self, shapes: &Shapes) -> f64 {
+        4.0 * PI * disk(shapes)
     }
 }
 

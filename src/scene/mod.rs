@@ -8,13 +8,16 @@
 mod bake;
 pub mod baked;
 pub mod corners;
+pub mod emitted;
 pub mod emitter;
 mod error;
 mod file;
 mod gltf;
 pub mod instanced;
+pub mod luminaire;
 mod mitsuba;
 pub mod painting;
+pub mod panorama;
 mod view;
 pub mod warnings;
 pub mod world;

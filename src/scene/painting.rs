@@ -78,7 +78,11 @@ impl<const N: usize> Painting<N> {
 
 /// What red, green and blue stand for in the columns of a render.
 #[inline]
-fn columns<const N: usize>(rgb: [f32; 3], role: Option<Role>, carried: &Carried<N>) -> [f32; N] {
+pub fn columns<const N: usize>(
+    rgb: [f32; 3],
+    role: Option<Role>,
+    carried: &Carried<N>,
+) -> [f32; N] {
     match role {
         // Colors are known wherever the white is, which bake has asked for.
         Some(role) => Spectrum::Rgb(rgb).sample(carried, role).unwrap_or([0.0; N]),

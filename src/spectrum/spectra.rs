@@ -144,6 +144,15 @@ impl Spectrum {
         }
     }
 
+    /// Red, green and blue, if it is that or a number.
+    pub fn rgb(&self) -> Option<[f32; 3]> {
+        match self {
+            Self::Constant(value) => Some([*value; 3]),
+            Self::Rgb(rgb) => Some(*rgb),
+            Self::Table(_) | Self::Formula(_) => None,
+        }
+    }
+
     /// Whether it is the same at all wavelengths, whatever they are.
     pub fn is_flat(&self) -> bool {
         let values = self.values();

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use crate::geometry::SurfaceColumns;
-use crate::scattering::{Event, Side};
+use crate::math::{F32s, U32s, Vector, lanes};
+use crate::scattering::{Event, Scene, Side};
 
 use super::tables::paths::PathTable;
 
@@ -55,4 +58,48 @@ pub struct Arrived<'a, const N: usize, C> {
     pub rows: Range<usize>,
     /// Their segments so far.
     pub path_length: u32,
+}
+
+impl<const N: usize, C> Arrived<'_, N, C> {
+    /// The medium behind the surface of a row, for connections that go through it: where none do,
+    /// the same as before it.
+    pub fn beyond(&self, scene: &Scene<N>, row: usize) -> u32 {
+        let inside = self.paths.media.inside(row);
+        if !(self.paths.media.present() && self.event.met.passes_any_way()) {
+            return inside;
+        }
+        let of = |columns| Vec3::from(lanes::row_of(columns, row));
+        let along = of(&self.paths.rays.direction).dot(of(&self.surfaces.geometric_normal));
+        scene.medium_beyond(self.surfaces, row, along > 0.0, (inside, None))
+    }
+
+    /// The media in which connections of the eight rows from `row` on start along these directions.
+    #[inline(always)]
+    pub fn inside_towards(&self, scene: &Scene<N>, direction: Vector<F32s>, row: usize) -> U32s {
+        let inside = self.paths.media.inside_of_lanes(row);
+        match self.event.met.passes_any_way() && self.paths.media.present() {
+            true => self.inside_beyond(scene, (inside, direction), row),
+            false => inside,
+        }
+    }
+
+    #[cold]
+    fn inside_beyond(
+        &self,
+        scene: &Scene<N>,
+        (inside, direction): (U32s, Vector<F32s>),
+        row: usize,
+    ) -> U32s {
+        let normal = Vector::load(&self.surfaces.geometric_normal, row);
+        let before = Vector::load(&self.paths.rays.direction, row);
+        let passes = (before.dot(normal) * direction.dot(normal)).to_array();
+        let inside = inside.to_array();
+        U32s::from(lanes::each(|lane| {
+            let is_used = row + lane < self.rows.end;
+            match is_used && passes[lane] > 0.0 {
+                true => self.beyond(scene, row + lane),
+                false => inside[lane],
+            }
+        }))
+    }
 }

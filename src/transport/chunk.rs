@@ -39,6 +39,9 @@ pub struct Chunk {
     pub sampling: Sampling,
     /// How paths share random sequences.
     pub sequence: Sequence,
+    /// Whether the pixels of the tile are rendered. Where they are not, paths from emitters are
+    /// traced alone, for what they bring to those that are.
+    pub is_seen: bool,
 }
 
 /// How the paths of a chunk share random sequences.

@@ -1,20 +1,23 @@
-//! How light paths leave their emitters, and sensor paths meet them, whichever stage asks.
+//! How light paths leave their emitters, and sensor paths meet them, whichever stage asks, and in
+//! what states of polarization.
 
 use glam::Vec3;
 
-use crate::math::{LANES, lanes};
+use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
+use crate::scattering::emitter::state::emitted_state;
 use crate::scattering::emitter::{
     EmissionSample, MetEmission, direct_pdf, met_emission, sample_emission,
 };
 
 use super::Strategy;
-use super::measure::measure_unpolarized;
+use super::measure::{measure_polarized, measure_unpolarized};
 use super::mis::{self, EmitterDensities};
 use super::sampler::{Purpose, draw};
 use super::sides::SensorSide;
 use super::tables::measured::Measured;
 use super::tables::paths::{IdentityColumns, PathTable};
+use super::tables::states::LightState;
 
 /// How the paths of eight rows leave their emitters.
 pub fn sample_emissions<const N: usize>(
@@ -46,6 +49,20 @@ pub fn emitters_of_paths<const N: usize>(
     lanes::each(|lane| scene.choice.by_power(choice.map(|u| u[lane])))
 }
 
+/// The state of the light that an emitter sends from `position` along `direction`, if it is
+/// polarized.
+#[inline(always)]
+pub fn state_sent<const N: usize>(
+    scene: &Scene<N>,
+    emitter: usize,
+    (position, direction): (Vec3, Vec3),
+) -> Option<LightState<N>> {
+    if !scene.has_polarized_lamps() {
+        return None;
+    }
+    emitted_state(scene, emitter, (position, direction)).map(|state| LightState::emitted(&state))
+}
+
 /// An emitter that a sensor path meets.
 #[derive(Clone, Copy, Debug)]
 pub struct MetEmitter<const N: usize> {
@@ -53,8 +70,8 @@ pub struct MetEmitter<const N: usize> {
     pub row: usize,
     /// The distance from its last vertex.
     pub t: f32,
-    /// The primitive, or that none is met.
-    pub primitive: u32,
+    /// The row of the emitter.
+    pub emitter: usize,
     /// What the path's throughput is multiplied by for coming so far.
     pub reaches: [f32; N],
 }
@@ -74,18 +91,18 @@ pub struct Finding {
 pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     measured: &mut Measured<N>,
     paths: &PathTable<N, C>,
-    MetEmitter { row, t, primitive, reaches }: MetEmitter<N>,
+    MetEmitter { row, t, emitter, reaches }: MetEmitter<N>,
     scene: &Scene<N>,
     Finding { path_length, strategy, .. }: Finding,
 ) {
     let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
     let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
     let position = if t.is_finite() { origin + direction * t } else { origin };
-    let Some(met) = met_emission(scene, primitive, position, direction) else { return };
+    let Some(met) = met_emission(scene, emitter, position, direction) else { return };
     let MetEmission { emission_pdf, cos_at_light, .. } = met;
     // Where the last vertex connects to nothing, nobody asks how.
     let densities = |connects: bool| {
-        let (from, emitter) = (paths.vantage(row), scene.emitter_seen(primitive) as usize);
+        let from = paths.vantage(row);
         let of_choice = || direct_pdf(scene, emitter, &from, (position, direction));
         let direct_pdf = if connects { of_choice() } else { 0.0 };
         EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
@@ -93,10 +110,10 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
         Strategy::Bidirectional if path_length == 1 => {
-            let direct_pdf = scene.glimpses.start_pdf(scene.emitter_seen(primitive) as usize);
-            let emitter = EmitterDensities { direct_pdf, emission_pdf: 0.0, cos_at_light };
+            let direct_pdf = scene.glimpses.start_pdf(emitter);
+            let densities = EmitterDensities { direct_pdf, emission_pdf: 0.0, cos_at_light };
             let distance2 = if scene.sensor.is_finite() { distance2 } else { 1.0 };
-            mis::weight_of_emission_met(paths.mis.row(row), emitter, distance2)
+            mis::weight_of_emission_met(paths.mis.row(row), densities, distance2)
         }
         _ if path_length == 1 => 1.0,
         Strategy::Unidirectional | Strategy::Merging => {
@@ -109,6 +126,28 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
         }
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);
-    let slot = paths.identity.slot[row] as usize;
-    measure_unpolarized(measured, &paths.carriers, (row, slot), value);
+    let place = (row, paths.identity.slot[row] as usize);
+    if scene.has_polarized_lamps()
+        && paths.carriers.columns().is_some()
+        && let Some(light) = state_sent(scene, emitter, (position, -direction))
+    {
+        let carriers = &paths.carriers;
+        return measure_state(measured, carriers, place, (value, light), scene, direction);
+    }
+    measure_unpolarized(measured, &paths.carriers, place, value);
+}
+
+/// Adds polarized light that a row meets along its `direction`.
+// Rare, and out of the loops of those who measure.
+#[inline(never)]
+fn measure_state<const N: usize, C: SensorSide<N>>(
+    measured: &mut Measured<N>,
+    carriers: &C,
+    place: (usize, usize),
+    (value, light): ([f32; N], LightState<N>),
+    scene: &Scene<N>,
+    direction: Vec3,
+) {
+    let along = (Vector::from((-direction).to_array()), scene.sensor.up());
+    measure_polarized(measured, carriers, place, value, &light, along);
 }

@@ -61,6 +61,7 @@ pub mod piece;
 pub mod sampler;
 pub mod scale;
 pub mod sides;
+pub mod splat;
 pub mod stages;
 pub mod strategy;
 pub mod tables;

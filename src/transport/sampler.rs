@@ -57,6 +57,8 @@ pub enum Stream {
     Sensor = 1,
     /// Paths from the emitters.
     Light = 2,
+    /// The pixels that connections from these to the sensor count for.
+    Splat = 3,
 }
 
 /// The seed of one path's sequences; a column of the path tables.

@@ -2,6 +2,8 @@
 //! may have met different things.
 
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
+use crate::scattering::Met;
+use crate::scattering::event::{Event, Form};
 use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::Facing;
 use crate::scattering::vertex::{KeptLanes, Scatterer, Turn, Vertices, for_scatterer};
@@ -87,31 +89,32 @@ fn scatter_all<const N: usize>(
     (row, live): (usize, usize),
 ) {
     for (event, mask) in events(vertices, row, lanes::first(live)) {
-        for_scatterer!(scene, scene.events[event as usize].met, all => {
-            scatter_states(states, vertices, all, direction, (row, mask));
-        });
+        let Event { met, form, .. } = scene.events[event as usize];
+        if form != Form::Depolarizer {
+            scatter_states(states, vertices, (scene, met), direction, (row, mask));
+        }
     }
 }
 
-/// The states of the lanes in the mask.
+/// The states of the lanes in the mask, which have all met the same.
 #[inline(always)]
-fn scatter_states<const N: usize, S: Scatterer<N>>(
+fn scatter_states<const N: usize>(
     states: &mut [Option<LightState<N>>; LANES],
     vertices: &VertexTable<N>,
-    all: S,
+    (scene, met): (SceneAt<N>, Met),
     direction: Vector<F32s>,
     (row, mask): (usize, F32s),
 ) {
-    if !S::POLARIZES {
-        return;
-    }
     let k_in = -Vector::load(&vertices.given, row);
-    let of = all.kept(keep(vertices, row, mask));
+    let found = for_scatterer!(scene, met, all => {
+        all.kept(keep(vertices, row, mask)).leaving(k_in, direction)
+    });
+    let Some(leaving) = found else { return };
     let mask = mask.to_bits().to_array();
     let lanes = (0..LANES).filter(|&lane| mask[lane] != 0);
     let state = |lane: usize| vertices.states.get(vertices.state[row + lane] as usize);
     let to = |lane: usize, light: &LightState<N>| states[lane] = Some(*light);
-    states::scatter_states(&of, [k_in, direction], lanes, state, to);
+    states::scatter_states(&leaving, k_in, lanes, state, to);
 }
 
 /// What is kept of eight vertices; `mask` are those of the scatterer that they are for.

@@ -7,6 +7,7 @@ mod bench_more;
 mod bench_record;
 mod cache;
 mod checkpoints;
+mod cropped;
 mod errors;
 mod farm;
 mod films;

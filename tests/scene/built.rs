@@ -263,11 +263,7 @@ fn some_things_are_there_once() {
             if is_camera {
                 entities.spawn((Order(99), name, lens, place));
             } else {
-                entities.spawn((
-                    Order(99),
-                    name,
-                    Environment { radiance: 1.0.into(), gradient: Vec3::ZERO },
-                ));
+                entities.spawn((Order(99), name, Environment::constant(1.0)));
             }
         })
     };

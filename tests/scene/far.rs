@@ -106,7 +106,7 @@ fn worlds_in_code_are_centered_too() {
     let sun = far.shapes.spheres[1].center - far.shapes.spheres[0].center;
     assert!((sun - (1e4 - 0.1) * Vec3::Y).length() < 2e-3, "{sun}");
     let [EmitterModel::Sphere(_), EmitterModel::Point(lamp)] =
-        [far.optics.emitters[0].model, far.optics.emitters[1].model]
+        [&far.optics.emitters[0].model, &far.optics.emitters[1].model]
     else {
         panic!("a sphere and a lamp")
     };

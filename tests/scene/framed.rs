@@ -5,6 +5,7 @@ use std::fs;
 use crate::common::{good, load_json, scratch};
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3};
 use serde_json::{Value, json};
+use sunstone::internals::film::layout::Layout;
 use sunstone::internals::math::F32s;
 use sunstone::internals::scattering::Sensor;
 use sunstone::internals::scene::world::{Bsdf, Geometry, Material, Transform};
@@ -20,7 +21,7 @@ const FILMS: [[u32; 2]; 4] = [[64, 64], [160, 40], [40, 160], [1, 1000]];
 /// film's size.
 fn on_film(world: &World, points: &[DVec3], [width, height]: [u32; 2]) -> Vec<[f64; 2]> {
     let baked = bake(world, &Carried::RGB).unwrap();
-    let sensor = Sensor::new(&baked.camera, width, height);
+    let sensor = Sensor::new(&baked.camera, Layout::plain([width, height]));
     let (camera, origin) = (&baked.camera, baked.shapes.origin);
     let [right, up, forward] =
         [camera.right, camera.up, camera.forward].map(|axis| axis.as_dvec3());

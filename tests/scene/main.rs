@@ -1,11 +1,15 @@
 //! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
+mod blender;
 mod built;
 mod common;
 mod errors;
 mod far;
+mod films;
 mod framed;
 mod fuzz;
+mod layered;
+mod luminaires;
 mod meaning;
 mod measured;
 mod media;
@@ -18,5 +22,7 @@ mod reference;
 mod refused;
 mod room;
 mod rough;
+mod skies;
 mod spectra;
+mod stokes;
 mod textures;

@@ -230,14 +230,15 @@ fn emitters_and_their_probabilities() {
         json!({"emissiveStrength": 3.0});
     document["scenes"][0]["extras"] = json!({"sunstone": {"environment": {"radiance": 0.125}}});
     let scene = baked(&document);
-    let models: Vec<EmitterModel> = scene.optics.emitters.iter().map(|row| row.model).collect();
+    let models: Vec<EmitterModel> =
+        scene.optics.emitters.iter().map(|row| row.model.clone()).collect();
     use EmitterModel::{Environment, Point, Sphere, Triangle};
     assert!(
         matches!(models[..], [Triangle(_), Triangle(_), Sphere(_), Point(_), Environment(_)]),
         "{models:?}"
     );
     assert_eq!(*scene.optics.emitter_of_primitive, [0, 1, 2]);
-    assert_eq!(scene.optics.environment, 4);
+    assert_eq!(scene.optics.skies, 4..5);
     assert_eq!(scene.optics.radiance_of(2), [3.0; 3]);
     assert_eq!(scene.optics.radiance_of(3), [1.0; 3], "683 candela are 1 W/sr");
     let r2 = scene.shapes.bounds.radius.powi(2);
@@ -264,7 +265,7 @@ fn spots_directional_lights_and_units() {
         "extensions": {"SUNSTONE_polarization": {"units": "radiometric"}}});
     assert!(warnings(&document).contains("range is ignored"));
     let scene = baked(&document);
-    let row = *scene.optics.emitters.last().unwrap();
+    let row = scene.optics.emitters.last().unwrap();
     assert_eq!(scene.optics.lamps.last(), Some(&[2.0, 1.0, 0.5]));
     let EmitterModel::Spot(spot) = row.model else { panic!("{row:?}") };
     assert!((spot.direction - Vec3::NEG_Y).length() < 1e-6);
@@ -274,7 +275,7 @@ fn spots_directional_lights_and_units() {
     document["extensions"]["KHR_lights_punctual"]["lights"][0] =
         json!({"type": "directional", "intensity": 683.0});
     let scene = baked(&document);
-    let row = *scene.optics.emitters.last().unwrap();
+    let row = scene.optics.emitters.last().unwrap();
     assert_eq!(scene.optics.lamps.last(), Some(&[1.0; 3]));
     let EmitterModel::Directional(sun) = row.model else { panic!("{row:?}") };
     assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6);
@@ -288,7 +289,7 @@ fn an_environment_alone_is_a_scene() {
         "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}],
         "extras": {"sunstone_environment": {"radiance": [1, 2, 3]}}});
     let scene = baked(&document);
-    assert_eq!((scene.optics.environment, scene.optics.emitters[0].probability), (0, 1.0));
+    assert_eq!((&scene.optics.skies, scene.optics.emitters[0].probability), (&(0..1), 1.0));
     assert_eq!(scene.optics.radiance_of(0), [1.0, 2.0, 3.0]);
     assert_eq!((scene.optics.materials.len(), scene.camera.resolution), (1, None));
     assert!(scene.shapes.bounds.radius > 0.0);

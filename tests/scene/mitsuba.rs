@@ -434,7 +434,11 @@ fn lights_shine_where_mitsuba_has_them_shine() {
                 assert_eq!(radiance, [7.0; 3]);
             }
             EmitterModel::Environment(_) => assert_eq!(radiance, [1.0; 3]),
-            EmitterModel::Triangle(_) | EmitterModel::Sphere(_) => panic!("none was asked for"),
+            EmitterModel::Triangle(_)
+            | EmitterModel::Sphere(_)
+            | EmitterModel::Luminaire(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Panorama(_) => panic!("none was asked for"),
         }
     }
     assert_eq!(scene.optics.emitters.len(), 4);

@@ -238,7 +238,7 @@ fn lights() {
         assert_eq!(baked, added.replace("`new`", "`lamp`"));
     }
     for radiance in [-1.0, f32::NAN] {
-        let sky = Environment { radiance: radiance.into(), gradient: Vec3::ZERO };
+        let sky = Environment::constant(radiance);
         let set = room().set_environment(radiance).unwrap_err().to_string();
         has_all(&set, &["environment, radiance: "]);
         assert_eq!(edited(|world| insert(world, "environment", sky)), set);

@@ -34,7 +34,7 @@ pub struct Document {
     cameras: Vec<Value>,
     media: Vec<Value>,
     filling: Option<usize>,
-    environment: Option<f32>,
+    environment: Option<Value>,
     up: Option<Vec3>,
 }
 
@@ -207,7 +207,7 @@ impl Document {
 
     /// A light of `KHR_lights_punctual` in watts, that shines along `direction` if it has one.
     pub fn light(&mut self, mut light: Value, position: Vec3, direction: Vec3) {
-        light["extensions"] = json!({"SUNSTONE_polarization": {"units": "radiometric"}});
+        light["extensions"]["SUNSTONE_polarization"]["units"] = json!("radiometric");
         self.lights.push(light);
         let rotation = Quat::from_rotation_arc(Vec3::NEG_Z, direction.normalize());
         self.nodes.push(json!({
@@ -252,7 +252,12 @@ impl Document {
 
     /// Light of equal radiance from everywhere outside.
     pub fn environment(&mut self, radiance: f32) {
-        self.environment = Some(radiance);
+        self.sky(json!({"radiance": radiance}));
+    }
+
+    /// Light from everywhere outside, with the given body of `environment`.
+    pub fn sky(&mut self, body: Value) {
+        self.environment = Some(body);
     }
 
     /// What is up for the cameras to come, instead of y.
@@ -323,9 +328,9 @@ impl Document {
             file["extensions"]["SUNSTONE_polarization"] =
                 json!({"media": self.media, "medium": self.filling});
         }
-        if let Some(radiance) = self.environment {
+        if let Some(sky) = self.environment {
             file["scenes"][0]["extensions"] =
-                json!({"SUNSTONE_polarization": {"environment": {"radiance": radiance}}});
+                json!({"SUNSTONE_polarization": {"environment": sky}});
         }
         load_json(&file, name)
     }

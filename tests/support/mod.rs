@@ -3,11 +3,15 @@
 
 pub mod dispersive;
 pub mod evidence;
+pub mod fields;
 pub mod filters;
 pub mod gltf;
+pub mod luminaires;
 pub mod painted;
+pub mod polarized;
 pub mod random;
 pub mod rendering;
 pub mod rough;
 pub mod scenes;
+pub mod skies;
 pub mod statistics;

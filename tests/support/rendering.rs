@@ -159,11 +159,17 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
     let (shapes, optics) = (&scene.shapes, &scene.optics);
     let mut areas = vec![0.0; shapes.surfaces.len()];
     for emitter in &*optics.emitters {
-        let (primitive, area) = match emitter.model {
+        let (primitive, area) = match &emitter.model {
             EmitterModel::Triangle(triangle) => (triangle.primitive, triangle.area),
             EmitterModel::Sphere(sphere) => (sphere.primitive, sphere.area),
             EmitterModel::Environment(_) => continue,
-            EmitterModel::Point(_) | EmitterModel::Spot(_) | EmitterModel::Directional(_) => {
+            EmitterModel::Panorama(sky) if sky.spread() > f64::from(CHANCE_MIN) => continue,
+            EmitterModel::Point(_)
+            | EmitterModel::Luminaire(_)
+            | EmitterModel::Spot(_)
+            | EmitterModel::Directional(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Panorama(_) => {
                 return false;
             }
         };
@@ -219,7 +225,7 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
             let hit = first_in_the_way(scene, origin, direction);
             if hit == NONE {
                 // Parallel rays have no direction to share with an environment.
-                return scene.optics.environment == NONE || scene.sensor.is_finite();
+                return scene.optics.skies.is_empty() || scene.sensor.is_finite();
             }
             !is_specular(scene, &scene.shapes.surfaces[scene.shapes.surface_of(hit) as usize])
         })

@@ -65,3 +65,41 @@ pub fn coats() -> World {
     scene.orthographic(v(0.3, 0.9, 3.0), Vec3::ZERO, 1.0);
     scene.load("rough coats")
 }
+
+/// Rough glass, narrow and wide, with the normals of a sphere and its own; a block of it that
+/// touches smooth water full of murk, with a ball in both.
+pub fn glasses() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.5, 4.0);
+    let of = |ior: f32, alpha: f32| json!({"bsdf": "rough_dielectric", "ior": ior, "alpha": alpha});
+    let [narrow, wide, block] =
+        [(1.5, 0.15), (1.4, 0.7), (1.6, 0.4)].map(|(ior, alpha)| scene.material(of(ior, alpha)));
+    let beckmann = json!({"bsdf": "rough_dielectric", "ior": 1.76, "roughness": 0.8,
+        "distribution": "beckmann", "multiple_scattering": false});
+    let beckmann = scene.material(beckmann);
+    let water = scene.material(json!({"bsdf": "dielectric", "ior": 1.33}));
+    let murk = scene.medium(json!({"phase": "isotropic", "sigma_a": 0.5, "sigma_s": 0.0}));
+    scene.sphere(v(-0.55, 0.2, 0.0), 0.35, narrow);
+    scene.ball(v(0.4, 0.25, -0.2), 0.35, 8, wide);
+    scene.cuboid(v(-0.3, -0.7, 0.0), v(0.3, 0.3, 0.5), block);
+    scene.around(Some(murk), None, |scene| {
+        scene.cuboid(v(0.3, -0.7, 0.1), v(0.3, 0.2, 0.4), water);
+    });
+    scene.sphere(v(0.0, -0.55, 0.2), 0.15, beckmann);
+    pinhole(scene).load("rough glasses")
+}
+
+/// Rough glass full of fog that polarizes, in fog, lit by points inside and outside.
+pub fn glass_and_fog() -> World {
+    let mut scene = room(&[CEILING]);
+    let thin = scene.medium(json!({"phase": "hg", "g": 0.3, "sigma_a": 0.1, "sigma_s": 0.2}));
+    scene.fill(thin);
+    let air = json!({"phase": "rayleigh", "sigma_a": [0.2, 0.0, 0.5], "sigma_s": [1.0, 3.0, 2.0]});
+    let air = scene.medium(air);
+    let glass = json!({"bsdf": "rough_dielectric", "ior": 1.5, "alpha": 0.5});
+    let glass = scene.material(glass);
+    scene.around(Some(air), Some(thin), |scene| scene.sphere(v(0.1, -0.3, 0.2), 0.5, glass));
+    scene.light(json!({"type": "point", "intensity": 2.0}), v(-0.5, 0.6, 0.4), Vec3::NEG_Z);
+    scene.light(json!({"type": "point", "intensity": 0.5}), v(0.2, -0.2, 0.3), Vec3::NEG_Z);
+    pinhole(scene).load("rough glass and fog")
+}

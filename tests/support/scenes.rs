@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 40] = [
+pub const SCENES: [Named; 47] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -52,6 +52,13 @@ pub const SCENES: [Named; 40] = [
     ("rough metals", super::rough::metals),
     ("plastics", super::rough::plastics),
     ("rough coats, orthographic", super::rough::coats),
+    ("rough glasses", super::rough::glasses),
+    ("rough glass and fog", super::rough::glass_and_fog),
+    ("polarized panel and sky on glass and metal", super::polarized::panel_and_sky),
+    ("polarized points in thin air", super::polarized::points_in_thin_air),
+    ("polarized panes behind sheets", super::polarized::panes_behind_sheets),
+    ("hot metals and glass", super::polarized::hot_metals),
+    ("luminaires in thin air", super::luminaires::in_thin_air),
 ];
 
 /// In which boundaries contradict each other.

@@ -36,6 +36,7 @@ use crate::support::rendering::{
     spectral_replicates, world,
 };
 use crate::support::scenes::{CONTRADICTORY, Named, SCENES, two_sheets};
+use crate::support::skies::SKIES;
 use crate::support::statistics::{ROUNDING, cells, estimate, mean_s0, rms, rms_limits, worst};
 
 const SIZE: [u32; 2] = [16, 16];
@@ -262,7 +263,7 @@ fn integrators_agree_per_band_in_all_scenes() {
         (name, Box::new(move || world(&path)) as Build)
     };
     let shipped = ["scenes", "scenes/reference"].into_iter().flat_map(paths).map(load);
-    let small = built(&SCENES).chain(built(&FILTERS)).chain(built(&PAINTED));
+    let small = built(&SCENES).chain(built(&FILTERS)).chain(built(&PAINTED)).chain(built(&SKIES));
     check_bands(shipped.chain(small), [REPLICATES, ITERATIONS / 4], 2);
 }
 
@@ -351,6 +352,28 @@ fn integrators_agree_on_filters() {
 #[ignore = "minutes"]
 fn integrators_agree_on_filters_closely() {
     check(filters(), [REPLICATES, 4 * ITERATIONS]);
+}
+
+fn skies() -> impl Iterator<Item = (String, World)> {
+    SKIES.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_under_skies() {
+    check(skies(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_per_band_under_skies() {
+    check_bands(built(&SKIES[..3]), [16, ITERATIONS / 8], 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_under_skies_closely() {
+    check(skies(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 /// The panel is seen within 0.15 of the normal, where crossed sheets leak the fourth power of it.

@@ -13,11 +13,9 @@ use sunstone::internals::math::{F32s, LANES, Vector};
 use sunstone::internals::render::{Mode, Options, Photons};
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::aim::Line;
-use sunstone::internals::scattering::emitter::{
-    EmissionSample, met_emission, primitive, sample_emission,
-};
+use sunstone::internals::scattering::emitter::{EmissionSample, met_emission, sample_emission};
 use sunstone::internals::scene::World;
-use sunstone::internals::scene::baked::{NONE, Shapes};
+use sunstone::internals::scene::baked::Shapes;
 use sunstone::internals::scene::emitter::EmitterModel;
 
 use crate::support::gltf::Document;
@@ -169,15 +167,14 @@ fn a_line_has_one_density_whoever_asks() {
                 chosen.direction = Vector::splat((-start.direction).to_array());
                 chosen.cos_at_light = F32s::splat(start.cos_at_light);
                 chosen.emission_pdf *= chosen.cos_at_light / cosine;
-                let primitive = primitive(&emitter.model);
                 let met =
-                    met_emission(&scene, primitive, start.position, -start.direction).unwrap();
+                    met_emission(&scene, start.emitter, start.position, -start.direction).unwrap();
                 grazes += usize::from((met.emission_pdf / start.emission_pdf - 1.0).abs() > 1e-4);
             }
             // The sky's own choice of a direction is another one.
             if matches!(emitter.model, EmitterModel::Environment(_)) {
                 chosen.direction = Vector::splat((-start.direction).to_array());
-                let met = met_emission(&scene, NONE, vertex, -start.direction).unwrap();
+                let met = met_emission(&scene, start.emitter, vertex, -start.direction).unwrap();
                 let whole = chosen.emission_pdf.to_array()[0];
                 let again = aim.gain(line) * whole;
                 assert!((met.emission_pdf / again - 1.0).abs() < 1e-5, "{start:?}");
@@ -216,6 +213,7 @@ fn measure(model: &EmitterModel, shapes: &Shapes, (ball, radius): (Vec3, f64)) -
     };
     match model {
         EmitterModel::Environment(_) => Some(4.0 * PI * PI * radius * radius),
+        EmitterModel::Panorama(_) | EmitterModel::Sun(_) => None,
         EmitterModel::Directional(_) => Some(PI * radius * radius),
         EmitterModel::Point(it) => {
             let is_outside = f64::from(ball.distance(it.position)) > radius;
@@ -230,7 +228,7 @@ fn measure(model: &EmitterModel, shapes: &Shapes, (ball, radius): (Vec3, f64)) -
             let mean = sum / points.len() as f64;
             points.iter().all(is_before).then_some(f64::from(it.area) * mean)
         }
-        EmitterModel::Spot(_) | EmitterModel::Sphere(_) => None,
+        EmitterModel::Luminaire(_) | EmitterModel::Spot(_) | EmitterModel::Sphere(_) => None,
     }
 }
 

@@ -123,7 +123,7 @@ fn lamps_emit_what_their_pictures_say() {
             let at = DVec2::new(random.next().into(), random.next().into()) * 2.0 - 1.0;
             // Two triangles, the first below the diagonal.
             let emitter = usize::from(at.y > at.x);
-            let tint = scene.tint(emitter, Vec3::new(at.x as f32, at.y as f32, 0.0));
+            let tint = scene.tint(emitter, Vec3::new(at.x as f32, at.y as f32, 0.0), Vec3::Z);
             let place = place(&way, at);
             let expected = value_at(&texels, place, (&way.filter, way.wrap));
             let error = (DVec3::from(tint.map(f64::from)) - expected).abs().max_element();

@@ -75,7 +75,7 @@ const RAYLEIGH: Case =
 /// Polarized plastic and rough metal, which light each other. Their facets are narrow: the wider
 /// ones of Mitsuba are darker at grazing, as masking and shadowing are independent there.
 const PLASTIC: Case =
-    Case { name: "plastic", path_length_max: 5, exact: (0..4, 0), ill_posed: &[], margin: 0 };
+    Case { name: "plastic", path_length_max: 5, exact: (0..4, 4_000), ill_posed: &[], margin: 0 };
 
 /// Without the edges of the cloud, for photons.
 const INSIDE_RAYLEIGH: Case = Case { exact: (0..4, 1_000), margin: 4, ..RAYLEIGH };

@@ -289,6 +289,7 @@ fn settings(arguments: &RenderArguments) -> Result<Settings, String> {
         photons: _,
         width: _,
         height: _,
+        film: _,
         camera: _,
         light: _,
         time: _,

@@ -36,6 +36,7 @@ pub fn write<W: Write + Seek>(
     planes: &[usize],
 ) -> Result<()> {
     let sorted = header::sorted(header.clone())?;
+    let top = header.own_attributes.layer_position.y();
     ::exr::block::write(&mut *to, [header].into_iter().collect(), true, |_, writer| {
         let height = image.frame().height;
         let count = writer.total_chunks_count();
@@ -54,7 +55,7 @@ pub fn write<W: Write + Seek>(
                     .collect(),
             };
             for (block, compressed_pixels_le) in blocks.zip(packed) {
-                let y_coordinate = i32::try_from(rows_of(block).start)?;
+                let y_coordinate = top + i32::try_from(rows_of(block).start)?;
                 let lines = CompressedScanLineBlock { y_coordinate, compressed_pixels_le };
                 let compressed_block = CompressedBlock::ScanLine(lines);
                 writer.write_chunk(block, Chunk { layer_index: 0, compressed_block })?;

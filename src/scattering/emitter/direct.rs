@@ -6,7 +6,7 @@
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::Shapes;
-use crate::scene::emitter::Emitter;
+use crate::scene::emitter::{Emitter, EmitterModel, Panorama};
 
 use super::{Emits, Kind, record};
 
@@ -34,6 +34,31 @@ pub struct DirectTable {
     records: Vec<Own>,
     /// For every emitter, its row in the lamps.
     lamps: Vec<u32>,
+    tables: Tables,
+}
+
+/// What models have beside their records.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// The picture of the environment, if it has one: there is one environment at most.
+    pub panorama: Option<Panorama>,
+}
+
+impl Tables {
+    fn new(emitters: &[Emitter]) -> Self {
+        let panorama = emitters.iter().find_map(|emitter| match &emitter.model {
+            EmitterModel::Panorama(panorama) => Some(panorama.clone()),
+            EmitterModel::Triangle(_)
+            | EmitterModel::Sphere(_)
+            | EmitterModel::Point(_)
+            | EmitterModel::Luminaire(_)
+            | EmitterModel::Spot(_)
+            | EmitterModel::Directional(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Environment(_) => None,
+        });
+        Self { panorama }
+    }
 }
 
 /// Eight points or directions on emitters.
@@ -69,6 +94,7 @@ impl DirectTable {
             kinds: emitters.iter().map(|emitter| Kind::of(&emitter.model)).collect(),
             records: records.collect(),
             lamps: emitters.iter().map(|emitter| emitter.lamp).collect(),
+            tables: Tables::new(emitters),
         }
     }
 
@@ -83,7 +109,8 @@ impl DirectTable {
         reference: Vector<F32s>,
         u: [F32s; 2],
     ) -> DirectLanes<N> {
-        let own = gather(&self.records, chosen);
+        let records = gather(&self.records, chosen);
+        let own = (&records, &self.tables);
         let mut radiance = [[0.0; LANES]; N];
         for lane in 0..LANES {
             let lamp = &lamps[self.lamps[chosen[lane]] as usize];
@@ -93,14 +120,14 @@ impl DirectTable {
         }
         let radiance = radiance.map(F32s::from);
         let first = self.kinds[chosen[0]];
-        let mut lanes = first.choose(&own, reference, radiance, chance, u);
+        let mut lanes = first.choose(own, reference, radiance, chance, u);
         if chosen.iter().all(|&emitter| self.kinds[emitter] == first) {
             return lanes;
         }
         for &kind in Kind::ALL.iter().filter(|&&kind| kind != first) {
             let of_kind = chosen.map(|emitter| self.kinds[emitter] == kind);
             if of_kind.contains(&true) {
-                let others = kind.choose(&own, reference, radiance, chance, u);
+                let others = kind.choose(own, reference, radiance, chance, u);
                 lanes = select(lanes::mask_of(of_kind), &others, &lanes);
             }
         }
@@ -121,8 +148,9 @@ impl DirectTable {
         let own = &self.records;
         let [first_lamp, last_lamp] = [0, last].map(|row| &lamps[self.lamps[row] as usize]);
         let own = std::array::from_fn(|field| either(second, [own[0][field], own[last][field]]));
+        let own = (&own, &self.tables);
         let radiance = std::array::from_fn(|n| either(second, [first_lamp[n], last_lamp[n]]));
-        self.kinds[0].choose(&own, reference, radiance, chance, u)
+        self.kinds[0].choose(own, reference, radiance, chance, u)
     }
 }
 

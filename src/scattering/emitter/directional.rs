@@ -6,7 +6,7 @@ use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Directional;
 
-use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::infinity::{self, disk_pdf};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -21,7 +21,7 @@ impl Emits for Directional {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        &[x, y, z, emission_pdf, ..]: &OwnLanes,
+        (&[x, y, z, emission_pdf, ..], _): (&OwnLanes, &Tables),
         _: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,

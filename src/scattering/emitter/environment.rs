@@ -9,7 +9,7 @@ use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Environment;
 
-use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::infinity::{self, SPHERE_PDF, any_direction, any_directions, disk_pdf};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -31,7 +31,7 @@ impl Emits for Environment {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        &[emission_pdf, x, y, z, ..]: &OwnLanes,
+        (&[emission_pdf, x, y, z, ..], _): (&OwnLanes, &Tables),
         _: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,
@@ -54,6 +54,10 @@ impl Emits for Environment {
 
     fn gain_of_aim(&self, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
         infinity::gain_of_aim(shapes, ball)
+    }
+
+    fn share_of_sky(&self) -> Option<f64> {
+        Some(1.0)
     }
 
     fn emit<const N: usize>(

@@ -3,23 +3,29 @@
 //!
 //! Densities follow Georgiev et al. 2012: `direct` is that of choosing the point (or direction)
 //! when connecting, `emission` that of starting a light path there; both include the probability
-//! of choosing the emitter, each its own (`choice`). All light starts unpolarized.
+//! of choosing the emitter, each its own (`choice`). How light is polarized as it starts is known
+//! apart from all that (`state`): nothing is drawn by it.
 
 mod area;
 mod directional;
 mod environment;
 mod infinity;
+mod luminaire;
+mod panorama;
 mod point;
 mod sphere;
 mod spherical;
 mod spot;
+mod sun;
 mod triangle;
 
 pub mod aim;
 pub mod choice;
 pub mod direct;
 pub mod glimpse;
+pub mod incandescence;
 pub mod lamps;
+pub mod state;
 pub mod tree;
 
 use glam::Vec3;
@@ -27,13 +33,16 @@ use glam::Vec3;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
-    Directional, EmitterModel, Environment, Extent, Point, Sphere, Spot, Triangle, for_all_emitters,
+    Directional, EmitterModel, Environment, Extent, Luminaire, Panorama, Point, Sphere, Spot, Sun,
+    Triangle, for_all_emitters,
 };
+
+use crate::scene::luminaire::Luminaire as Measured;
 
 use super::Scene;
 
 use self::aim::Line;
-use self::direct::{DirectLanes, Own, OwnLanes};
+use self::direct::{DirectLanes, Own, OwnLanes, Tables};
 use self::tree::{Outline, Vantage};
 
 /// What the stages ask of a model of emitters.
@@ -48,7 +57,7 @@ pub trait Emits: Extent {
     /// `radiance` is theirs (or intensity, or irradiance) and `chance` the probability with which
     /// they have been chosen.
     fn choose<const N: usize>(
-        own: &OwnLanes,
+        own: (&OwnLanes, &Tables),
         reference: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,
@@ -56,8 +65,8 @@ pub trait Emits: Extent {
     ) -> DirectLanes<N>;
 
     /// The density of what [`Self::choose`] chooses from `reference`, once it has been chosen: per
-    /// area at `point`, which is seen along `direction`; per steradian at infinity; 1 for what has
-    /// no choice.
+    /// area at `point`, which is seen along `direction`; per steradian of that at infinity; 1 for
+    /// what has no choice.
     fn density(&self, shapes: &Shapes, reference: Vec3, point: Vec3, direction: Vec3) -> f32;
 
     /// How it looks from elsewhere, for a radiance of one.
@@ -67,6 +76,12 @@ pub trait Emits: Extent {
     /// the whole scene; none if they are not: the ball is not small as seen from the emitter, or
     /// gets no light. Of an area, about so many: each of its points has its own.
     fn gain_of_aim(&self, _shapes: &Shapes, _ball: &Bounds) -> Option<f32> {
+        None
+    }
+
+    /// About the share of all directions that its light takes up, if it is infinitely far away and
+    /// can be met.
+    fn share_of_sky(&self) -> Option<f64> {
         None
     }
 
@@ -128,6 +143,8 @@ pub struct Source<'a, const N: usize> {
     pub probability: f32,
     /// Where everything is.
     pub shapes: &'a Shapes,
+    /// What some emit by direction.
+    pub luminaires: &'a [Measured],
     /// What the light path is aimed at; if nothing, at the whole scene.
     pub aimed_at: Option<Bounds>,
 }
@@ -143,7 +160,8 @@ pub struct EmissionSample<const N: usize> {
     pub direction: Vec3,
     /// Emitted radiance over `emission` density, cosine included.
     pub beta: [f32; N],
-    /// Radiance along `direction`; per steradian intensity for points.
+    /// Radiance along `direction`; per steradian intensity for points. Of incandescent surfaces
+    /// that of a black body, the same in all directions.
     pub radiance: [f32; N],
     /// Density of starting here: per area, or per steradian of the direction (infinite emitters).
     pub start_pdf: f32,
@@ -207,36 +225,39 @@ pub fn sample_emission<const N: usize>(
     tinted(scene, sample)
 }
 
-/// The same light as textures paint it.
+/// The same light as textures paint it and as it comes out of the surface.
 #[inline]
 fn tinted<const N: usize>(scene: &Scene<N>, mut sample: EmissionSample<N>) -> EmissionSample<N> {
     if scene.has_painted_lamps {
-        let tint = scene.tint(sample.emitter, sample.position);
+        let tint = scene.tint(sample.emitter, sample.position, -sample.direction);
         for (n, tint) in tint.into_iter().enumerate() {
             sample.beta[n] *= tint;
             sample.radiance[n] *= tint;
         }
     }
+    if scene.has_incandescent_lamps() {
+        let shares = scene.emissivity(sample.emitter, sample.normal, sample.direction);
+        sample.beta.iter_mut().zip(shares).for_each(|(beta, share)| *beta *= share);
+    }
     sample
 }
 
-/// What a ray along `direction` sees of the emitter of the primitive it hit ([`NONE`]: nothing);
-/// none if that does not emit towards it. `position` is the point hit, or any point of the ray.
+/// What a ray along `direction` sees of an emitter that it has met, by the row of that; none if it
+/// does not emit towards the ray. `position` is the point hit, or any point of the ray.
 pub fn met_emission<const N: usize>(
     scene: &Scene<N>,
-    primitive: u32,
+    row: usize,
     position: Vec3,
     direction: Vec3,
 ) -> Option<MetEmission<N>> {
-    let row = scene.emitter_seen(primitive);
-    if row == NONE {
-        return None;
-    }
-    let row = row as usize;
     let mut met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
     if scene.has_painted_lamps {
-        let tint = scene.tint(row, position);
+        let tint = scene.tint(row, position, direction);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
+    }
+    if scene.has_incandescent_lamps() {
+        let shares = scene.emissivity(row, met.normal, -direction);
+        met.radiance.iter_mut().zip(shares).for_each(|(radiance, share)| *radiance *= share);
     }
     let Some(aim) = &scene.aim else { return Some(met) };
     let (point, normal) = (position, met.normal);
@@ -267,7 +288,8 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
-    Source { row, radiance, probability, shapes: &scene.shapes, aimed_at: None }
+    let luminaires = &scene.optics.luminaires;
+    Source { row, radiance, probability, shapes: &scene.shapes, luminaires, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for
@@ -293,7 +315,7 @@ macro_rules! dispatched {
             #[inline(always)]
             fn choose<const N: usize>(
                 self,
-                own: &OwnLanes,
+                own: (&OwnLanes, &Tables),
                 reference: Vector<F32s>,
                 radiance: [F32s; N],
                 chance: F32s,
@@ -365,6 +387,13 @@ macro_rules! dispatched {
         fn gain_of_aim(model: &EmitterModel, shapes: &Shapes, ball: &Bounds) -> Option<f32> {
             match model {
                 $(EmitterModel::$Model(model) => model.gain_of_aim(shapes, ball),)*
+            }
+        }
+
+        /// [`Emits::share_of_sky`].
+        pub fn share_of_sky(model: &EmitterModel) -> Option<f64> {
+            match model {
+                $(EmitterModel::$Model(model) => model.share_of_sky(),)*
             }
         }
 

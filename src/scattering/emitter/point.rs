@@ -11,7 +11,7 @@ use crate::scene::emitter::Point;
 
 use super::aim::GAIN_MIN_OF_POINTS;
 use super::area::COSINE_MIN;
-use super::direct::{DirectLanes, Own, OwnLanes, finite, own, reachable};
+use super::direct::{DirectLanes, Own, OwnLanes, Tables, finite, own, reachable};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
@@ -28,7 +28,7 @@ impl Emits for Point {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        &[x, y, z, emission_pdf, ..]: &OwnLanes,
+        (&[x, y, z, emission_pdf, ..], _): (&OwnLanes, &Tables),
         reference: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,

@@ -15,7 +15,7 @@ use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Sphere;
 
 use super::area::Area;
-use super::direct::{self, DirectLanes, Own, OwnLanes, finite, own, reachable};
+use super::direct::{self, DirectLanes, Own, OwnLanes, Tables, finite, own, reachable};
 use super::infinity::any_direction;
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -37,7 +37,7 @@ impl Emits for Sphere {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        own: &OwnLanes,
+        (own, _): (&OwnLanes, &Tables),
         reference: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,

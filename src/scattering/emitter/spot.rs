@@ -8,7 +8,7 @@ use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Spot;
 
-use super::direct::{DirectLanes, Own, OwnLanes, own};
+use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::point::{self, cone_about, cone_pdf, direction_of_path};
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -25,7 +25,7 @@ impl Emits for Spot {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        &[x, y, z, dx, dy, dz, inner, outer, emission_pdf, ..]: &OwnLanes,
+        (&[x, y, z, dx, dy, dz, inner, outer, emission_pdf, ..], _): (&OwnLanes, &Tables),
         reference: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,

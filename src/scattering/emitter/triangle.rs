@@ -8,7 +8,7 @@ use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Triangle;
 
 use super::area::{self, Area};
-use super::direct::{DirectLanes, OWN, Own, OwnLanes};
+use super::direct::{DirectLanes, OWN, Own, OwnLanes, Tables};
 use super::spherical::SphericalTriangle;
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
@@ -37,7 +37,7 @@ impl Emits for Triangle {
 
     #[inline(always)]
     fn choose<const N: usize>(
-        own: &OwnLanes,
+        (own, _): (&OwnLanes, &Tables),
         reference: Vector<F32s>,
         radiance: [F32s; N],
         chance: F32s,

@@ -19,6 +19,13 @@ impl Dielectric {
     }
 }
 
+impl Dielectric {
+    /// The index of refraction behind the front relative to before it.
+    pub fn relative_ior(&self) -> f32 {
+        self.ior
+    }
+}
+
 impl Surface for Dielectric {
     const NESTS: bool = true;
 

@@ -6,6 +6,7 @@ use super::facing::Facing;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface, strongest};
 use crate::math::{F32s, Vector, warp};
 use crate::scattering::event::Depolarizer;
+use crate::scattering::side::Side;
 
 /// Whose color it is.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,13 @@ impl<const N: usize> Connecting<N> for &[Diffuse<N>] {
     fn lanes(self, _rows: &LaneRows) {}
 
     #[inline(always)]
-    fn shape(_of: &(), _facing: &Facing, _given: Vector<F32s>, _drawn: Vector<F32s>) -> [F32s; N] {
+    fn shape(
+        _of: &(),
+        _facing: &Facing,
+        _given: Vector<F32s>,
+        _drawn: Vector<F32s>,
+        _side: Side,
+    ) -> [F32s; N] {
         [F32s::splat(1.0); N]
     }
 
@@ -59,9 +66,11 @@ impl<const N: usize> Connecting<N> for &[Diffuse<N>] {
         (rows, _of): (&LaneRows, &()),
         facing: &Facing,
         given: Vector<F32s>,
-        u: [F32s; 2],
+        [first, second, _]: [F32s; 3],
+        _side: Side,
     ) -> Drawn<N> {
-        let (direction, cosine) = warp::cosine_hemisphere(facing.shading_towards(given), u);
+        let normal = facing.shading_towards(given);
+        let (direction, cosine) = warp::cosine_hemisphere(normal, [first, second]);
         Drawn { direction, pdf: warp::cosine_pdf(cosine), weight: reflectance(self, rows) }
     }
 

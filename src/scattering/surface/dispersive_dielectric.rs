@@ -23,6 +23,13 @@ impl<const N: usize> DispersiveDielectric<N> {
     }
 }
 
+impl<const N: usize> DispersiveDielectric<N> {
+    /// The index of refraction behind the front relative to before it.
+    pub fn relative_ior(&self) -> [f32; N] {
+        self.ior
+    }
+}
+
 impl<const N: usize> Surface for DispersiveDielectric<N> {
     const NESTS: bool = true;
 

@@ -38,6 +38,16 @@ impl Facing {
         consistent & (self.two_sided | given_geometric.simd_gt(zero))
     }
 
+    /// Where light can go between the directions `given` and `drawn`, away from a surface that it
+    /// may go through, too: each must be on one side by both normals.
+    #[inline(always)]
+    pub fn is_on_sides(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+        let zero = F32s::splat(0.0);
+        let is_on_one =
+            |v: Vector<F32s>| (v.dot(self.geometric) * v.dot(self.shading)).simd_gt(zero);
+        is_on_one(given) & is_on_one(drawn)
+    }
+
     /// The shading normal on the side of the direction `given`.
     #[inline(always)]
     pub fn shading_towards(&self, given: Vector<F32s>) -> Vector<F32s> {

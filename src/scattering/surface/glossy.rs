@@ -8,10 +8,12 @@ use super::metallic_roughness::MetallicRoughness;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
 use super::plastic::Plastic;
 use super::rough_conductor::RoughConductor;
+use super::rough_dielectric::RoughDielectric;
 use super::surface_models;
 use crate::math::{F32s, Vector};
 use crate::polarization::SpheroidBlock;
 use crate::scattering::event::{Elements, Form, spheroids};
+use crate::scattering::side::Side;
 use crate::scattering::vertex::{DenseKernels, Kernels};
 
 /// A glossy model.
@@ -20,6 +22,8 @@ pub trait Glossy<const N: usize>: Surface {
     type Lanes<'a>: Lobes<N>
     where
         Self: 'a;
+    /// Whether light goes through.
+    const TRANSMITS: bool = false;
 
     /// What their kernels are.
     const FORM: Form;
@@ -33,14 +37,22 @@ pub trait Lobes<const N: usize>: Copy {
     /// What the kernels are made of.
     type Kernel: Elements;
 
-    /// The scattering function per steradian, between two directions away from the surface.
-    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N];
+    /// The scattering function per steradian, between two directions away from the surface, for a
+    /// path of the `side` that comes from `given`.
+    fn values(
+        &self,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        side: Side,
+    ) -> [F32s; N];
 
     /// Density per steradian of [`Lobes::draw`].
     fn pdf(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s;
 
-    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`.
-    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N>;
+    /// Draws a direction by three numbers in [0, 1), for a path of the `side` that comes from
+    /// `given`.
+    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 3], side: Side) -> Drawn<N>;
 
     /// The kernels for light that travels along `k_in` and then along `k_out`, and the x axis of
     /// their frames, a unit vector perpendicular to both.
@@ -82,6 +94,7 @@ macro_rules! declare {
             type Kernel = SpheroidBlock<F32s>;
             const ACHROMATIC: bool = false;
             const IS_EVEN: bool = false;
+            const DECIDES: bool = true;
             type Lanes = GlossyLanes<'a, N>;
 
             #[inline(always)]
@@ -98,15 +111,32 @@ macro_rules! declare {
                 }
             }
 
+            #[inline(always)]
+            fn passes(
+                of: &GlossyLanes<N>,
+                facing: &Facing,
+                given: Vector<F32s>,
+                drawn: Vector<F32s>,
+            ) -> F32s {
+                let transmits = match of {
+                    $(GlossyLanes::$glossy(_) => <$glossy_model as Glossy<N>>::TRANSMITS,)*
+                };
+                match transmits {
+                    true => facing.is_on_sides(given, drawn),
+                    false => facing.reflects(given, drawn),
+                }
+            }
+
             #[inline(never)]
             fn shape(
                 of: &GlossyLanes<'a, N>,
                 facing: &Facing,
                 given: Vector<F32s>,
                 drawn: Vector<F32s>,
+                side: Side,
             ) -> [F32s; N] {
                 match of {
-                    $(GlossyLanes::$glossy(of) => of.values(facing, given, drawn),)*
+                    $(GlossyLanes::$glossy(of) => of.values(facing, given, drawn, side),)*
                 }
             }
 
@@ -128,10 +158,11 @@ macro_rules! declare {
                 (_rows, of): (&LaneRows, &GlossyLanes<'a, N>),
                 facing: &Facing,
                 given: Vector<F32s>,
-                u: [F32s; 2],
+                u: [F32s; 3],
+                side: Side,
             ) -> Drawn<N> {
                 match of {
-                    $(GlossyLanes::$glossy(of) => of.draw(facing, given, u),)*
+                    $(GlossyLanes::$glossy(of) => of.draw(facing, given, u, side),)*
                 }
             }
 

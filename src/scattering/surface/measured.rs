@@ -18,6 +18,7 @@ use crate::math::elementary::atan2;
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::{Dense, Facets, physical, s_axis};
 use crate::scattering::event::Form;
+use crate::scattering::side::Side;
 use crate::scene::world::MeasuredTable;
 
 /// One material.
@@ -109,7 +110,13 @@ impl<const N: usize> MeasuredLanes<'_, N> {
 impl<const N: usize> Lobes<N> for MeasuredLanes<'_, N> {
     type Kernel = Dense<F32s>;
 
-    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N] {
+    fn values(
+        &self,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        _side: Side,
+    ) -> [F32s; N] {
         let mut values = [[0.0; LANES]; N];
         self.above(facing, [given, drawn], |lane, model, way| {
             let of_lane = model.values(way);
@@ -122,10 +129,10 @@ impl<const N: usize> Lobes<N> for MeasuredLanes<'_, N> {
         self.mixture.pdf(facing.shading_towards(given), given, drawn)
     }
 
-    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N> {
+    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 3], side: Side) -> Drawn<N> {
         let normal = facing.shading_towards(given);
-        let (direction, pdf) = self.mixture.draw(normal, given, u);
-        let mut weight = self.values(facing, given, direction);
+        let (direction, pdf) = self.mixture.draw(normal, given, [u[0], u[1]]);
+        let mut weight = self.values(facing, given, direction, side);
         let scale = direction.dot(normal).fast_max(F32s::ZERO) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
         Drawn { direction, pdf, weight }

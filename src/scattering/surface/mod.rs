@@ -24,6 +24,7 @@ mod polarizer;
 mod retarder;
 mod rough;
 mod rough_conductor;
+mod rough_dielectric;
 mod thin_dielectric;
 
 pub use crossed::Crossed;
@@ -43,6 +44,7 @@ use plastic::Plastic;
 use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
+use rough_dielectric::RoughDielectric;
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
@@ -74,6 +76,8 @@ macro_rules! surface_models {
             glossy {
                 RoughConductor { eta, k, alpha, distribution, multiple_scattering } =>
                     rough_conductor: RoughConductor<N>,
+                RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering } =>
+                    rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
                 Plastic {
@@ -174,6 +178,20 @@ macro_rules! declare {
                     $(Self::$glossy => true,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
+                }
+            }
+
+            /// Whether light that is connected, or drawn any way, may go through it.
+            #[inline(always)]
+            pub const fn passes_any_way(self) -> bool {
+                const N: usize = 1;
+                match self {
+                    $(Self::$glossy => <$glossy_model as Glossy<N>>::TRANSMITS,)*
+                    $(Self::$end)|*
+                    $(| Self::$one)*
+                    $(| Self::$any)*
+                    $(| Self::$both)*
+                    $(| Self::$pass)* => false,
                 }
             }
 
@@ -529,6 +547,14 @@ impl<const N: usize> Surfaces<N> {
             false => SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] },
         };
         self.add(&model).row
+    }
+
+    /// The index of refraction behind an interface relative to before it, by its row.
+    pub fn ior_of_interface(&self, row: usize) -> [f32; N] {
+        match self.disperses() {
+            true => self.dispersive_dielectric[row].relative_ior(),
+            false => [self.dielectric[row].relative_ior(); N],
+        }
     }
 
     /// Whether light may go on at one wavelength alone.

@@ -125,6 +125,8 @@ pub trait Connecting<const N: usize>: Copy {
     const ACHROMATIC: bool;
     /// Whether the shape is one for all directions.
     const IS_EVEN: bool;
+    /// Whether [`Connecting::draw`] takes a third number.
+    const DECIDES: bool = false;
     /// What the shape depends on besides directions, at eight vertices.
     type Lanes: Copy;
 
@@ -135,26 +137,41 @@ pub trait Connecting<const N: usize>: Copy {
     /// What [`Connecting::shape`] needs.
     fn lanes(self, rows: &LaneRows) -> Self::Lanes;
 
-    /// The scattering function over its factor, between two directions away from the surface and
-    /// on one side of it. It is the same for both orders of the two.
+    /// Mask of those that let light go between two directions away from the surface.
+    #[inline(always)]
+    fn passes(
+        _of: &Self::Lanes,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+    ) -> F32s {
+        facing.reflects(given, drawn)
+    }
+
+    /// The scattering function over its factor, between two directions away from the surface, for
+    /// a path of the `side` that comes from `given`: on sensor paths, of radiance that arrives
+    /// along `drawn`, and on light paths of power that leaves there. What stays on one side is the
+    /// same for both orders of the two.
     fn shape(
         of: &Self::Lanes,
         facing: &Facing,
         given: Vector<F32s>,
         drawn: Vector<F32s>,
+        side: Side,
     ) -> [F32s; N];
 
     /// Density per steradian of [`Connecting::draw`] for the direction `drawn`.
     fn pdf(of: &Self::Lanes, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s;
 
-    /// Draws a direction by two numbers in [0, 1), for a path that comes from `given`, at those of
-    /// the table's rows that have these lanes.
+    /// Draws a direction by three numbers in [0, 1), for a path of the `side` that comes from
+    /// `given`, at those of the table's rows that have these lanes.
     fn draw(
         self,
         at: (&LaneRows, &Self::Lanes),
         facing: &Facing,
         given: Vector<F32s>,
-        u: [F32s; 2],
+        u: [F32s; 3],
+        side: Side,
     ) -> Drawn<N>;
 
     /// The kernels for light that travels along `k_in` and then along `k_out`, and the x axis of
@@ -314,7 +331,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
         let material = LaneRows::Each(lanes::each(material));
         let materials = scene.surfaces.materials();
-        let rows = match scene.is_painted() {
+        let rows = match scene.has_models_by_place {
             true => LaneRows::Each(lanes::each(|lane| scene.model_row(surfaces, used(lane)))),
             false => material.map(|row| materials[row].row as usize),
         };

@@ -19,17 +19,18 @@ use crate::polarization::{
     ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
 use crate::scattering::event::Elements;
+use crate::scattering::side::Side;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
-const MISSING_MIN: f32 = 1e-4;
+pub const MISSING_MIN: f32 = 1e-4;
 /// Keeps denominators off zero.
-const TINY: f32 = 1e-30;
+pub const TINY: f32 = 1e-30;
 /// Least density that is said of a drawn direction: of those below the surface, which carry
 /// nothing, it would be zero.
-const PDF_MIN: f32 = 1e-12;
+pub const PDF_MIN: f32 = 1e-12;
 
 /// Roughness from which on photons merge whatever their directions.
-const NARROW: f32 = 0.2;
+pub const NARROW: f32 = 0.2;
 /// Slopes of facets in the peak, over the roughness: beyond it GGX has a hundredth of its most.
 const PEAK: f32 = 3.0;
 
@@ -205,7 +206,13 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     type Kernel = R::Kernel;
 
     #[inline(always)]
-    fn values(&self, facing: &Facing, given: Vector<F32s>, drawn: Vector<F32s>) -> [F32s; N] {
+    fn values(
+        &self,
+        facing: &Facing,
+        given: Vector<F32s>,
+        drawn: Vector<F32s>,
+        _side: Side,
+    ) -> [F32s; N] {
         Rough::values(self, &self.reflect(facing, given, drawn))
     }
 
@@ -216,10 +223,11 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
     }
 
     #[inline(always)]
-    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<N> {
+    fn draw(&self, facing: &Facing, given: Vector<F32s>, u: [F32s; 3], side: Side) -> Drawn<N> {
         let normal = facing.shading_towards(given);
+        let u = [u[0], u[1]];
         let (direction, pdf) = Mixture::of(self, given.dot(normal)).draw(normal, given, u);
-        let mut weight = Lobes::values(self, facing, given, direction);
+        let mut weight = Lobes::values(self, facing, given, direction, side);
         let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
         Drawn { direction, pdf, weight }

@@ -6,7 +6,7 @@ use super::*;
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
         Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, Measured,
-        MetallicRoughness, Plastic, RoughConductor, ThinDielectric,
+        MetallicRoughness, Plastic, RoughConductor, RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -17,6 +17,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         ThinDielectric,
         Diffuse,
         RoughConductor,
+        RoughDielectric,
         MetallicRoughness,
         Plastic,
         Measured,

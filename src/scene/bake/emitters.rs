@@ -1,5 +1,6 @@
 //! Everything that emits, and how likely it is to start a path.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -8,12 +9,14 @@ use super::beside::Passable;
 use super::outside_table;
 use crate::math::elementary::cos;
 use crate::scene::baked::{NONE, Shapes};
+use crate::scene::emitted::{EmittedStates, LampState};
 use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
+use crate::scene::luminaire::Luminaire;
 use crate::scene::painting::mean_share;
 use crate::scene::world::{
-    Bsdf, Emission, Environment, Name, Passage, Punctual, PunctualKind, Sides, Textures, Transform,
-    World,
+    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
+    PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -25,17 +28,19 @@ const LEAST_CONE: f32 = 1e-3;
 pub struct Emitters {
     /// Everything that emits.
     pub rows: Arc<Vec<Emitter>>,
+    /// What some of them emit by direction.
+    pub luminaires: Arc<Vec<Luminaire>>,
     /// For every triangle and sphere its row, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
-    /// The row of the environment, or [`NONE`].
-    pub environment: u32,
+    /// The rows of what is infinitely far away and can be seen.
+    pub skies: Range<u32>,
 }
 
 /// That table in the making.
 struct Table {
     rows: Vec<Emitter>,
+    luminaires: Vec<Luminaire>,
     emitter_of_primitive: Vec<u32>,
-    environment: u32,
     /// Power of each row in W, averaged over the wavelengths.
     powers: Vec<f64>,
 }
@@ -47,6 +52,50 @@ pub struct Lamp {
     pub name: String,
     /// Radiance, radiant intensity or irradiance.
     pub spectrum: Spectrum,
+    /// How it is polarized, if it is.
+    pub state: Option<State>,
+}
+
+/// How a lamp is polarized.
+#[derive(Clone, Debug)]
+pub enum State {
+    /// [`LampState::Same`].
+    Same {
+        /// In its frame.
+        stokes: EmittedStokes,
+        /// What that goes by.
+        axes: Option<[Vec3; 2]>,
+    },
+    /// [`LampState::Incandescent`].
+    Incandescent,
+}
+
+impl State {
+    /// The spectra that it is stated by.
+    pub(super) fn spectra(&self) -> &[Spectrum] {
+        match self {
+            Self::Same { stokes, .. } => &stokes.stokes,
+            Self::Incandescent => &[],
+        }
+    }
+
+    /// Whether it is another at other wavelengths.
+    fn is_chromatic(&self) -> bool {
+        match self {
+            Self::Same { stokes, .. } => !stokes.stokes.iter().all(Spectrum::is_flat),
+            Self::Incandescent => true,
+        }
+    }
+
+    /// Of a lamp in a place, if it is a surface in none.
+    fn of(stokes: Option<&EmittedStokes>, place: Option<DAffine3>) -> Option<Self> {
+        let stokes = stokes.filter(|stokes| !stokes.is_unpolarized())?.clone();
+        let axes = place.map(|place| {
+            let DAffine3 { matrix3, .. } = place;
+            [matrix3.x_axis, matrix3.y_axis].map(|axis| axis.normalize().as_vec3())
+        });
+        Some(Self::Same { stokes, axes })
+    }
 }
 
 impl Lamp {
@@ -104,22 +153,72 @@ impl Brightness {
 /// The lamps of a world in the order of `Optics::lamps`. What does not emit is black.
 pub fn lamps(world: &World) -> Vec<Lamp> {
     let black = || Spectrum::Constant(0.0);
-    let lamp = |name: &str, spectrum: Spectrum| Lamp { name: name.to_owned(), spectrum };
-    let mut lamps =
-        world.in_order::<(&Name, &Bsdf, Option<&Emission>), _>(|(name, _, emission)| {
-            lamp(&name.0, emission.map_or_else(black, |emission| emission.radiance.clone()))
-        });
+    let lamp = |name: &str, spectrum, state| Lamp { name: name.to_owned(), spectrum, state };
+    type States<'a> = (Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+    type OfMaterial<'a> = (&'a Name, &'a Bsdf, Option<&'a Emission>, States<'a>);
+    let mut lamps = world.in_order::<OfMaterial, _>(|(name, _, emission, (stokes, by_heat))| {
+        let radiance = emission.map_or_else(black, |emission| emission.radiance.clone());
+        let state = by_heat.map(|_| State::Incandescent).or_else(|| State::of(stokes, None));
+        lamp(&name.0, radiance, state)
+    });
     // Air among other bodies.
-    lamps.push(lamp("air", black()));
-    lamps.extend(world.in_order::<(&Name, &Transform, &Punctual), _>(|(name, _, light)| {
-        lamp(&name.0, light.intensity.clone())
+    lamps.push(lamp("air", black(), None));
+    type OfLight<'a> = (Option<&'a world::Luminaire>, Option<&'a EmittedStokes>);
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>);
+    lamps.extend(world.in_order::<Light, _>(|(name, place, light, (luminaire, stokes))| {
+        // Suns are said to have an irradiance, and are seen by their radiance.
+        let faced = match light.kind {
+            PunctualKind::Sun { diameter } => emitter::Sun::new(Vec3::Z, diameter).faced(),
+            PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Directional => 1.0,
+        };
+        let mean = luminaire.map_or(1.0, |luminaire| luminaire.0.mean());
+        let intensity = light.intensity.clone().scaled((mean / faced) as f32);
+        lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
     }));
-    lamps.extend(
-        world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-            lamp(&name.0, sky.radiance.clone())
-        }),
-    );
+    type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+    lamps.extend(world.in_order::<Sky, _>(|(name, sky, stokes)| {
+        lamp(&name.0, sky.mean(), State::of(stokes, Some(DAffine3::IDENTITY)))
+    }));
     lamps
+}
+
+/// How what lamps emit is polarized at the wavelengths of the render, and whether it is a picture
+/// that says so of the environment ([`has_polarized_picture`]).
+///
+/// # Errors
+/// When a table does not cover them.
+pub fn states<const N: usize>(
+    lamps: &[Lamp],
+    carried: &Carried<N>,
+    by_picture: bool,
+) -> Result<EmittedStates<N>, SceneError> {
+    let is_polarized = |lamp: &&Lamp| lamp.state.is_some() && !lamp.is_black();
+    if lamps.iter().find(is_polarized).is_none() {
+        // Colors of pictures may differ in it.
+        let is_chromatic = by_picture;
+        return Ok(EmittedStates { is_chromatic, by_picture, ..EmittedStates::default() });
+    }
+    let of_lamp = |lamp: &Lamp| {
+        Ok(match &lamp.state {
+            None => None,
+            Some(State::Incandescent) => Some(LampState::Incandescent),
+            Some(State::Same { stokes, axes }) => {
+                let sampled = stokes.sampled(carried);
+                let stokes = sampled.map_err(|error| outside_table(&lamp.name, error))?;
+                Some(LampState::Same { stokes, axes: *axes })
+            }
+        })
+    };
+    let of_lamps = lamps.iter().map(of_lamp).collect::<Result<_, SceneError>>()?;
+    let all = || lamps.iter().filter_map(|lamp| lamp.state.as_ref());
+    let is_chromatic = all().any(State::is_chromatic) || by_picture;
+    let has_incandescent = all().any(|state| matches!(state, State::Incandescent));
+    Ok(EmittedStates { of_lamps, is_chromatic, has_incandescent, by_picture })
+}
+
+/// Whether a picture says how the environment's light is polarized.
+pub fn has_polarized_picture(world: &World) -> bool {
+    world.in_order::<&Environment, _>(Environment::is_polarized).contains(&true)
 }
 
 /// What lamps emit at the wavelengths of the render.
@@ -140,13 +239,13 @@ pub fn positions(world: &World, origin: DVec3) -> Vec<Vec3> {
             PunctualKind::Point | PunctualKind::Spot { .. } => {
                 Some(place.about(origin).translation.as_vec3())
             }
-            PunctualKind::Directional => None,
+            PunctualKind::Directional | PunctualKind::Sun { .. } => None,
         });
     positions.into_iter().flatten().collect()
 }
 
-/// Primitives first, in their order, then punctual lights, then the environment, each as bright as
-/// its lamp. Rows without power are left out, so every probability is greater than zero.
+/// Primitives first, in their order, then punctual lights, suns last, then the environment, each as
+/// bright as its lamp. Rows without power are left out, so every probability is greater than zero.
 ///
 /// # Errors
 /// When nothing has any.
@@ -157,29 +256,49 @@ pub fn emitters(
 ) -> Result<Emitters, SceneError> {
     let mut table = Table {
         rows: Vec::new(),
+        luminaires: Vec::new(),
         emitter_of_primitive: Vec::new(),
-        environment: NONE,
         powers: Vec::new(),
     };
-    let mut lamp = table.add_primitives(world, shapes, brightness);
+    let lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
-    let lights = world.in_order::<(&Name, &Transform, &Punctual), _>(|(_, place, light)| {
-        punctual(light.kind, &place.about(shapes.origin), &passable)
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a world::Luminaire>);
+    let lights = world.in_order::<Light, _>(|(_, place, light, luminaire)| {
+        let place = place.about(shapes.origin);
+        let measured = luminaire.map(|luminaire| Luminaire::new(&luminaire.0, place.matrix3));
+        (punctual(light.kind, &place, &passable), measured)
     });
-    for model in lights {
+    let (mut skies, lamp_of_skies) = (Vec::new(), lamp + lights.len() as u32);
+    for ((model, measured), lamp) in lights.into_iter().zip(lamp..) {
+        let model = match (model, measured) {
+            (EmitterModel::Point(point), Some(measured)) => {
+                let row = table.luminaires.len() as u32;
+                table.luminaires.push(measured);
+                emitter::Luminaire { position: point.position, row }.into()
+            }
+            (model, _) => model,
+        };
+        match model {
+            EmitterModel::Sun(_) => skies.push((model, lamp)),
+            model => drop(table.add(shapes, model, (lamp, brightness))),
+        }
+    }
+    let environments = world.in_order::<(&Name, &Environment), _>(|(_, sky)| {
+        let gradient = emitter::Environment { gradient: sky.gradient };
+        sky.panorama().map_or_else(|| gradient.into(), EmitterModel::from)
+    });
+    skies.extend(environments.into_iter().zip(lamp_of_skies..));
+    let first = table.rows.len() as u32;
+    for (model, lamp) in skies {
         table.add(shapes, model, (lamp, brightness));
-        lamp += 1;
     }
-    for gradient in world.in_order::<(&Name, &Environment), _>(|(_, sky)| sky.gradient) {
-        let sky = emitter::Environment { gradient };
-        table.environment = table.add(shapes, sky, (lamp, brightness));
-        lamp += 1;
-    }
+    let skies = first..table.rows.len() as u32;
     table.set_probabilities()?;
     Ok(Emitters {
         rows: Arc::new(table.rows),
+        luminaires: Arc::new(table.luminaires),
         emitter_of_primitive: Arc::new(table.emitter_of_primitive),
-        environment: table.environment,
+        skies,
     })
 }
 
@@ -189,6 +308,7 @@ fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> Emitte
     match kind {
         PunctualKind::Point => emitter::Point { position: position() }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),
+        PunctualKind::Sun { diameter } => emitter::Sun::new(direction, diameter).into(),
         PunctualKind::Spot { inner, outer } => {
             let cos_inner = cos(inner) as f32;
             let cos_outer = (cos(outer) as f32).min(cos_inner - LEAST_CONE);
@@ -231,10 +351,13 @@ impl Table {
 
     /// Of all primitives; returns the first lamp that is none of a material.
     fn add_primitives(&mut self, world: &World, shapes: &Shapes, brightness: &[Brightness]) -> u32 {
-        type Parts<'a> = (&'a Name, &'a Bsdf, &'a Sides, Option<&'a Textures>);
-        let materials = world.in_order::<Parts, _>(|(_, bsdf, sides, textures)| {
-            let refracts = bsdf.clone().simplified().passage() == Passage::Body;
-            (refracts, sides.two_sided, textures.cloned())
+        type Parts<'a> = (&'a Bsdf, &'a Sides, Option<&'a Textures>, Option<&'a Incandescent>);
+        let materials = world.in_order::<(&Name, Parts), _>(|(_, parts)| {
+            let (bsdf, sides, textures, by_heat) = parts;
+            let bsdf = bsdf.clone().simplified();
+            let refracts = bsdf.passage() == Passage::Body;
+            let leaves = by_heat.and_then(|_| incandescent_share(&bsdf)).unwrap_or(1.0);
+            (refracts, sides.two_sided, textures.cloned(), leaves)
         });
         for (primitive, &surface) in (0..).zip(&shapes.surface_of_primitive) {
             let surface = &shapes.surfaces[surface as usize];
@@ -242,15 +365,18 @@ impl Table {
             let emitter = match materials.get(surface.material as usize) {
                 Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
                 None => NONE,
-                Some((_, two_sided, textures)) if (primitive as usize) < shapes.triangles.len() => {
+                Some((_, two_sided, textures, leaves))
+                    if (primitive as usize) < shapes.triangles.len() =>
+                {
                     let model = emitter::Triangle::new(shapes, primitive, *two_sided);
                     let painted = textures.as_ref().zip(shapes.painted(primitive));
                     let share = painted.map_or(1.0, |(textures, on)| mean_share(textures, &on));
-                    self.add_share(shapes, model, lamp, share)
+                    self.add_share(shapes, model, lamp, share * leaves)
                 }
-                Some(&(refracts, two_sided, _)) => {
+                Some(&(refracts, two_sided, _, leaves)) => {
                     let sides = [two_sided, !surface.is_opaque && !refracts];
-                    self.add(shapes, emitter::Sphere::new(shapes, primitive, sides), lamp)
+                    let model = emitter::Sphere::new(shapes, primitive, sides);
+                    self.add_share(shapes, model, lamp, leaves)
                 }
             };
             self.emitter_of_primitive.push(emitter);

@@ -86,7 +86,12 @@ fn known<const N: usize>(world: &World, carried: &Carried<N>) -> Vec<Known> {
         coefficients.chain(phase).collect::<Vec<_>>()
     });
     let lamps = lamps(world).into_iter().filter(|lamp| !lamp.is_black());
-    let lamps = lamps.filter_map(|lamp| of(&lamp.name, "what it emits", &lamp.spectrum, asked_nm));
+    let lamps = lamps.flat_map(|lamp| {
+        let radiance = of(&lamp.name, "what it emits", &lamp.spectrum, asked_nm);
+        let states = lamp.state.iter().flat_map(|state| state.spectra());
+        let states = states.filter_map(|it| of(&lamp.name, "stokes", it, asked_nm));
+        radiance.into_iter().chain(states).collect::<Vec<_>>()
+    });
     materials.into_iter().chain(media).flatten().chain(lamps).collect()
 }
 

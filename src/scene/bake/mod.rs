@@ -29,12 +29,13 @@ use hecs::Entity;
 use super::baked::{
     self, BakedScene, Bounds, Camera, KEEP, Material, NONE, Optics, Projection, Shapes,
 };
+use super::emitted::EmittedStates;
 use super::error::SceneError;
 use super::painting::Painting;
 use super::warnings::Warnings;
 use super::world::{
-    Bsdf, FillsScene, Lens, Medium, Name, Resolution, Sides, SurfaceModel, Textures, Transform,
-    Window, World,
+    Bsdf, FillsScene, Lens, Medium, Name, Raster, Resolution, Sides, SurfaceModel, Textures,
+    Transform, Window, World,
 };
 use crate::math::elementary::tan;
 use crate::polarization::Analyzer;
@@ -162,12 +163,15 @@ fn optics_of<const N: usize>(
     let held = held(world, carried)?;
     let materials = material_rows(world, shapes, carried)?;
     let media = media::media(world, carried, None)?;
-    let lamps = emitters::radiance(&emitters::lamps(world), carried)?;
+    let lamps = emitters::lamps(world);
+    let states = emitters::states(&lamps, carried, emitters::has_polarized_picture(world))?;
+    let lamps = emitters::radiance(&lamps, carried)?;
     let brightness: Vec<Brightness> = lamps.iter().map(Brightness::of_columns).collect();
     let emitters = emitters::emitters(world, shapes, &brightness)?;
     media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
     let painting = painting(world, carried).map(Arc::new);
-    Ok(Optics { held, painting, ..with_emitters(materials, media, lamps, emitters) })
+    let optics = with_emitters(materials, media, lamps, (emitters, carried));
+    Ok(Optics { held, painting, states, ..optics })
 }
 
 /// Refuses spectra that do not cover the wavelengths of a render, or says which are held beyond
@@ -235,10 +239,13 @@ pub fn bake_optics_at<const N: usize>(
     let bake = || {
         let materials = material_rows(world, shapes, carried)?;
         let media = media::media(world, carried, Some(&common.suspensions))?;
+        let states =
+            emitters::states(&common.lamps, carried, emitters::has_polarized_picture(world))?;
         let lamps = emitters::radiance(&common.lamps, carried)?;
         media::check_lights(world, &media, shapes.scene_medium, &emitters)?;
         let painting = painting(world, carried).map(Arc::new);
-        Ok(Optics { painting, ..with_emitters(materials, media, lamps, emitters.clone()) })
+        let optics = with_emitters(materials, media, lamps, (emitters.clone(), carried));
+        Ok(Optics { painting, states, ..optics })
     };
     bake().map_err(|error: SceneError| error.in_file(&world.file))
 }
@@ -247,16 +254,19 @@ fn with_emitters<const N: usize>(
     materials: Vec<Material<N>>,
     media: Vec<baked::Medium<N>>,
     lamps: Vec<[f32; N]>,
-    emitters: Emitters,
+    (emitters, carried): (Emitters, &Carried<N>),
 ) -> Optics<N> {
-    let Emitters { rows: emitters, emitter_of_primitive, environment } = emitters;
+    let Emitters { rows: emitters, luminaires, emitter_of_primitive, skies } = emitters;
     Optics {
         materials,
         media,
         emitters,
         lamps,
+        states: EmittedStates::default(),
+        luminaires,
         emitter_of_primitive,
-        environment,
+        skies,
+        carried: *carried,
         painting: None,
         held: Vec::new(),
     }
@@ -432,13 +442,17 @@ fn bounds(lights: &[Vec3], primitives: &primitives::Primitives) -> Result<Bounds
 }
 
 fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
-    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
+    type Seen<'a> = (Option<&'a Analyzer>, Option<&'a Window>);
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Seen<'a>);
     type Components<'a> = (&'a Transform, &'a Lens, Film<'a>);
-    let cameras =
-        world.in_order::<Components, _>(|(place, lens, (resolution, analyzer, window))| {
-            (*place, *lens, (resolution.copied(), analyzer.copied(), window.copied()))
-        });
-    let Some((place, lens, (resolution, analyzer, window))) = cameras.into_iter().next() else {
+    let cameras = world.in_order::<Components, _>(
+        |(place, lens, (resolution, raster, (analyzer, window)))| {
+            let film = (resolution.copied(), raster.copied(), (analyzer.copied(), window.copied()));
+            (*place, *lens, film)
+        },
+    );
+    let Some((place, lens, (resolution, raster, (analyzer, window)))) = cameras.into_iter().next()
+    else {
         return Err(SceneError::new("bake", "the world has no camera", "add one"));
     };
     // Rounded from orthonormal double-precision axes, hence orthonormal to the last bit of f32.
@@ -467,6 +481,7 @@ fn camera(world: &World, origin: DVec3) -> Result<Camera, SceneError> {
         up: up.as_vec3(),
         forward: up.cross(right).as_vec3(),
         resolution: resolution.map(|Resolution(sides)| sides),
+        raster: raster.unwrap_or_default(),
         analyzer,
     })
 }

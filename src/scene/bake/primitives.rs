@@ -192,7 +192,8 @@ fn surface(
         is_opaque: passage == Passage::Closed,
         is_body: match bsdf {
             Bsdf::Dielectric { exterior_ior, .. } => *exterior_ior == 1.0,
-            Bsdf::DispersiveDielectric { exterior_ior, .. } => {
+            Bsdf::DispersiveDielectric { exterior_ior, .. }
+            | Bsdf::RoughDielectric { exterior_ior, .. } => {
                 *exterior_ior == Spectrum::Constant(1.0)
             }
             Bsdf::Absorber

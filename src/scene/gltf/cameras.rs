@@ -8,11 +8,12 @@ use super::Import;
 use super::document::Document;
 use super::extension::{ANALYZER, Body, CAMERA, FILM};
 use super::hierarchy::PlacedNode;
+use crate::film::filter::Filter;
 use crate::math::text::excerpt;
 use crate::polarization::Analyzer;
 use crate::scene::error::SceneError;
 use crate::scene::view::{Seer, View};
-use crate::scene::world::{Lens, Name, Resolution};
+use crate::scene::world::{Film, Lens, Name, Raster, Resolution};
 
 /// Most characters of a name in errors.
 const NAME: usize = 60;
@@ -37,9 +38,9 @@ impl Import<'_> {
         let place = placed.to_world;
         Lens::check_place(&place).map_err(|fault| SceneError::at(&node, fault))?;
         let label = format!("{node}, {}", document.label("cameras", camera));
-        let (body, lens, (resolution, analyzer)) = read_camera(document, camera, &label)?;
-        if let (Some(Resolution([width, height])), Some(aspect)) = (resolution, aspect(&lens))
-            && (width as f32 / height as f32 / aspect - 1.0).abs() > 0.01
+        let (body, lens, film) = read_camera(document, camera, &label)?;
+        if let (Some(Resolution([width, height])), Some(aspect)) = (film.resolution, aspect(&lens))
+            && (width as f32 * film.raster.pixel_aspect / height as f32 / aspect - 1.0).abs() > 0.01
         {
             let text = format!(
                 "the film of {width} x {height} pixels does not have the camera's aspect ratio \
@@ -47,13 +48,13 @@ impl Import<'_> {
             );
             self.warnings.add_like("film", &label, &text);
         }
-        let put = self.world.put_camera(Name(label), lens, place, (resolution, analyzer));
+        let put = self.world.put_camera(Name(label), lens, place, film);
         put.map(|_| ()).map_err(|fault| body.place(fault))
     }
 }
 
 /// The keys of a camera, and what they mean.
-pub type Read<'a> = (Body<'a>, Lens, (Option<Resolution>, Option<Analyzer>));
+pub type Read<'a> = (Body<'a>, Lens, Film);
 
 /// What the file says of a camera: its projection and its film.
 pub fn read_camera<'a>(
@@ -64,8 +65,12 @@ pub fn read_camera<'a>(
     let body = Body::of(&document.value["cameras"][index], label, &CAMERA)?;
     let lens = lens(&document.root.cameras[index], &body)?;
     let film = match body.object("film", &FILM)? {
-        Some(film) => (resolution(&film)?, analyzer(&film)?),
-        None => (None, None),
+        Some(film) => Film {
+            resolution: resolution(&film)?,
+            raster: raster(&film)?,
+            analyzer: analyzer(&film)?,
+        },
+        None => Film::default(),
     };
     Ok((body, lens, film))
 }
@@ -79,6 +84,31 @@ fn names<'a>(root: &'a Root, (placed, camera): &(&PlacedNode, usize)) -> Vec<&'a
 fn resolution(film: &Body) -> Result<Option<Resolution>, SceneError> {
     let Some(sides) = film.counts("resolution") else { return Ok(None) };
     Resolution::of(&sides).map(Some).map_err(|fault| film.place(fault))
+}
+
+/// How the film's pixels see.
+fn raster(film: &Body) -> Result<Raster, SceneError> {
+    let mut raster = Raster::default();
+    if let Some(name) = film.word("filter")? {
+        let kind = Raster::filter_of(name).map_err(|fault| film.place(fault))?;
+        raster.filter = Filter::of(kind);
+    }
+    if let Some(radius) = film.number("filter_radius")? {
+        raster.filter.radius = radius as f32;
+    }
+    if let Some(aspect) = film.number("pixel_aspect")? {
+        raster.pixel_aspect = aspect as f32;
+    }
+    if let Some(ends) = film.numbers("crop")? {
+        let pixel = |end: f64| (end.fract() == 0.0 && end >= 0.0).then_some(end as u32);
+        let ends: Option<Vec<u32>> = ends.into_iter().map(pixel).collect();
+        let Some(Ok(ends)) = ends.map(<[u32; 4]>::try_from) else {
+            let problem = "must be [x0, y0, x1, y1], whole numbers of pixels";
+            return Err(SceneError::new(film.field("crop"), problem, ""));
+        };
+        raster.crop = Some(ends);
+    }
+    Ok(raster)
 }
 
 /// What stands before the film, if anything does.

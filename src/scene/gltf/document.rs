@@ -100,6 +100,13 @@ impl Document {
 
     /// The text of a file beside the scene, or of a data URI; `field` is what refers to it.
     pub fn read_text(&self, uri: &str, field: &str) -> Result<String, SceneError> {
+        let bytes = self.read_bytes(uri, field)?;
+        String::from_utf8(without_mark(&bytes).to_vec())
+            .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
+    }
+
+    /// The bytes of a file beside the scene, or of a data URI; `field` is what refers to it.
+    pub fn read_bytes(&self, uri: &str, field: &str) -> Result<Vec<u8>, SceneError> {
         const BYTES_MAX: u64 = 1 << 26;
         let bytes = match uri.strip_prefix("data:") {
             Some(data) => decode_data_uri(data, field.to_owned())?,
@@ -109,19 +116,15 @@ impl Document {
             let problem = format!("is larger than {BYTES_MAX} bytes");
             return Err(SceneError::new(field, problem, "make it smaller"));
         }
-        String::from_utf8(without_mark(&bytes).to_vec())
-            .map_err(|_| SceneError::new(field, "is not text", "is it a CSV?"))
+        Ok(bytes)
     }
 
-    /// The bytes of a picture, of a file beside the scene, a data URI or a buffer view.
+    /// The bytes of a picture or a luminaire, of a file beside the scene, a data URI or a buffer
+    /// view.
     pub fn image_bytes(&self, image: &Value, label: &str) -> Result<Vec<u8>, SceneError> {
         const AGAIN: &str = "export the scene again";
         if let Some(uri) = image["uri"].as_str() {
-            let field = format!("{label}, uri");
-            return match uri.strip_prefix("data:") {
-                Some(data) => decode_data_uri(data, field),
-                None => self.files.bytes(uri, &field, u64::MAX),
-            };
+            return self.bytes_of(uri, &format!("{label}, uri"));
         }
         let view = image["bufferView"].as_u64().map(|view| view as usize);
         let Some(view) = view.and_then(|view| self.root.buffer_views.get(view)) else {
@@ -134,6 +137,14 @@ impl Document {
         bytes.map(<[u8]>::to_vec).ok_or_else(|| {
             SceneError::new(format!("{label}, bufferView"), "is outside of its buffer", AGAIN)
         })
+    }
+
+    /// The bytes of a file beside the scene, or of a data URI; `field` is what refers to it.
+    pub fn bytes_of(&self, uri: &str, field: &str) -> Result<Vec<u8>, SceneError> {
+        match uri.strip_prefix("data:") {
+            Some(data) => decode_data_uri(data, field.to_owned()),
+            None => self.files.bytes(uri, field, u64::MAX),
+        }
     }
 
     /// How errors call an element of one of the file's arrays: kind, index and name.

@@ -38,6 +38,7 @@ pub const MATERIAL: Keys = Keys {
         "exterior_ior",
         "extinction_ratio",
         "file",
+        "incandescent",
         "internal_reflection",
         "ior",
         "k",
@@ -47,6 +48,7 @@ pub const MATERIAL: Keys = Keys {
         "retardance_deg",
         "roughness",
         "specular",
+        "stokes",
     ],
     planned: &[],
 };
@@ -63,13 +65,20 @@ pub const CAMERA: Keys = Keys {
     planned: &[],
 };
 /// Keys of a camera's film.
-pub const FILM: Keys =
-    Keys { definition: "film", known: &["analyzer", "resolution"], planned: &[] };
+pub const FILM: Keys = Keys {
+    definition: "film",
+    known: &["analyzer", "crop", "filter", "filter_radius", "pixel_aspect", "resolution"],
+    planned: &[],
+};
 /// Keys of what stands before a film.
 pub const ANALYZER: Keys =
     Keys { definition: "analyzer", known: &["axis_deg", "kind"], planned: &[] };
 /// Keys of a punctual light.
-pub const LIGHT: Keys = Keys { definition: "light", known: &["emission", "units"], planned: &[] };
+pub const LIGHT: Keys = Keys {
+    definition: "light",
+    known: &["angular_diameter_deg", "emission", "ies", "stokes", "units"],
+    planned: &[],
+};
 /// Keys of a scene, or of the root of the file.
 pub const SCENE: Keys =
     Keys { definition: "scene", known: &["environment", "media", "medium"], planned: &[] };
@@ -117,8 +126,17 @@ pub const MATRIX: Keys = Keys {
     planned: &[],
 };
 /// Keys of the environment.
-pub const ENVIRONMENT: Keys =
-    Keys { definition: "environment", known: &["gradient", "radiance"], planned: &["uri"] };
+pub const ENVIRONMENT: Keys = Keys {
+    definition: "environment",
+    known: &["gradient", "radiance", "rotation", "sky", "stokes", "uri"],
+    planned: &[],
+};
+/// Keys of a clear sky.
+pub const CLEAR_SKY: Keys = Keys {
+    definition: "clear_sky",
+    known: &["max_degree", "sun_direction", "turbidity"],
+    planned: &[],
+};
 /// Keys of a tabulated spectrum.
 pub const SPECTRUM: Keys =
     Keys { definition: "spectrum_table", known: &["nm", "value"], planned: &[] };
@@ -142,7 +160,7 @@ pub const EMISSION: Keys = Keys {
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 19] = [
+pub const ALL: [&Keys; 20] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -151,6 +169,7 @@ pub const ALL: [&Keys; 19] = [
     &LIGHT,
     &SCENE,
     &ENVIRONMENT,
+    &CLEAR_SKY,
     &MEDIUM,
     &PARTICLES,
     &DISTRIBUTION,
@@ -171,6 +190,7 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("camera", "film") => Some(&FILM),
         ("film", "analyzer") => Some(&ANALYZER),
         ("scene", "environment") => Some(&ENVIRONMENT),
+        ("environment", "sky") => Some(&CLEAR_SKY),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),
@@ -182,7 +202,8 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         }
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
-        ("host" | "material" | "particles", "k")
+        ("environment" | "light" | "material", "stokes")
+        | ("host" | "material" | "particles", "k")
         | ("material", "reflectance")
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
@@ -217,7 +238,11 @@ impl<'a> Body<'a> {
     }
 
     /// The keys of an object within the extension.
-    fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
+    pub(super) fn nested(
+        object: &'a Value,
+        label: String,
+        keys: &Keys,
+    ) -> Result<Self, SceneError> {
         let prefix = format!("{label}.");
         let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
         body.add_object(object, &label, keys)?;

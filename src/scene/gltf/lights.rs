@@ -7,12 +7,13 @@ use gltf::json::validation::Checked;
 
 use super::Import;
 use super::extension::{Body, LIGHT};
+use super::luminaires::luminaire_of;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Name, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
-const LUMENS_PER_WATT: f32 = 683.0;
+pub(super) const LUMENS_PER_WATT: f32 = 683.0;
 
 impl Import<'_> {
     /// Adds the light that a node, or nothing, refers to; one without intensity adds nothing.
@@ -36,21 +37,35 @@ impl Import<'_> {
         if light.range.is_some() {
             self.warnings.add(&label, "range is ignored, light fades with distance alone");
         }
-        let kind = kind(light, &label)?;
         let body = Body::of(value, &label, &LIGHT)?;
+        let kind = wide(kind(light, &label)?, &body)?;
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
+        let stokes = body.stokes("stokes")?;
+        let luminaire = luminaire_of(&body, document)?;
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
             light.check()
         } else {
-            self.world.put_light(Name(label.clone()), light, place).map(|_| ())
+            let put = self.world.put_light(Name(label.clone()), light, place);
+            put.and_then(|light| {
+                let put = luminaire.map_or(Ok(()), |it| self.world.put_luminaire(light, it));
+                put.and_then(|()| match stokes {
+                    Some(stokes) => self.world.put_stokes(light, stokes),
+                    None => Ok(()),
+                })
+            })
         };
         put.map_err(|fault| match fault.field.as_str() {
+            "ies" => SceneError::at(&body.field("ies"), fault.of("")),
             "intensity" => {
                 let color = if body.has("emission") { "emission" } else { "color" };
                 SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))
+            }
+            "angular_diameter" => {
+                let field = body.field("angular_diameter_deg");
+                SceneError::at(&field, fault.of(""))
             }
             _ => SceneError::at(&label, fault),
         })
@@ -74,6 +89,21 @@ fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {
         Checked::Invalid => {
             let remedy = "use point, spot or directional";
             Err(SceneError::new(format!("{label}, type"), "is not known", remedy))
+        }
+    }
+}
+
+/// A direction that takes up an angle, if it says so: a sun.
+fn wide(kind: PunctualKind, body: &Body) -> Result<PunctualKind, SceneError> {
+    const KEY: &str = "angular_diameter_deg";
+    let Some(degrees) = body.number(KEY)? else { return Ok(kind) };
+    match kind {
+        // Which is what zero says.
+        PunctualKind::Directional if degrees == 0.0 => Ok(kind),
+        PunctualKind::Directional => Ok(PunctualKind::Sun { diameter: degrees.to_radians() }),
+        PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Sun { .. } => {
+            let problem = "is for directional lights";
+            Err(SceneError::new(body.field(KEY), problem, "remove it, or use such a light"))
         }
     }
 }

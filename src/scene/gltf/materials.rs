@@ -8,9 +8,9 @@
 //! - no transmission, or metallic 1: rough metal of that index, and a Lambertian base of baseColor
 //!   under a rough coat of KHR_materials_ior (1.5 if not given), of which KHR_materials_specular
 //!   may leave a share; mixed by the metallic factor;
-//! - metallic 0, transmission 1, smooth: a dielectric of KHR_materials_ior, 1.5 if not given;
-//!   thin-walled, unless KHR_materials_volume gives it a thickness: then a solid, whose attenuation
-//!   is absorption;
+//! - metallic 0, transmission 1: a dielectric of KHR_materials_ior, 1.5 if not given; thin-walled
+//!   and smooth, unless KHR_materials_volume gives it a thickness: then a solid, smooth or rough,
+//!   whose attenuation is absorption;
 //! - no material: Lambertian of reflectance 0.8.
 
 use gltf::json;
@@ -27,8 +27,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, InternalReflection, Material, MeasuredTable, Name, Sides, Skin,
-    tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, InternalReflection, Material, MeasuredTable, Name,
+    Sides, Skin, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -48,6 +48,10 @@ pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 pub const KHR_GLOSSY: &str = "KHR_materials_pbrSpecularGlossiness";
 /// What a material emits.
 const EMISSION: &str = "emission";
+/// Whether that is by heat.
+const INCANDESCENT: &str = "incandescent";
+/// How that is polarized.
+const STOKES: &str = "stokes";
 
 /// What a model is read of besides its keys: glTF's own, and the scene's files.
 type Of<'a> = (&'a json::Material, &'a Files);
@@ -62,7 +66,7 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 11] = [
+const MODELS: [Model; 12] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
@@ -73,11 +77,15 @@ const MODELS: [Model; 11] = [
     Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
     Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
+    Model { name: "rough_dielectric", keys: &ROUGH_DIELECTRIC, read: rough_dielectric },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
 const ROUGH_CONDUCTOR: [&str; 7] =
     ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
+/// Keys of rough glass.
+const ROUGH_DIELECTRIC: [&str; 6] =
+    ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
 /// Keys of plastic.
 const PLASTIC: [&str; 8] = [
     "alpha",
@@ -90,9 +98,7 @@ const PLASTIC: [&str; 8] = [
     "specular",
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 2] = ["bsdf", EMISSION];
-/// Values of `bsdf` that later versions will know.
-const PLANNED_MODELS: [&str; 1] = ["rough_dielectric"];
+const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -132,6 +138,9 @@ impl Import<'_> {
                 ("default material".to_owned(), material)
             }
         };
+        let stokes = index.map_or(Ok(None), |index| self.stokes(index, &label))?;
+        let by_heat = index.map_or(Ok(false), |index| self.is_incandescent(index, &label))?;
+        let emits = material.emission.is_some();
         let of = (&material.bsdf, material.emission.as_ref());
         let textures = self.textures(index, &label, of)?;
         let put = self.world.put_material(Name(label.clone()), material);
@@ -139,7 +148,36 @@ impl Import<'_> {
         if !textures.is_empty() {
             self.world.set_textures(entity, textures)?;
         }
+        if let Some(stokes) = stokes.filter(|_| emits) {
+            let put = self.world.put_stokes(entity, stokes);
+            put.map_err(|fault| SceneError::at(&label, fault))?;
+        }
+        if by_heat && emits {
+            let put = self.world.put_incandescent(entity);
+            put.map_err(|fault| SceneError::at(&label, fault))?;
+        }
         Ok(entity)
+    }
+
+    /// Whether a material emits by its heat.
+    fn is_incandescent(&self, index: usize, label: &str) -> Result<bool, SceneError> {
+        let value = &self.document.value["materials"][index];
+        let body = Body::of(value, label, &MATERIAL)?;
+        Ok(body.flag(INCANDESCENT)?.unwrap_or(false))
+    }
+
+    /// How what a material emits is polarized. That may be switched off, but has to be stated.
+    fn stokes(&self, index: usize, label: &str) -> Result<Option<EmittedStokes>, SceneError> {
+        let value = &self.document.value["materials"][index];
+        let body = Body::of(value, label, &MATERIAL)?;
+        let stokes = body.stokes(STOKES)?;
+        let emits = body.has(EMISSION)
+            || value.get("emissiveFactor").is_some()
+            || value["extensions"][KHR_UNLIT].is_object();
+        match stokes {
+            Some(_) if !emits => Err(body.place(EmittedStokes::without_emission())),
+            stokes => Ok(stokes),
+        }
     }
 
     /// A material with what is on the two sides; the node's word counts before the material's.
@@ -171,7 +209,7 @@ impl Import<'_> {
                 label,
             );
         }
-        let keys: Vec<&str> = body.keys().filter(|key| *key != EMISSION).collect();
+        let keys: Vec<&str> = body.keys().filter(|key| !OF_ALL.contains(key)).collect();
         if !keys.is_empty() {
             let problem = format!("has {} but no `bsdf`", keys.join(", "));
             return Err(SceneError::new(label, problem, "add `bsdf`, the name of the model"));
@@ -259,13 +297,23 @@ impl Import<'_> {
             return refuse("mixes transmission and reflection by a partial factor");
         } else if metallic > 0.0 {
             return refuse("mixes metal and glass by a partial metallicFactor");
-        } else if !is_smooth {
-            return refuse("is rough glass, which is not supported yet");
+        } else if !is_smooth && !is_solid {
+            return refuse(
+                "is a rough pane without a thickness, which is not supported yet: smooth ones and \
+                 solids (KHR_materials_volume) are",
+            );
         } else {
             if color != [1.0; 3] {
                 self.warnings.add(label, "the color of the glass is ignored");
             }
             match khr_ior(material) {
+                ior if !is_smooth || of("metallicRoughnessTexture") => Bsdf::RoughDielectric {
+                    ior: Spectrum::Constant(ior),
+                    exterior_ior: Spectrum::Constant(1.0),
+                    alpha: roughness * roughness,
+                    distribution: Distribution::Ggx,
+                    multiple_scattering: true,
+                },
                 ior if is_solid => Bsdf::dielectric(ior),
                 ior => Bsdf::thin_dielectric(ior),
             }
@@ -334,6 +382,18 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
             let exterior_ior = Spectrum::Constant(exterior_ior);
             Bsdf::DispersiveDielectric { ior: of(ior)?, exterior_ior }
         }
+        Bsdf::RoughDielectric {
+            ior: Spectrum::Constant(ior),
+            exterior_ior,
+            alpha,
+            distribution,
+            multiple_scattering,
+        } => {
+            let ior = of(ior)?;
+            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+        }
+        // It states that of every wavelength.
+        Bsdf::RoughDielectric { .. } => return Ok(bsdf),
         Bsdf::ThinDielectric { ior, exterior_ior } => match ior {
             Spectrum::Constant(ior) => Bsdf::ThinDielectric { ior: of(ior)?, exterior_ior },
             // It states that of every wavelength.
@@ -361,10 +421,6 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
 fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError> {
     let names = MODELS.map(|model| model.name);
     let remedy = format!("use one of {}", names.join(", "));
-    if PLANNED_MODELS.contains(&model) {
-        let problem = format!("`{model}` is not supported yet");
-        return Err(SceneError::new(body.field("bsdf"), problem, remedy));
-    }
     let Some(Model { keys, read, .. }) = MODELS.iter().find(|known| known.name == model) else {
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
@@ -435,10 +491,21 @@ fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
-    let distribution = distribution(body)?;
-    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    let alpha = alpha(body)?;
+    let (alpha, distribution, multiple_scattering) = facets(body)?;
     Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+}
+
+fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
+    let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
+    let (alpha, distribution, multiple_scattering) = facets(body)?;
+    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+}
+
+/// What facets are like, and whether what several of them scatter is given back.
+fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
+    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
+    Ok((alpha(body)?, distribution(body)?, multiple_scattering))
 }
 
 fn plastic(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {

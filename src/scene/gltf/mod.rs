@@ -16,6 +16,7 @@ pub(super) mod files;
 mod hierarchy;
 mod instances;
 mod lights;
+mod luminaires;
 mod materials;
 mod media;
 mod meshes;
@@ -35,13 +36,13 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use hecs::Entity;
 
 use self::document::Document;
 pub use self::edit::{Edit, Editable};
 pub use self::edited::{EditedFile, keys_of_kind};
-use self::extension::{Body, ENVIRONMENT, NODE, SCENE};
+use self::extension::{Body, CLEAR_SKY as SKY_KEYS, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
@@ -50,9 +51,11 @@ use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
-    Ball, Boundary, Environment, Filling, Geometry, Name, SKY, SKY_GRADIENT, World,
+    Backdrop, BackdropSource, Ball, Boundary, ClearSky, Environment, Filling, Geometry, Name, SKY,
+    SKY_GRADIENT, World,
 };
 use crate::math::text::listed;
+use crate::spectrum::Spectrum;
 
 /// How a camera is stated.
 const STATE_CAMERA: &str =
@@ -181,6 +184,24 @@ fn how_to_light() -> String {
         "give the scene {{\"extensions\": {{\"SUNSTONE_polarization\": {{\"environment\": \
          {{\"radiance\": {SKY}, \"gradient\": {gradient:?}}}}}}}}}, or add lights"
     )
+}
+
+/// A clear sky.
+fn clear_sky(body: &Body) -> Result<ClearSky, SceneError> {
+    let sun = match body.numbers("sun_direction")?.as_deref() {
+        Some(&[x, y, z]) => DVec3::new(x, y, z),
+        Some(_) => {
+            let place = body.field("sun_direction");
+            return Err(SceneError::new(place, "must be three numbers", "a vector to the sun"));
+        }
+        None => return Err(body.missing("sun_direction", "give a vector to the sun, y > 0")),
+    };
+    let number = |key: &str, default: f64| Ok(body.number(key)?.unwrap_or(default));
+    let turbidity = number("turbidity", ClearSky::TURBIDITY)?;
+    let max_degree = number("max_degree", ClearSky::MAX_DEGREE)?;
+    let sky = ClearSky { sun, turbidity, max_degree };
+    sky.check().map_err(|fault| body.place(fault))?;
+    Ok(sky)
 }
 
 /// What makes a sky brighter on one side.
@@ -322,7 +343,7 @@ impl<'a> Import<'a> {
         if let Some(light) = extensions.and_then(|all| all.khr_lights_punctual.as_ref()) {
             self.add_light(light.light.value(), &label, placed.to_world)?;
         }
-        Ok(())
+        self.add_luminaire(&self.document.value["nodes"][placed.node], &label, placed.to_world)
     }
 
     /// Adds an analytic sphere. A mesh on the same node is a stand-in for viewers that know none:
@@ -390,6 +411,48 @@ impl<'a> Import<'a> {
         }
     }
 
+    /// The picture of what is around, if an environment has one.
+    fn backdrop(&mut self, environment: &Body) -> Result<Option<Backdrop>, SceneError> {
+        if let Some(sky) = environment.object("sky", &SKY_KEYS)? {
+            let refuse = |key: &str| {
+                let problem = "does not go with `sky`";
+                Err(SceneError::new(environment.field(key), problem, "keep one of them"))
+            };
+            if let Some(key) = ["gradient", "rotation", "stokes", "uri"]
+                .into_iter()
+                .find(|key| environment.has(key))
+            {
+                return refuse(key);
+            }
+            return clear_sky(&sky).map(|sky| Some(sky.into()));
+        }
+        let Some(uri) = environment.word("uri")? else {
+            if environment.has("rotation") {
+                let problem = "turns the picture of `uri`, and there is none";
+                return Err(SceneError::new(environment.field("rotation"), problem, "remove it"));
+            }
+            return Ok(None);
+        };
+        let field = environment.field("uri");
+        let rotation = match environment.numbers("rotation")?.as_deref() {
+            None => DQuat::IDENTITY,
+            Some(&[x, y, z, w]) => DQuat::from_xyzw(x, y, z, w),
+            Some(_) => {
+                let problem = "must be four numbers";
+                let remedy = "a quaternion [x, y, z, w] of length 1, as nodes have";
+                return Err(SceneError::new(environment.field("rotation"), problem, remedy));
+            }
+        };
+        let picture = self.document.picture_around(uri, &field)?;
+        let source = match uri.starts_with("data:") {
+            true => BackdropSource::Memory,
+            false => BackdropSource::File(uri.to_owned()),
+        };
+        let backdrop = Backdrop { picture, rotation, source };
+        backdrop.doubt().into_iter().for_each(|text| self.warnings.add(&field, text));
+        Ok(Some(backdrop))
+    }
+
     /// Adds the environment that the scene, or the root of the file, describes.
     fn add_environment(&mut self, scene: usize) -> Result<(), SceneError> {
         let value = &self.document.value;
@@ -399,17 +462,33 @@ impl<'a> Import<'a> {
             let body = Body::of(object, label, &SCENE)?;
             let Some(environment) = body.object("environment", &ENVIRONMENT)? else { continue };
             let field = body.field("environment");
-            let Some(radiance) = environment.emission("radiance", self.document)? else {
-                return Err(SceneError::new(field, "has no `radiance`", "add it"));
+            let backdrop = self.backdrop(&environment)?;
+            let radiance = environment.emission("radiance", self.document)?;
+            let radiance = match (radiance, &backdrop) {
+                (Some(radiance), _) => radiance,
+                (None, Some(_)) => Spectrum::Constant(1.0),
+                (None, None) => {
+                    let problem = "has neither `radiance` nor `uri` nor `sky`";
+                    return Err(SceneError::new(field, problem, "add one of them"));
+                }
             };
             if let Some(other) = &found {
                 let problem = format!("is described twice, by {other} too");
                 return Err(SceneError::new(field, problem, "keep one of them"));
             }
-            let sky = Environment { radiance, gradient: gradient(&environment)? };
-            let put = match sky.radiance.values().iter().all(|value| *value == 0.0) {
-                true => sky.check(),
-                false => self.world.put_environment(Name("environment".into()), sky).map(|_| ()),
+            let sky = Environment { radiance, gradient: gradient(&environment)?, backdrop };
+            let checked = sky.check().map_err(|fault| environment.place(fault));
+            checked?;
+            let stokes = environment.stokes("stokes")?;
+            let put = match sky.mean().values().iter().all(|value| *value == 0.0) {
+                true => Ok(()),
+                false => {
+                    let put = self.world.put_environment(Name("environment".into()), sky);
+                    put.and_then(|sky| match stokes {
+                        Some(stokes) => self.world.put_stokes(sky, stokes),
+                        None => Ok(()),
+                    })
+                }
             };
             put.map_err(|fault| environment.place(fault))?;
             found = Some(field);

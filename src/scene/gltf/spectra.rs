@@ -8,6 +8,7 @@ use super::extension::{Body, CAUCHY, EMISSION, INDEX, Keys, SELLMEIER, SPECTRUM}
 use crate::math::text::excerpt;
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
+use crate::scene::world::EmittedStokes;
 use crate::spectrum::{
     Line, LineShape, Spectrum, SpectrumTable, illuminant_names, index, index_names,
 };
@@ -75,24 +76,27 @@ impl Body<'_> {
         }
     }
 
+    /// S1, S2 and S3 over S0 of what is emitted.
+    pub fn stokes(&self, key: &str) -> Result<Option<EmittedStokes>, SceneError> {
+        let Some((value, field)) = self.value(key) else { return Ok(None) };
+        let Some([s1, s2, s3]) = value.as_array().map(Vec::as_slice) else {
+            let remedy = "write [S1, S2, S3] over S0, each a number or a spectrum";
+            return Err(SceneError::new(field, "is not three components", remedy));
+        };
+        let of = |index: usize, value: &Value| {
+            let field = format!("{field}[{index}]");
+            match value.is_object() {
+                true => table(&Body::nested(value, field, &SPECTRUM)?),
+                false => plain(value, &field, TABLE),
+            }
+        };
+        let stokes = EmittedStokes::new([of(0, s1)?, of(1, s2)?, of(2, s3)?]);
+        stokes.map(Some).map_err(|fault| SceneError::at(field, fault.of("")))
+    }
+
     /// A number or a color. `others` is what else might stand there.
     fn plain(&self, key: &str, others: &str) -> Result<Option<Spectrum>, SceneError> {
-        let Some((value, field)) = self.value(key) else { return Ok(None) };
-        let number = |value: &Value| {
-            let number = value.as_f64().ok_or_else(|| {
-                let remedy = format!("write a number, [red, green, blue] or {others}");
-                SceneError::new(field, "is not a spectrum", remedy)
-            })?;
-            Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
-            Ok::<f32, SceneError>(number as f32)
-        };
-        match value.as_array().map(Vec::as_slice) {
-            Some([red, green, blue]) => {
-                Ok(Some(Spectrum::Rgb([number(red)?, number(green)?, number(blue)?])))
-            }
-            // A list of another length is no number.
-            Some(_) | None => Ok(Some(Spectrum::Constant(number(value)?))),
-        }
+        self.value(key).map(|(value, field)| plain(value, field, others)).transpose()
     }
 
     /// Numbers that must be there.
@@ -107,6 +111,25 @@ impl Body<'_> {
             [from, to] => Ok([from as f32, to as f32]),
             _ => Err(SceneError::new(self.field("range_nm"), "is not two wavelengths", REMEDY)),
         }
+    }
+}
+
+/// A number or a color, which errors call `field`.
+fn plain(value: &Value, field: &str, others: &str) -> Result<Spectrum, SceneError> {
+    let number = |value: &Value| {
+        let number = value.as_f64().ok_or_else(|| {
+            let remedy = format!("write a number, [red, green, blue] or {others}");
+            SceneError::new(field, "is not a spectrum", remedy)
+        })?;
+        Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
+        Ok::<f32, SceneError>(number as f32)
+    };
+    match value.as_array().map(Vec::as_slice) {
+        Some([red, green, blue]) => {
+            Ok(Spectrum::Rgb([number(red)?, number(green)?, number(blue)?]))
+        }
+        // A list of another length is no number.
+        Some(_) | None => Ok(Spectrum::Constant(number(value)?)),
     }
 }
 

@@ -13,15 +13,14 @@ use serde_json::Value;
 use super::Import;
 use super::document::Document;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
-use crate::image::texels::{Coding, Texels};
+use crate::image::texels::Coding;
 use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{
     Bsdf, Coverage, Emission, Filter, Paint, Parameter, Picture, Reads, Relief, Texture, Textures,
-    Wrap,
+    Wrap, half_hash,
 };
-use crate::spectrum::Spectrum;
 
 /// `alphaCutoff` of materials that do not say.
 const CUTOFF: f32 = 0.5;
@@ -42,22 +41,24 @@ impl Document {
         lock().entry(key).or_insert(decoded).clone()
     }
 
+    /// The picture of what is around the scene, decoded once.
+    pub fn picture_around(&self, uri: &str, field: &str) -> Result<Arc<Picture>, SceneError> {
+        let bytes = self.bytes_of(uri, field)?;
+        let key = half_hash(&bytes);
+        let lock = || self.pictures.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(Ok(known)) = lock().get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        let picture = Arc::new(Picture::around(&bytes, field)?);
+        lock().insert(key, Ok(Arc::clone(&picture)));
+        Ok(picture)
+    }
+
     fn decoded(&self, image: usize) -> Result<Picture, SceneError> {
         let label = self.label("images", image);
         let bytes = self.image_bytes(&self.value["images"][image], &label)?;
-        let texels = Texels::decode(&bytes)
-            .map_err(|[problem, remedy]| SceneError::new(&label, problem, remedy))?;
-        if let Some([column, row]) = texels.find_unusable() {
-            let problem = format!("has a negative or infinite value in column {column}, row {row}");
-            return Err(SceneError::new(label, problem, "clean the picture up"));
-        }
-        Ok(Picture::new(texels, half_hash(&bytes)))
+        Picture::decoded(&bytes, &label)
     }
-}
-
-fn half_hash(bytes: &[u8]) -> u128 {
-    let whole = blake3::hash(bytes);
-    whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
 }
 
 /// A texture of a material, as the file has it.
@@ -93,7 +94,7 @@ impl Import<'_> {
         let by_vertices = self.colors_of(index);
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
         if let (true, Bsdf::Absorber, Some(factor)) =
-            (is_unlit, bsdf, emission.and_then(|emission| rgb(&emission.radiance)))
+            (is_unlit, bsdf, emission.and_then(|emission| emission.radiance.rgb()))
         {
             let (texture, by_vertices) = (base.clone(), by_vertices.is_some());
             if texture.is_some() || by_vertices {
@@ -117,13 +118,12 @@ impl Import<'_> {
         let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
         let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
         if let Some(texture) = findings.note(metal).flatten() {
-            match metal_and_roughness(bsdf, texture) {
-                Some(paints) => textures.parameters.extend(paints),
-                None => {
-                    let text = "metallicRoughnessTexture is ignored: the model has no roughness";
-                    self.warnings.add(label, text);
-                }
+            let paints = metal_and_roughness(bsdf, texture);
+            if paints.is_empty() {
+                let text = "metallicRoughnessTexture is ignored: the model has no roughness";
+                self.warnings.add(label, text);
             }
+            textures.parameters.extend(paints);
         }
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
@@ -301,7 +301,7 @@ fn painted_emission(
     emission: &Emission,
     label: &str,
 ) -> Result<Paint, SceneError> {
-    let Some(factor) = rgb(&emission.radiance) else {
+    let Some(factor) = emission.radiance.rgb() else {
         let problem = "the picture and a spectrum of the emission exclude each other";
         let place = format!("{label}, emissiveTexture");
         return Err(SceneError::new(place, problem, "take one of them away"));
@@ -326,6 +326,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::RoughDielectric { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::ThinDielectric { .. }
@@ -333,13 +334,15 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::Retarder { .. }
         | Bsdf::Null => return None,
     };
-    Some((parameter, rgb(spectrum)?))
+    Some((parameter, spectrum.rgb()?))
 }
 
-/// Shares of metal in the blue of a picture, and roughness in its green, for glTF's own model.
-fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Paint); 2]> {
+/// Shares of metal in the blue of a picture, and roughness in its green, as far as a model has
+/// them.
+fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)> {
     let (metallic, roughness) = match bsdf {
-        Bsdf::MetallicRoughness { metallic, alpha, .. } => (*metallic, alpha.sqrt()),
+        Bsdf::MetallicRoughness { metallic, alpha, .. } => (Some(*metallic), alpha.sqrt()),
+        Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
@@ -351,23 +354,15 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Pai
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
-        | Bsdf::Null => return None,
+        | Bsdf::Null => return Vec::new(),
     };
     let paint = |factor: f32, reads| {
         let texture = Some(texture.clone());
         Paint { factor: [factor; 3], texture, reads, by_vertices: false }
     };
+    let metallic = metallic.map(|metallic| (Parameter::Metallic, paint(metallic, Reads::Blue)));
     let roughness = (Parameter::Roughness, paint(roughness, Reads::Green));
-    Some([(Parameter::Metallic, paint(metallic, Reads::Blue)), roughness])
-}
-
-/// A spectrum as red, green and blue, if it is that.
-fn rgb(spectrum: &Spectrum) -> Option<[f32; 3]> {
-    match spectrum {
-        Spectrum::Constant(value) => Some([*value; 3]),
-        Spectrum::Rgb(rgb) => Some(*rgb),
-        Spectrum::Table(_) | Spectrum::Formula(_) => None,
-    }
+    metallic.into_iter().chain([roughness]).collect()
 }
 
 /// The rows of KHR_texture_transform: coordinates are scaled, turned so that the picture turns

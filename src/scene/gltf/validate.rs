@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::extension::EXTENSION;
 use super::hierarchy::VISIBILITY;
 use super::instances::INSTANCING;
+use super::luminaires::EXT_LIGHTS;
 use crate::math::text::excerpt;
 use crate::scene::error::{Findings, SceneError};
 
@@ -18,8 +19,9 @@ const VALUE: usize = 60;
 
 /// Extensions that are read, and those that show nothing: other materials to choose, and who made
 /// what.
-const EXTENSIONS: [&str; 18] = [
+const EXTENSIONS: [&str; 19] = [
     EXTENSION,
+    EXT_LIGHTS,
     INSTANCING,
     "EXT_texture_webp",
     "KHR_implicit_shapes",

@@ -12,15 +12,16 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, PunctualKind, Resolution, Sides, Textures, Transform,
-    Window, World,
+    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
+    Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -94,11 +95,19 @@ impl Writer {
             let medium = self.medium(&name, &medium);
             self.media.extend(findings.note(medium));
         }
-        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
-        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, emission)| {
-            (entity, name.clone(), bsdf.clone(), *sides, emission.cloned())
+        type Light<'a> =
+            (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
+        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
+            (
+                entity,
+                name.clone(),
+                bsdf.clone(),
+                *sides,
+                (light.0.cloned(), light.1.cloned(), light.2.copied()),
+            )
         });
-        for (entity, name, bsdf, sides, emission) in materials {
+        for (entity, name, bsdf, sides, (emission, stokes, by_heat)) in materials {
             let is_painted = world.entities().get::<&Textures>(entity);
             if is_painted.is_ok_and(|textures| !textures.is_empty()) {
                 let problem = "textures are not written yet";
@@ -106,10 +115,20 @@ impl Writer {
                 findings.note::<()>(Err(error));
             }
             self.numbers.insert(entity, self.materials.len());
-            let material = self.material(&name, &bsdf, sides, emission.as_ref());
+            let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            if by_heat.is_some() {
+                material["extensions"][EXTENSION]["incandescent"] = json!(true);
+            }
+            self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
             self.materials.push(material);
         }
+        findings.note(check_backdrops(world));
         self.shapes(world);
+        for (name, _) in world.in_order::<(&Name, &Luminaire), _>(|(name, _)| (name.clone(), ())) {
+            let problem = "luminaires are not written";
+            let error = SceneError::new(&name.0, problem, "keep the scene's own file");
+            findings.note::<()>(Err(error));
+        }
         self.lights(world, &mut scene);
         self.camera(world);
         findings.result()?;
@@ -285,6 +304,18 @@ impl Writer {
                     "distribution": distribution.name(),
                     "multiple_scattering": multiple_scattering})
             }
+            Bsdf::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                json!({"bsdf": "rough_dielectric", "ior": of(ior),
+                    "exterior_ior": of(exterior_ior), "alpha": alpha,
+                    "distribution": distribution.name(),
+                    "multiple_scattering": multiple_scattering})
+            }
             Bsdf::Plastic {
                 reflectance,
                 ior,
@@ -301,17 +332,7 @@ impl Writer {
                 json!({"bsdf": "measured", "file": table.name()})
             }
             Bsdf::MetallicRoughness { base_color, .. } => {
-                let color = match base_color {
-                    Spectrum::Constant(value) => [*value; 3],
-                    Spectrum::Rgb(rgb) => *rgb,
-                    Spectrum::Table(_) | Spectrum::Formula(_) => {
-                        let text = "has a base color by wavelength, of which red, green and blue \
-                                    are written";
-                        self.warnings.add(&name.0, text);
-                        RGB_WAVELENGTHS_NM.map(|nm| base_color.at(nm).unwrap_or(0.0))
-                    }
-                };
-                let [red, green, blue] = color;
+                let [red, green, blue] = self.base_color(name, base_color);
                 json!({"base_color": [red, green, blue, 1.0]})
             }
             Bsdf::Dielectric { ior, exterior_ior } => {
@@ -334,6 +355,20 @@ impl Writer {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
+        }
+    }
+
+    /// A color that glTF knows as red, green and blue alone.
+    fn base_color(&mut self, name: &Name, color: &Spectrum) -> [f32; 3] {
+        match color {
+            Spectrum::Constant(value) => [*value; 3],
+            Spectrum::Rgb(rgb) => *rgb,
+            Spectrum::Table(_) | Spectrum::Formula(_) => {
+                let text =
+                    "has a base color by wavelength, of which red, green and blue are written";
+                self.warnings.add(&name.0, text);
+                RGB_WAVELENGTHS_NM.map(|nm| color.at(nm).unwrap_or(0.0))
+            }
         }
     }
 
@@ -384,14 +419,24 @@ impl Writer {
         }
     }
 
+    /// How what is emitted is polarized, if it is.
+    fn stokes(&mut self, name: &Name, stokes: Option<&EmittedStokes>, body: &mut Value) {
+        if let Some(EmittedStokes { stokes }) = stokes {
+            body["stokes"] = json!(stokes.each_ref().map(|it| self.spectrum(name, it)));
+        }
+    }
+
     fn lights(&mut self, world: &World, scene: &mut Map<String, Value>) {
-        let lights = world.in_order::<(&Name, &Punctual, &Transform), _>(|(name, light, place)| {
-            (name.clone(), light.clone(), place.0)
+        type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, &'a Transform);
+        let lights = world.in_order::<Light, _>(|(name, light, stokes, place)| {
+            (name.clone(), light.clone(), stokes.cloned(), place.0)
         });
-        for (name, Punctual { kind, intensity }, place) in lights {
+        for (name, Punctual { kind, intensity }, stokes, place) in lights {
             let mut light = match kind {
                 PunctualKind::Point => json!({"type": "point"}),
-                PunctualKind::Directional => json!({"type": "directional"}),
+                PunctualKind::Directional | PunctualKind::Sun { .. } => {
+                    json!({"type": "directional"})
+                }
                 PunctualKind::Spot { inner, outer } => json!({
                     "type": "spot",
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer},
@@ -399,7 +444,11 @@ impl Writer {
             };
             let emission = self.spectrum(&name, &intensity);
             light["name"] = json!(called(&name));
-            let body = json!({"units": "radiometric", "emission": emission});
+            let mut body = json!({"units": "radiometric", "emission": emission});
+            if let PunctualKind::Sun { diameter } = kind {
+                body["angular_diameter_deg"] = json!(diameter.to_degrees());
+            }
+            self.stokes(&name, stokes.as_ref(), &mut body);
             light["extensions"] = json!({EXTENSION: body});
             let reference = json!({"KHR_lights_punctual": {"light": self.lights.len()}});
             let node = json!({"name": called(&name), "matrix": matrix(place),
@@ -407,27 +456,47 @@ impl Writer {
             self.nodes.push(node);
             self.lights.push(light);
         }
-        let skies =
-            world.in_order::<(&Name, &Environment), _>(|(name, sky)| (name.clone(), sky.clone()));
-        for (name, Environment { radiance, gradient }) in skies {
+        type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+        let skies = world
+            .in_order::<Sky, _>(|(name, sky, stokes)| (name.clone(), sky.clone(), stokes.cloned()));
+        for (name, Environment { radiance, gradient, backdrop }, stokes) in skies {
             let mut sky = json!({"radiance": self.spectrum(&name, &radiance)});
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
             }
+            match backdrop {
+                None => {}
+                Some(Backdrop { rotation, source: BackdropSource::File(uri), .. }) => {
+                    let text =
+                        "has a picture, which is to lie beside the new file as beside the old";
+                    self.warnings.add(&name.0, text);
+                    sky["uri"] = json!(uri);
+                    sky["rotation"] = json!(rotation.to_array());
+                }
+                Some(Backdrop { source: BackdropSource::ClearSky(clear), .. }) => {
+                    let ClearSky { sun, turbidity, max_degree } = clear;
+                    sky["sky"] = json!({"sun_direction": sun.to_array(), "turbidity": turbidity,
+                        "max_degree": max_degree});
+                }
+                // Which has been refused.
+                Some(Backdrop { source: BackdropSource::Memory, .. }) => {}
+            }
+            self.stokes(&name, stokes.as_ref(), &mut sky);
             scene.insert("environment".into(), sky);
         }
     }
 
     fn camera(&mut self, world: &World) {
-        type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>, Option<&'a Window>);
+        type Seen<'a> = (Option<&'a Analyzer>, Option<&'a Window>);
+        type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Seen<'a>);
         let cameras = world.in_order::<(&Name, &Lens, &Transform, Film), _>(
-            |(name, lens, place, (resolution, analyzer, window))| {
-                let film = (resolution.copied(), analyzer.copied());
+            |(name, lens, place, (resolution, raster, (analyzer, window)))| {
+                let film = (resolution.copied(), raster.copied(), analyzer.copied());
                 // Whoever reads the file puts the same one in.
                 window.is_none().then(|| (called(name), *lens, place.0, film))
             },
         );
-        for (name, lens, place, (resolution, analyzer)) in cameras.into_iter().flatten() {
+        for (name, lens, place, (resolution, raster, analyzer)) in cameras.into_iter().flatten() {
             let mut body = json!({});
             let mut camera = match lens {
                 Lens::Perspective { yfov, aspect, aperture_radius, focus_distance } => {
@@ -447,7 +516,7 @@ impl Writer {
                         "zfar": 1000.0},
                 }),
             };
-            let mut film = json!({});
+            let mut film = film_of(raster.unwrap_or_default());
             if let Some(Resolution(size)) = resolution {
                 film["resolution"] = json!(size);
             }
@@ -473,13 +542,39 @@ impl Writer {
     }
 }
 
-/// What is in quotes in a name, which is what its file calls the thing, or else the whole.
-fn called(Name(name): &Name) -> String {
-    let quoted = |quote: char| {
-        let (_, rest) = name.split_once(quote)?;
-        rest.split_once(quote).map(|(inner, _)| inner.to_owned())
-    };
-    quoted('"').or_else(|| quoted('`')).unwrap_or_else(|| name.clone())
+/// Refuses pictures of what is around that have no file to refer to.
+fn check_backdrops(world: &World) -> Result<(), SceneError> {
+    let without = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+        let source = sky.backdrop.as_ref().map(|backdrop| &backdrop.source);
+        (source == Some(&BackdropSource::Memory)).then(|| name.0.clone())
+    });
+    match without.into_iter().flatten().next() {
+        None => Ok(()),
+        Some(name) => {
+            let problem = "has a picture that is no file, which is not written yet";
+            Err(SceneError::new(name, problem, "keep the scene's own file"))
+        }
+    }
+}
+
+/// How the pixels of a film see; nothing where they are as others.
+fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
+    let mut film = json!({});
+    if filter != Filter::PIXEL {
+        film["filter"] = json!(filter.kind.name());
+        film["filter_radius"] = json!(filter.radius);
+    }
+    if let Some(ends) = crop {
+        film["crop"] = json!(ends);
+    }
+    if pixel_aspect != 1.0 {
+        film["pixel_aspect"] = json!(pixel_aspect);
+    }
+    film
+}
+
+fn called(name: &Name) -> String {
+    name.own().to_owned()
 }
 
 /// Sixteen numbers, by column.

@@ -23,7 +23,7 @@ pub struct Surface {
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 13] = [
+const TYPES: [(&str, Read); 14] = [
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", |fields| diffuse(fields).map(one_sided)),
@@ -34,6 +34,7 @@ const TYPES: [(&str, Read); 13] = [
     ("pplastic", |fields| polarized_plastic(fields).map(one_sided)),
     ("retarder", |fields| retarder(fields).map(one_sided)),
     ("roughconductor", |fields| rough_conductor(fields).map(one_sided)),
+    ("roughdielectric", |fields| rough_dielectric(fields).map(one_sided)),
     ("roughplastic", |fields| rough_plastic(fields).map(one_sided)),
     ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
     ("twosided", two_sided),
@@ -75,7 +76,10 @@ pub fn read(fields: &Fields) -> Result<Surface, SceneError> {
         return Err(fields.refuse(problem, format!("the types are {}", names.join(", "))));
     };
     let surface = read(fields)?;
-    surface.bsdf.check().map_err(|fault| fields.fault(fault, &NAMES))?;
+    let is_plastic = matches!(surface.bsdf, Bsdf::Plastic { .. });
+    let named = |(of, _): &(&str, &str)| is_plastic || *of != "reflectance";
+    let names: Vec<_> = NAMES.into_iter().filter(named).collect();
+    surface.bsdf.check().map_err(|fault| fields.fault(fault, &names))?;
     fields.finish()?;
     Ok(surface)
 }
@@ -151,6 +155,17 @@ fn rough_conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
     let [eta, k] = metal_index(fields)?;
     let (alpha, distribution) = facets(fields)?;
     Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false })
+}
+
+/// Facets scatter once, as Mitsuba has it.
+fn rough_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
+    let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
+    fields.factor_of_one("specular_reflectance")?;
+    fields.factor_of_one("specular_transmittance")?;
+    let (alpha, distribution) = facets(fields)?;
+    let multiple_scattering = false;
+    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
 }
 
 /// The roughness of facets, and how their normals are distributed.

@@ -1,15 +1,22 @@
 //! Lights: the types of `<emitter>`.
 
-use glam::{DAffine3, DVec3, Vec3};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::Import;
 use super::fields::Fields;
 use super::spectra::Kind;
 use super::transforms::{looking, perpendicular};
 use super::tree::{NAME, Tag};
+use crate::math::elementary::cbrt;
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Emission, Environment, Name, Punctual, PunctualKind, Transform};
+use crate::scene::world::{
+    Backdrop, BackdropSource, Emission, Environment, Name, Picture, Punctual, PunctualKind,
+    Transform,
+};
 
 /// What shapes may have; the others stand by themselves.
 const OF_SHAPES: &str = "area";
@@ -18,8 +25,13 @@ const OF_SHAPES: &str = "area";
 type Add = fn(&mut Import, &Fields) -> Result<(), SceneError>;
 
 /// The lights that are no shape's, by type.
-const TYPES: [(&str, Add); 4] =
-    [("constant", constant), ("directional", directional), ("point", point), ("spot", spot)];
+const TYPES: [(&str, Add); 5] = [
+    ("constant", constant),
+    ("directional", directional),
+    ("envmap", envmap),
+    ("point", point),
+    ("spot", spot),
+];
 
 /// The emission of a shape.
 pub fn area(fields: &Fields) -> Result<Emission, SceneError> {
@@ -56,6 +68,21 @@ impl Import<'_> {
         fields.finish()
     }
 
+    /// Adds what is around the scene, of which there is one.
+    fn put_sky(&mut self, fields: &Fields, sky: Environment) -> Result<(), SceneError> {
+        if self.has_environment {
+            let remedy = "keep one of them";
+            return Err(fields.refuse("is a second environment", remedy));
+        }
+        self.has_environment = true;
+        sky.check().map_err(|fault| fields.fault(fault, &[("radiance", "scale")]))?;
+        if sky.mean().values().iter().all(|value| *value == 0.0) {
+            return Ok(());
+        }
+        let put = self.world.put_environment(Name(fields.label()), sky);
+        put.map(|_| ()).map_err(|fault| fields.fault(fault, &[]))
+    }
+
     /// Adds a light; `z` is where it shines to in its own space.
     fn put(&mut self, fields: &Fields, light: Punctual, place: DAffine3) -> Result<(), SceneError> {
         // Ours shine along -z.
@@ -68,17 +95,44 @@ impl Import<'_> {
 fn constant(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
     let radiance = fields.spectrum_or("radiance", Kind::Emission, 1.0)?;
     fields.ignore(&["to_world"]);
-    if import.has_environment {
-        let remedy = "keep one of them";
-        return Err(fields.refuse("is a second environment", remedy));
+    import.put_sky(fields, Environment::constant(radiance))
+}
+
+/// Its picture shows -z at its left edge, and +x right of that.
+fn envmap(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
+    let scale = fields.number("scale")?.unwrap_or(1.0);
+    // It is of how Mitsuba draws directions.
+    fields.ignore(&["mis_compensation"]);
+    if fields.has("bitmap") {
+        let remedy = "give the name of a file, `filename`";
+        return Err(fields.wrong("bitmap", "is not supported", remedy));
     }
-    let sky = Environment { radiance, gradient: Vec3::ZERO };
-    import.has_environment = true;
-    if sky.radiance.values().iter().all(|value| *value == 0.0) {
-        return Ok(());
+    let Some(name) = fields.text("filename")? else {
+        return Err(fields.wrong("filename", "is missing", "add it"));
+    };
+    let rotation = rotation(fields)? * DQuat::from_rotation_y(-FRAC_PI_2);
+    let source = import.paths.of(name, import.files);
+    let place = format!("{}, filename", fields.label());
+    let bytes = import.files.named(&source, &place, u64::MAX)?;
+    let picture = Arc::new(Picture::around(&bytes, &place)?);
+    let backdrop = Backdrop { picture, rotation, source: BackdropSource::File(source) };
+    backdrop.doubt().into_iter().for_each(|text| import.warnings.add(&place, text));
+    let backdrop = Some(backdrop);
+    import.put_sky(fields, Environment { backdrop, ..Environment::constant(scale as f32) })
+}
+
+/// What `to_world` turns: directions have no place, and what stretches them is refused.
+fn rotation(fields: &Fields) -> Result<DQuat, SceneError> {
+    const TOLERANCE: f64 = 1e-6;
+    let matrix = fields.transform("to_world")?.matrix3;
+    let scale = cbrt(matrix.determinant());
+    let turned = matrix * (1.0 / scale);
+    let is_rotation = (turned * turned.transpose()).abs_diff_eq(DMat3::IDENTITY, TOLERANCE);
+    if scale > 0.0 && is_rotation {
+        return Ok(DQuat::from_mat3(&turned).normalize());
     }
-    let put = import.world.put_environment(Name(fields.label()), sky);
-    put.map(|_| ()).map_err(|fault| fields.fault(fault, &[]))
+    let problem = "mirrors or stretches the picture";
+    Err(fields.wrong("to_world", problem, "only turn it, and mirror the file"))
 }
 
 fn point(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {

@@ -242,6 +242,7 @@ impl Import<'_> {
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
             | Bsdf::RoughConductor { .. }
+            | Bsdf::RoughDielectric { .. }
             | Bsdf::MetallicRoughness { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
@@ -363,6 +364,10 @@ fn turned(material: Material) -> Option<Material> {
         }
         Bsdf::DispersiveDielectric { ior, exterior_ior } => {
             Bsdf::DispersiveDielectric { ior: exterior_ior, exterior_ior: ior }
+        }
+        Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering } => {
+            let (ior, exterior_ior) = (exterior_ior, ior);
+            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
         }
         bsdf @ (Bsdf::ThinDielectric { .. } | Bsdf::Null) => bsdf,
         bsdf @ (Bsdf::Absorber

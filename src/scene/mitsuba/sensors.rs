@@ -6,11 +6,17 @@ use hecs::Entity;
 use super::Import;
 use super::fields::Fields;
 use super::tree::{NAME, Tag};
+use crate::film::filter::{Filter, FilterKind};
 use crate::math::elementary::{atan2, tan};
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
 use crate::scene::view::{Seer, View};
-use crate::scene::world::{Lens, Name, Resolution, Transform};
+use crate::scene::world::{Film, Lens, Name, Raster, Resolution, Transform};
+
+/// Width and height of a film that does not say them.
+const SIZE: [u32; 2] = [768, 576];
+/// The filter of a film that has none.
+const FILTER: Filter = Filter { kind: FilterKind::Gaussian, radius: 2.0 };
 
 /// The projections, by type.
 const TYPES: [(&str, Projection); 3] = [
@@ -53,7 +59,8 @@ impl Import<'_> {
             let names: Vec<&str> = TYPES.iter().map(|(name, _)| *name).collect();
             return Err(fields.refuse(problem, format!("the types are {}", names.join(", "))));
         };
-        let resolution = self.film(&fields)?;
+        let film = self.film(&fields)?;
+        let resolution = film.resolution.unwrap_or(Resolution(SIZE));
         self.sampler(&fields)?;
         self.medium_of_camera(&fields)?;
         // There is no motion, and nothing before or behind the scene to be cut off.
@@ -87,7 +94,6 @@ impl Import<'_> {
         fields.finish()?;
         // Theirs look along z, with x to the left.
         let place = Transform(place * DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0)));
-        let film = (Some(resolution), None);
         let put = self.world.put_camera(Name(fields.label()), lens, place, film);
         put.map(Some).map_err(|fault| {
             let name = if fault.field.is_empty() { "to_world" } else { "fov" };
@@ -95,10 +101,12 @@ impl Import<'_> {
         })
     }
 
-    /// The size of the film.
-    fn film(&mut self, sensor: &Fields) -> Result<Resolution, SceneError> {
-        const SIZE: [u32; 2] = [768, 576];
-        let Some(object) = sensor.only(Tag::Film)? else { return Ok(Resolution(SIZE)) };
+    /// The film: its size, the part that is rendered, and the filter.
+    fn film(&mut self, sensor: &Fields) -> Result<Film, SceneError> {
+        let Some(object) = sensor.only(Tag::Film)? else {
+            let raster = Raster { filter: FILTER, ..Raster::default() };
+            return Ok(Film { resolution: Some(Resolution(SIZE)), raster, analyzer: None });
+        };
         let fields = Fields::of(self.tree, object);
         if fields.object.plugin != "hdrfilm" {
             let problem = format!("`{}` is not supported", excerpt(&fields.object.plugin, NAME));
@@ -111,32 +119,57 @@ impl Import<'_> {
         // Formats are those of the output's name.
         fields.ignore(&["file_format", "pixel_format", "component_format", "banner"]);
         fields.ignore(&["compensate", "sample_border"]);
-        let crop = [("crop_width", size[0]), ("crop_height", size[1])];
-        let crop = crop.into_iter().chain([("crop_offset_x", 0), ("crop_offset_y", 0)]);
-        for (name, whole) in crop {
-            if fields.count(name)?.is_some_and(|value| value != whole) {
-                return Err(fields.wrong(name, "windows are not supported", "remove it"));
-            }
-        }
-        self.filter(&fields)?;
+        let crop = crop(&fields, size)?;
+        let filter = self.filter(&fields)?;
         fields.finish()?;
         let resolution = Resolution(size);
         resolution.check().map_err(|fault| fields.fault(fault.of("width"), &[]))?;
-        Ok(resolution)
+        let raster = Raster { filter, crop, ..Raster::default() };
+        raster.check(Some(resolution)).map_err(|fault| match fault.field.as_str() {
+            "crop" => fields.wrong("crop_width", "the crop is not within the film", ""),
+            _ => fields.fault(fault.of("rfilter"), &[]),
+        })?;
+        Ok(Film { resolution: Some(resolution), raster, analyzer: None })
     }
 
-    /// Says that pixels are not filtered as the film asks for.
-    fn filter(&mut self, film: &Fields) -> Result<(), SceneError> {
-        let filter = film.only(Tag::Filter)?;
-        if let Some(filter) = filter
-            && self.tree.objects[filter].plugin == "box"
-        {
-            return Fields::of(self.tree, filter).finish();
+    /// The filter of the film's pixels.
+    fn filter(&mut self, film: &Fields) -> Result<Filter, SceneError> {
+        let Some(object) = film.only(Tag::Filter)? else { return Ok(FILTER) };
+        let fields = Fields::of(self.tree, object);
+        let plugin = fields.object.plugin.as_str();
+        let Some(kind) = FilterKind::ALL.into_iter().find(|kind| kind.name() == plugin) else {
+            let problem = format!("`{}` is not supported", excerpt(plugin, NAME));
+            let names = FilterKind::ALL.map(FilterKind::name).join(", ");
+            return Err(fields.refuse(problem, format!("the types are {names}")));
+        };
+        let mut filter = Filter::of(kind);
+        match kind {
+            FilterKind::Tent => {
+                filter.radius = fields.number("radius")?.map_or(filter.radius, |it| it as f32);
+            }
+            // Theirs ends at four standard deviations.
+            FilterKind::Gaussian => {
+                let deviation = fields.number("stddev")?;
+                filter.radius = deviation.map_or(filter.radius, |it| (4.0 * it) as f32);
+            }
+            FilterKind::Mitchell => {
+                for name in ["A", "B"] {
+                    let is_other = |it: f64| (it - 1.0 / 3.0).abs() > 1e-3;
+                    if fields.number(name)?.is_some_and(is_other) {
+                        return Err(fields.wrong(name, "only 1/3 is supported", "remove it"));
+                    }
+                }
+            }
+            FilterKind::Lanczos => {
+                let lobes = fields.count("lobes")?;
+                if lobes.is_some_and(|lobes| lobes != 3) {
+                    return Err(fields.wrong("lobes", "only 3 are supported", "remove it"));
+                }
+            }
+            FilterKind::Box | FilterKind::CatmullRom => {}
         }
-        let text = "pixels are means over their squares: the filter is ignored";
-        let label = filter.map_or_else(|| film.label(), |filter| self.tree.objects[filter].label());
-        self.warnings.add(&label, text);
-        Ok(())
+        fields.finish()?;
+        Ok(filter)
     }
 
     /// Samples per pixel and seed, as defaults of the command line.
@@ -163,6 +196,16 @@ impl Import<'_> {
         let medium = self.medium(object)?;
         self.world.set_scene_medium(medium)
     }
+}
+
+/// The part of a film that is rendered, if it is not all: left, top, right, bottom.
+fn crop(film: &Fields, size: [u32; 2]) -> Result<Option<[u32; 4]>, SceneError> {
+    let [width, height] = [film.count("crop_width")?, film.count("crop_height")?];
+    let [x, y] = [film.count("crop_offset_x")?, film.count("crop_offset_y")?];
+    let [x, y] = [x.unwrap_or(0), y.unwrap_or(0)];
+    let [width, height] = [width.unwrap_or(size[0]), height.unwrap_or(size[1])];
+    let ends = [x, y, x.saturating_add(width), y.saturating_add(height)];
+    Ok((ends != [0, 0, size[0], size[1]]).then_some(ends))
 }
 
 /// A pinhole or thin lens of some radius and distance in focus.

@@ -4,13 +4,15 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DQuat, Vec3};
 use hecs::{DynamicBundle, Entity, EntityBuilder};
 
+use super::incandescent::Incandescent;
 use super::material::check_material;
 use super::{
-    Asked, Ball, Bsdf, Environment, FillsScene, Geometry, Lens, MadeOf, Material, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Skin, Textures, Transform, World,
+    Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    FillsScene, Film, Geometry, Lens, Luminaire, MadeOf, Material, Medium, Mesh, Name, Order,
+    Photometry, Picture, Punctual, Raster, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -91,6 +93,66 @@ impl World {
         Ok(())
     }
 
+    /// Has what a material, a light or the environment of this world emits be polarized.
+    ///
+    /// ```
+    /// use sunstone::world::{EmittedStokes, Material, World};
+    ///
+    /// let mut world = World::new("desk");
+    /// let display = world.add_material("display", Material::emitter(200.0))?;
+    /// // Along the y axis of the node.
+    /// world.set_emitted_stokes(display, EmittedStokes::new([-1.0, 0.0, 0.0])?)?;
+    /// assert!(EmittedStokes::new([0.9, 0.9, 0.0]).is_err(), "none is polarized more than wholly");
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is none of these, does not emit, or the state is not physical.
+    pub fn set_emitted_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
+        self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Has a point light of this world emit as a luminaire that was measured: its intensity in W/sr
+    /// is what one candela of that stands for.
+    ///
+    /// # Errors
+    /// When it is no point.
+    pub fn set_luminaire(
+        &mut self,
+        light: Entity,
+        photometry: Photometry,
+    ) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(light).map_or(String::new(), |it| it.0.clone());
+        let put = self.put_luminaire(light, Luminaire(Arc::new(photometry)));
+        put.map_err(|fault| SceneError::at(&name, fault))
+    }
+
+    /// Has a material of this world emit by its heat ([`Incandescent`]): its emission is what a
+    /// black body would emit.
+    ///
+    /// ```
+    /// use sunstone::Spectrum;
+    /// use sunstone::world::{Bsdf, Material, World};
+    ///
+    /// let mut world = World::new("forge");
+    /// let hot = Material::from(Bsdf::metal("W")?).emitting(Spectrum::blackbody(2800.0)?);
+    /// let hot = world.add_material("filament", hot)?;
+    /// world.set_incandescent(hot)?;
+    /// # Ok::<(), sunstone::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When it is no smooth metal or glass, does not emit, or emits in a stated state.
+    pub fn set_incandescent(&mut self, material: Entity) -> Result<(), SceneError> {
+        let name = self.entities.get::<&Name>(material).map_or(String::new(), |it| it.0.clone());
+        self.put_incandescent(material).map_err(|fault| SceneError::at(&name, fault))
+    }
+
     /// Adds a mesh in a place, of a material of this world. Meshes that are given as clones of one
     /// `Arc` are kept once.
     ///
@@ -163,7 +225,7 @@ impl World {
     ) -> Result<Entity, SceneError> {
         let place = place.into();
         let camera = self.called("camera", name, |world, name| {
-            world.put_camera(name, lens, place, (None, None))
+            world.put_camera(name, lens, place, Film::default())
         })?;
         self.keep_only::<Lens>(camera);
         Ok(camera)
@@ -178,6 +240,19 @@ impl World {
         let resolution = Resolution(resolution);
         resolution.check().map_err(|fault| SceneError::at(&name.0, fault))?;
         self.insert(camera, resolution);
+        Ok(())
+    }
+
+    /// Says how the pixels of the film see where a render does not: their filter, which of them are
+    /// rendered, and their shape.
+    ///
+    /// # Errors
+    /// When there is no camera, or its resolution does not go with that.
+    pub fn set_raster(&mut self, raster: Raster) -> Result<(), SceneError> {
+        let (camera, name) = self.camera("raster")?;
+        let resolution = self.entities.get::<&Resolution>(camera).ok().map(|it| *it);
+        raster.check(resolution).map_err(|fault| SceneError::at(&name.0, fault))?;
+        self.insert(camera, raster);
         Ok(())
     }
 
@@ -228,7 +303,40 @@ impl World {
         radiance: impl Into<Spectrum>,
         gradient: Vec3,
     ) -> Result<Entity, SceneError> {
-        let environment = Environment { radiance: radiance.into(), gradient };
+        self.replace_environment(Environment { gradient, ..Environment::constant(radiance) })
+    }
+
+    /// The same for what a picture of all directions says: the bytes of an OpenEXR, Radiance, PNG,
+    /// JPEG or WebP file (these three as sRGB), equirectangular, times a factor. In its own space
+    /// its middle shows +x, right of that lies +z, and the upper edge is +y; the rotation turns
+    /// that to world space.
+    ///
+    /// # Errors
+    /// When the picture cannot be read or has negative or infinite values, the factor is negative
+    /// or not finite, or the rotation is none.
+    pub fn set_environment_map(
+        &mut self,
+        bytes: &[u8],
+        factor: [f32; 3],
+        rotation: DQuat,
+    ) -> Result<Entity, SceneError> {
+        let picture = Arc::new(Picture::around(bytes, "environment")?);
+        let backdrop = Some(Backdrop { picture, rotation, source: BackdropSource::Memory });
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    /// The same for a clear sky, which is polarized, times a factor.
+    ///
+    /// # Errors
+    /// When the sun is not above the horizon, the turbidity or the degree of polarization is out of
+    /// range, or the factor is negative or not finite.
+    pub fn set_clear_sky(&mut self, sky: ClearSky, factor: f32) -> Result<Entity, SceneError> {
+        sky.check().map_err(|fault| SceneError::at("environment", fault))?;
+        let backdrop = Some(sky.into());
+        self.replace_environment(Environment { backdrop, ..Environment::constant(factor) })
+    }
+
+    fn replace_environment(&mut self, environment: Environment) -> Result<Entity, SceneError> {
         let name = Name("environment".to_owned());
         let added = self.put_environment(name, environment);
         let added = added.map_err(|fault| SceneError::at("environment", fault))?;
@@ -352,16 +460,20 @@ impl World {
         name: Name,
         lens: Lens,
         place: Transform,
-        (resolution, analyzer): (Option<Resolution>, Option<Analyzer>),
+        Film { resolution, raster, analyzer }: Film,
     ) -> Result<Entity, Fault> {
         Lens::check_place(&place)?;
         lens.check()?;
         resolution.map_or(Ok(()), Resolution::check)?;
+        raster.check(resolution).map_err(|fault| fault.within("film"))?;
         let checked = analyzer.map_or(Ok(()), Analyzer::check);
         checked.map_err(|fault| fault.within("film.analyzer"))?;
         let camera = self.spawn(name, (place, lens));
         resolution.into_iter().for_each(|resolution| self.insert(camera, resolution));
         analyzer.into_iter().for_each(|analyzer| self.insert(camera, analyzer));
+        if !raster.is_plain() {
+            self.insert(camera, raster);
+        }
         Ok(camera)
     }
 
@@ -373,6 +485,51 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
+    }
+
+    /// Has a point emit as a luminaire.
+    pub(in crate::scene) fn put_luminaire(
+        &mut self,
+        light: Entity,
+        luminaire: Luminaire,
+    ) -> Result<(), Fault> {
+        let kind = self.entities.get::<&Punctual>(light).ok().map(|light| light.kind);
+        Luminaire::check(kind)?;
+        self.insert(light, luminaire);
+        Ok(())
+    }
+
+    /// Has a material emit by its heat.
+    pub(in crate::scene) fn put_incandescent(&mut self, material: Entity) -> Result<(), Fault> {
+        let Ok(bsdf) = self.entities.get::<&Bsdf>(material) else {
+            let remedy = "use one that `add_material` returned";
+            return Err(Fault::new("material", "is not a material of this world", remedy));
+        };
+        let emission = self.entities.get::<&Emission>(material).ok();
+        let stokes = self.entities.get::<&EmittedStokes>(material).ok();
+        let textures = self.entities.get::<&Textures>(material).ok();
+        Incandescent::check(&bsdf, emission.as_deref(), stokes.as_deref(), textures.as_deref())?;
+        drop((bsdf, emission, stokes, textures));
+        self.insert(material, Incandescent);
+        Ok(())
+    }
+
+    /// Adds a state of polarization to what emits.
+    pub(in crate::scene) fn put_stokes(
+        &mut self,
+        emitter: Entity,
+        stokes: EmittedStokes,
+    ) -> Result<(), Fault> {
+        stokes.check()?;
+        type Emitting<'a> = hecs::Or<hecs::Or<&'a Emission, &'a Punctual>, &'a Environment>;
+        if !self.entities.satisfies::<Emitting>(emitter) {
+            return Err(EmittedStokes::without_emission());
+        }
+        if self.entities.get::<&Environment>(emitter).is_ok_and(|sky| sky.is_polarized()) {
+            return Err(Environment::polarized_twice());
+        }
+        self.insert(emitter, stokes);
+        Ok(())
     }
 
     /// Drops triangles without area from a geometry, checks the others, and keeps in mind that it

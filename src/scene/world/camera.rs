@@ -1,9 +1,12 @@
-//! The camera: how it projects, and how many pixels it asks for.
+//! The camera: how it projects, how many pixels it asks for, and how these see.
 
 use std::f64::consts::PI;
 
 use super::transform::Transform;
+use crate::film::filter::{Filter, FilterKind};
+use crate::film::layout::{Crop, check_pixel_aspect};
 use crate::math::{Fault, Range};
+use crate::polarization::Analyzer;
 
 /// How the camera projects; it looks along the -z axis of its transform, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,5 +94,69 @@ impl Resolution {
     /// Refuses what is no size.
     pub(crate) fn check(self) -> Result<(), Fault> {
         Self::of(&self.0.map(u64::from)).map(|_| ())
+    }
+}
+
+/// What stands behind a lens, as a file says it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::scene) struct Film {
+    /// How many pixels it asks for.
+    pub resolution: Option<Resolution>,
+    /// How they see.
+    pub raster: Raster,
+    /// What stands before it.
+    pub analyzer: Option<Analyzer>,
+}
+
+/// How the pixels of a film see where a render does not say it: their filter, which of them are
+/// rendered, and their shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raster {
+    /// How light about a pixel counts for it.
+    pub filter: Filter,
+    /// The part of the film that is rendered: left, top, right, bottom in pixels of the
+    /// [`Resolution`], which has to be there; none is all of it. It keeps its place on films of
+    /// other sizes.
+    pub crop: Option<[u32; 4]>,
+    /// Width of a pixel over its height, from 0.01 to 100.
+    pub pixel_aspect: f32,
+}
+
+impl Default for Raster {
+    /// Square pixels, all of them, that are means over their squares.
+    fn default() -> Self {
+        Self { filter: Filter::PIXEL, crop: None, pixel_aspect: 1.0 }
+    }
+}
+
+impl Raster {
+    /// Whether it says nothing.
+    pub(crate) fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The filter of a name.
+    pub(crate) fn filter_of(name: &str) -> Result<FilterKind, Fault> {
+        FilterKind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+            let names = FilterKind::ALL.map(FilterKind::name).join(", ");
+            Fault::new("filter", "is no filter", format!("filters are {names}"))
+        })
+    }
+
+    /// Refuses what no film of a resolution can be like.
+    pub(crate) fn check(&self, resolution: Option<Resolution>) -> Result<(), Fault> {
+        self.filter.check()?;
+        check_pixel_aspect(self.pixel_aspect)?;
+        let refuse = |problem| Fault::new("crop", problem, "");
+        match (self.crop, resolution) {
+            (Some(crop), Some(Resolution(film))) => {
+                Crop::Pixels(crop).on(film).map(|_| ()).map_err(refuse)
+            }
+            (Some(_), None) => {
+                let problem = "is in pixels of a film that has no resolution";
+                Err(Fault::new("crop", problem, "state `resolution` too"))
+            }
+            (None, _) => Ok(()),
+        }
     }
 }

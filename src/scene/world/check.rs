@@ -6,11 +6,13 @@ use std::sync::Arc;
 
 use hecs::{Entity, EntityRef};
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::material::check_material;
 use super::{
-    Ball, Boundary, Bsdf, Emission, Environment, Filling, FillsScene, Geometry, Lens, MEDIA_MAX,
-    MadeOf, Medium, Mesh, Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window,
-    World,
+    Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
+    Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides,
+    Textures, Transform, Window, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -42,13 +44,22 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 10] = [
+const PARTS: [(&str, Has, &[Kind], bool); 14] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
+    (
+        "EmittedStokes",
+        has::<EmittedStokes>,
+        &[Kind::Material, Kind::Light, Kind::Environment],
+        false,
+    ),
+    ("Luminaire", has::<Luminaire>, &[Kind::Light], false),
+    ("Incandescent", has::<Incandescent>, &[Kind::Material], false),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
     ("Analyzer", has::<Analyzer>, &[Kind::Camera], false),
     ("Resolution", has::<Resolution>, &[Kind::Camera], false),
+    ("Raster", has::<Raster>, &[Kind::Camera], false),
     ("Window", has::<Window>, &[Kind::Camera], false),
     ("MadeOf", has::<MadeOf>, &[Kind::Mesh, Kind::Sphere], true),
     ("Boundary", has::<Boundary>, &[Kind::Mesh, Kind::Sphere], true),
@@ -128,12 +139,27 @@ impl World {
         kind: Kind,
         seen: &mut BTreeSet<usize>,
     ) -> Result<(), Fault> {
+        if let Some(stokes) = entity.get::<&EmittedStokes>() {
+            stokes.check()?;
+            if entity.get::<&Environment>().is_some_and(|sky| sky.is_polarized()) {
+                return Err(Environment::polarized_twice());
+            }
+            if kind == Kind::Material && !entity.has::<Emission>() {
+                return Err(EmittedStokes::without_emission());
+            }
+        }
         match kind {
             Kind::Material => {
                 let emission = entity.get::<&Emission>();
                 let bsdf = part::<&Bsdf>(entity)?;
                 check_material(&bsdf, emission.as_deref())?;
-                entity.get::<&Textures>().map_or(Ok(()), |textures| textures.check(&bsdf))
+                let textures = entity.get::<&Textures>();
+                if entity.has::<Incandescent>() {
+                    let stokes = entity.get::<&EmittedStokes>();
+                    let of = (emission.as_deref(), stokes.as_deref(), textures.as_deref());
+                    Incandescent::check(&bsdf, of.0, of.1, of.2)?;
+                }
+                textures.map_or(Ok(()), |textures| textures.check(&bsdf))
             }
             Kind::Medium => part::<&Medium>(entity)?.check(),
             Kind::Mesh => {
@@ -155,7 +181,11 @@ impl World {
             }
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
-                part::<&Punctual>(entity)?.check()
+                let light = part::<&Punctual>(entity)?;
+                if entity.has::<Luminaire>() {
+                    Luminaire::check(Some(light.kind))?;
+                }
+                light.check()
             }
             Kind::Camera => {
                 Lens::check_place(&*part::<&Transform>(entity)?)?;
@@ -164,7 +194,9 @@ impl World {
                     entity.get::<&Analyzer>().map_or(Ok(()), |analyzer| analyzer.check());
                 analyzer.map_err(|fault| fault.within("analyzer"))?;
                 entity.get::<&Window>().map_or(Ok(()), |window| window.check())?;
-                entity.get::<&Resolution>().map_or(Ok(()), |resolution| resolution.check())
+                let resolution = entity.get::<&Resolution>().map(|resolution| *resolution);
+                resolution.map_or(Ok(()), Resolution::check)?;
+                entity.get::<&Raster>().map_or(Ok(()), |raster| raster.check(resolution))
             }
             Kind::Environment => part::<&Environment>(entity)?.check(),
         }

@@ -6,10 +6,14 @@ use std::fmt::{self, Write};
 use glam::DVec3;
 use hecs::Entity;
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
-    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
+    Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
+    Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster, Resolution, Sides, Transform, World,
 };
+use crate::film::filter::Filter;
+use crate::film::layout::Crop;
 use crate::math::text::{counted, excerpt};
 use crate::polarization::Analyzer;
 use crate::polarization::milk::Milk;
@@ -67,15 +71,18 @@ fn vector(v: DVec3) -> String {
 }
 
 fn write_materials(world: &World, text: &mut String) -> fmt::Result {
-    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Option<&'a Emission>);
+    type Light<'a> = (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+    type Components<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
     let mut users: BTreeMap<Entity, usize> = BTreeMap::new();
     for of in world.in_order::<&MadeOf, _>(|of| of.0) {
         *users.entry(of).or_default() += 1;
     }
-    let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, emission)| {
+    let materials = world.in_order::<Components, _>(|(entity, name, bsdf, sides, light)| {
+        let (emission, stokes, incandescent) = light;
+        let by_heat = incandescent.map_or("", |_| ", by its heat");
         let sides = if sides.two_sided { ", two-sided" } else { "" };
         let light = emission.map_or_else(String::new, |emission| {
-            format!(", emits radiance {}", spectrum(&emission.radiance))
+            format!(", emits radiance {}{by_heat}{}", spectrum(&emission.radiance), state(stokes))
         });
         let count = users.get(&entity).copied().unwrap_or(0);
         let shapes = counted(count, ["shape", "shapes"]);
@@ -95,6 +102,12 @@ fn model(bsdf: &Bsdf) -> String {
             let (eta, k, facets) = (spectrum(eta), spectrum(k), distribution.name());
             let once = if *multiple_scattering { "" } else { ", single reflections alone" };
             format!("rough conductor, eta {eta}, k {k}, {facets} facets of alpha {alpha}{once}")
+        }
+        Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering } => {
+            let (behind, before) = (spectrum(ior), spectrum(exterior_ior));
+            let (facets, of) = (distribution.name(), format!("ior {behind} behind and {before}"));
+            let once = if *multiple_scattering { "" } else { ", single scattering alone" };
+            format!("rough dielectric, {of} before it, {facets} facets of alpha {alpha}{once}")
         }
         Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
             let color = spectrum(base_color);
@@ -203,25 +216,43 @@ fn spectrum(spectrum: &Spectrum) -> String {
     }
 }
 
+/// How what is emitted is polarized.
+fn state(stokes: Option<&EmittedStokes>) -> String {
+    let Some(EmittedStokes { stokes }) = stokes else { return String::new() };
+    format!(", polarized [{}]", stokes.each_ref().map(spectrum).join(", "))
+}
+
 fn write_lights(world: &World, text: &mut String) -> fmt::Result {
-    let lights = world.in_order::<(&Name, &Punctual), _>(|(name, light)| {
-        format!("  {}: {:?}, intensity {}", name.0, light.kind, spectrum(&light.intensity))
+    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Option<&'a Luminaire>);
+    let lights = world.in_order::<Light, _>(|(name, light, stokes, luminaire)| {
+        let measured = luminaire.map_or_else(String::new, |it| {
+            format!(", measured, {:.3} cd on the average", it.0.mean())
+        });
+        let (intensity, state) = (spectrum(&light.intensity), state(stokes));
+        format!("  {}: {:?}, intensity {intensity}{measured}{state}", name.0, light.kind)
     });
-    let skies = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
+    type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
+    let skies = world.in_order::<Sky, _>(|(name, sky, stokes)| {
         let gradient = match sky.gradient.to_array() {
             [0.0, 0.0, 0.0] => String::new(),
             gradient => format!(", gradient {gradient:?}"),
         };
-        format!("  {}: radiance {}{gradient}", name.0, spectrum(&sky.radiance))
+        let picture = sky.backdrop.as_ref().map_or_else(String::new, |backdrop| {
+            let [width, height] = backdrop.picture.texels().size();
+            let [red, green, blue] = sky.panorama().map_or([0.0; 3], |panorama| panorama.mean());
+            format!(" times a picture of {width} x {height}, mean [{red}, {green}, {blue}]")
+        });
+        let (radiance, state) = (spectrum(&sky.radiance), state(stokes));
+        format!("  {}: radiance {radiance}{gradient}{picture}{state}", name.0)
     });
     lines(text, &[lights, skies].concat())
 }
 
 fn write_camera(world: &World, text: &mut String) -> fmt::Result {
-    type Film<'a> = (Option<&'a Resolution>, Option<&'a Analyzer>);
+    type Film<'a> = (Option<&'a Resolution>, Option<&'a Raster>, Option<&'a Analyzer>);
     type Components<'a> = (&'a Name, &'a Transform, &'a Lens, Film<'a>);
     let cameras = world.in_order::<Components, _>(|(name, place, lens, film)| {
-        let (resolution, analyzer) = film;
+        let (resolution, raster, analyzer) = film;
         let lens = match lens {
             Lens::Perspective { yfov, aperture_radius, .. } => {
                 let degrees = yfov.to_degrees();
@@ -235,9 +266,25 @@ fn write_camera(world: &World, text: &mut String) -> fmt::Result {
             format!(", {width} x {height} pixels")
         });
         let behind = analyzer.map_or_else(String::new, |it| format!(", behind an analyzer: {it}"));
-        format!("  {}: {lens}{pixels}{behind}, at {}", name.0, vector(place.0.translation))
+        let seen = raster.map_or_else(String::new, raster_in_words);
+        format!("  {}: {lens}{pixels}{seen}{behind}, at {}", name.0, vector(place.0.translation))
     });
     lines(text, &cameras)
+}
+
+/// How the pixels of a film see, where they are unlike others.
+fn raster_in_words(Raster { filter, crop, pixel_aspect }: &Raster) -> String {
+    let mut text = String::new();
+    if *filter != Filter::PIXEL {
+        text += &format!(", filter {filter}");
+    }
+    if let Some(ends) = crop {
+        text += &format!(", of which {} are rendered", Crop::Pixels(*ends));
+    }
+    if *pixel_aspect != 1.0 {
+        text += &format!(", {pixel_aspect} times as wide as high each");
+    }
+    text
 }
 
 fn lines(text: &mut String, lines: &[String]) -> fmt::Result {

@@ -9,9 +9,12 @@ use hecs::{Component, Entity};
 
 use crate::polarization::Analyzer;
 
+use super::incandescent::Incandescent;
+use super::light::Luminaire;
 use super::{
-    Ball, Boundary, Bsdf, Emission, Environment, FillsScene, Geometry, Lens, MadeOf, Medium, Mesh,
-    Name, Order, Punctual, Resolution, Sides, Textures, Transform, Window, World,
+    Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
+    Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides, Textures, Transform, Window,
+    World,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -31,7 +34,8 @@ macro_rules! columns {
 
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
-    Punctual, Lens, Resolution, Analyzer, Window, Environment,
+    Punctual, Lens, Resolution, Raster, Analyzer, Window, Environment, EmittedStokes,
+    Incandescent, Luminaire,
 }
 
 impl World {
@@ -115,6 +119,7 @@ mod tests {
         world.add_mesh("box", Geometry::cuboid(-Vec3::ONE, Vec3::ONE), wall, here).unwrap();
         world.add_sphere("ball", 0.5, lamp, DVec3::ZERO).unwrap();
         let sigmas = (Some(0.1.into()), Some(0.2.into()));
+        world.set_emitted_stokes(lamp, EmittedStokes::new([1.0, 0.0, 0.0]).unwrap()).unwrap();
         let fog = Medium { sigma_a: sigmas.0, sigma_s: sigmas.1, phase: Phase::isotropic() };
         let medium = world.add_medium("fog", fog).unwrap();
         world.set_scene_medium(medium).unwrap();

@@ -166,7 +166,7 @@ impl World {
         let shines = |values: &[f32]| values.iter().any(|value| *value > 0.0);
         glowing.any(|it| shines(it.radiance.values()))
             || self.in_order::<&Punctual, _>(|it| shines(it.intensity.values())).contains(&true)
-            || self.in_order::<&Environment, _>(|it| shines(it.radiance.values())).contains(&true)
+            || self.in_order::<&Environment, _>(|it| shines(it.mean().values())).contains(&true)
     }
 }
 

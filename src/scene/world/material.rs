@@ -42,6 +42,20 @@ pub enum SurfaceModel<S> {
         /// it rough metal is darker than smooth one.
         multiple_scattering: bool,
     },
+    /// Rough boundary between two dielectrics: facets that reflect and refract.
+    RoughDielectric {
+        /// Index of refraction behind the front, greater than zero; in RGB it is that of the line
+        /// d.
+        ior: S,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: S,
+        /// Roughness of the facets, as of [`SurfaceModel::RoughConductor`].
+        alpha: f32,
+        /// How the normals of facets are distributed.
+        distribution: Distribution,
+        /// Whether light that several facets have scattered is there; it is depolarized.
+        multiple_scattering: bool,
+    },
     /// glTF's metallic-roughness: a mixture of a rough metal of that color, and a Lambertian base
     /// of the color under a rough dielectric coat.
     MetallicRoughness {
@@ -123,61 +137,6 @@ pub enum SurfaceModel<S> {
     },
     /// Nothing but a boundary between media of the same index of refraction.
     Null,
-}
-
-/// A parameter of some models that may differ from place to place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Parameter {
-    /// `reflectance` of [`SurfaceModel::Diffuse`] and [`SurfaceModel::Plastic`].
-    Reflectance,
-    /// `base_color` of [`SurfaceModel::MetallicRoughness`].
-    BaseColor,
-    /// `metallic` of [`SurfaceModel::MetallicRoughness`].
-    Metallic,
-    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`]: what glTF calls roughness.
-    Roughness,
-}
-
-impl Parameter {
-    /// What it is, if it is a spectrum; numbers are the same at all wavelengths.
-    pub(crate) fn role(self) -> Option<Role> {
-        match self {
-            Self::Reflectance | Self::BaseColor => Some(Role::Reflectance),
-            Self::Metallic | Self::Roughness => None,
-        }
-    }
-}
-
-impl<const N: usize> SurfaceModel<[f32; N]> {
-    /// Gives a parameter another value, or the first of it to one that is a number; false if the
-    /// model has no such parameter.
-    #[inline]
-    pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
-        let number = value[0].clamp(0.0, 1.0);
-        match self {
-            Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. } => match parameter {
-                Parameter::Reflectance => *reflectance = value,
-                Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
-            },
-            Self::MetallicRoughness { base_color, metallic, alpha, .. } => match parameter {
-                Parameter::BaseColor => *base_color = value,
-                Parameter::Metallic => *metallic = number,
-                Parameter::Roughness => *alpha = number * number,
-                Parameter::Reflectance => return false,
-            },
-            Self::Absorber
-            | Self::Conductor { .. }
-            | Self::RoughConductor { .. }
-            | Self::Measured { .. }
-            | Self::Dielectric { .. }
-            | Self::DispersiveDielectric { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Polarizer { .. }
-            | Self::Retarder { .. }
-            | Self::Null => return false,
-        }
-        true
-    }
 }
 
 impl Bsdf {
@@ -263,6 +222,22 @@ impl Bsdf {
                 let [ior, exterior_ior] = at_d(ior, exterior_ior)?.map(Spectrum::Constant);
                 Ok(Self::ThinDielectric { ior, exterior_ior })
             }
+            &Self::RoughDielectric {
+                ref ior,
+                ref exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let [ior, exterior_ior] = at_d(ior, exterior_ior)?.map(Spectrum::Constant);
+                Ok(Self::RoughDielectric {
+                    ior,
+                    exterior_ior,
+                    alpha,
+                    distribution,
+                    multiple_scattering,
+                })
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -283,10 +258,15 @@ impl Bsdf {
             Self::DispersiveDielectric { ior, exterior_ior } => {
                 [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
             }
+            // Facets send all wavelengths the same ways, unless it is smooth.
+            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if *alpha < ALPHA_MIN => {
+                [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
@@ -311,6 +291,16 @@ impl Bsdf {
             Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)?;
+                Range::UNIT.check("alpha", *alpha)
+            }
+            Self::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution: _,
+                multiple_scattering: _,
+            } => {
+                check_indices(ior, exterior_ior)?;
                 Range::UNIT.check("alpha", *alpha)
             }
             Self::MetallicRoughness { base_color, metallic, alpha, ior, specular } => {
@@ -360,6 +350,26 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
     })
 }
 
+/// Keys of indices of refraction behind and before.
+const INDICES: [&str; 2] = ["ior", "exterior_ior"];
+
+/// Samples two indices of refraction, or the parts of one, by the names of their keys.
+fn indices<S, T, E>(
+    sample: &mut impl FnMut(&S, &'static str, Role) -> Result<T, E>,
+    [first, second]: [&S; 2],
+    [one, other]: [&'static str; 2],
+) -> Result<[T; 2], E> {
+    Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
+/// Rough glass between two indices of refraction, behind and before, with these facets.
+fn rough_dielectric<T>(
+    [ior, exterior_ior]: [T; 2],
+    (alpha, distribution, multiple_scattering): (f32, Distribution, bool),
+) -> SurfaceModel<T> {
+    SurfaceModel::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+}
+
 /// Indices of refraction of coats.
 const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
@@ -400,7 +410,6 @@ impl<S> SurfaceModel<S> {
         &self,
         mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
     ) -> Result<SurfaceModel<T>, E> {
-        let mut index = |spectrum, key| sample(spectrum, key, Role::Index);
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
             Self::Diffuse { reflectance } => {
@@ -408,11 +417,22 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Diffuse { reflectance }
             }
             Self::Conductor { eta, k } => {
-                SurfaceModel::Conductor { eta: index(eta, "eta")?, k: index(k, "k")? }
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
+                SurfaceModel::Conductor { eta, k }
             }
             &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
-                let (eta, k) = (index(eta, "eta")?, index(k, "k")?);
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
+            }
+            Self::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let facets = (*alpha, *distribution, *multiple_scattering);
+                rough_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?, facets)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -436,20 +456,18 @@ impl<S> SurfaceModel<S> {
                 internal_reflection,
             },
             Self::Measured { table, places } => {
-                let places = index(places, "wvls")?;
+                let places = sample(places, "wvls", Role::Index)?;
                 SurfaceModel::Measured { table: table.clone(), places }
             }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let ior = index(ior, "ior")?;
-                let exterior_ior = index(exterior_ior, "exterior_ior")?;
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
                 SurfaceModel::DispersiveDielectric { ior, exterior_ior }
             }
             Self::ThinDielectric { ior, exterior_ior } => {
-                let ior = index(ior, "ior")?;
-                let exterior_ior = index(exterior_ior, "exterior_ior")?;
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
                 SurfaceModel::ThinDielectric { ior, exterior_ior }
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
@@ -474,10 +492,15 @@ impl<S> SurfaceModel<S> {
             Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::Conductor { eta, k }
             }
+            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
+            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
+                Self::DispersiveDielectric { ior, exterior_ior }
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
@@ -500,7 +523,9 @@ impl<S> SurfaceModel<S> {
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. } => Passage::Closed,
-            Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
+            Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
+            | Self::RoughDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
                 Passage::Sheet
             }

@@ -3,15 +3,19 @@
 //! | entity | components |
 //! |---|---|
 //! | material | [`Order`], [`Name`], [`Bsdf`], [`Sides`], [`Emission`] if it emits, |
-//! | | [`Textures`] if any of it differs from place to place |
+//! | | [`Incandescent`] if it does by its heat, [`EmittedStokes`] if that is polarized,|
+//! | | [`Textures`] if any of it differs from place to |
+//! | | place |
 //! | medium | [`Order`], [`Name`], [`Medium`], [`FillsScene`] if it does |
 //! | part of a mesh instance | those of all shapes, [`Mesh`] |
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
-//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`] |
+//! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
+//! | | measured, [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
+//! | | [`Raster`] if its pixels are unlike others, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
-//! | environment | [`Order`], [`Name`], [`Environment`] |
+//! | environment | [`Order`], [`Name`], [`Environment`], [`EmittedStokes`] likewise |
 //!
 //! Each component knows what is wrong with it. Readers of files parse and add with the functions
 //! of `builder`, as programs do, and these check what they add; `check` looks at the whole again
@@ -22,16 +26,21 @@ mod asked;
 mod builder;
 mod camera;
 mod check;
+mod clear_sky;
 mod describe;
 mod digest;
+mod emitted;
 mod frame;
+mod incandescent;
 mod light;
 mod material;
 mod measured;
 mod medium;
 mod mesh;
+mod parameter;
 mod particles;
 mod phase_matrix;
+mod photometry;
 mod plastic;
 mod shape;
 mod texture;
@@ -45,21 +54,31 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
-pub use self::camera::{Lens, Resolution};
+pub(in crate::scene) use self::camera::Film;
+pub use self::camera::{Lens, Raster, Resolution};
+pub use self::clear_sky::ClearSky;
+pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
-pub use self::light::{Environment, Punctual, PunctualKind};
+pub use self::incandescent::Incandescent;
+pub(super) use self::incandescent::share as incandescent_share;
+pub use self::light::{
+    Backdrop, BackdropSource, Environment, Luminaire, Punctual, PunctualKind, SUN_DIAMETER,
+};
 pub(crate) use self::material::tabulated;
-pub use self::material::{Bsdf, Emission, Material, Parameter, Passage, Sides, SurfaceModel};
+pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};
 pub use self::measured::MeasuredTable;
 pub(super) use self::medium::MEDIA_MAX;
 pub use self::medium::{FillsScene, Medium, Phase};
 pub use self::mesh::{Geometry, Mesh};
+pub use self::parameter::Parameter;
 pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
+pub use self::photometry::Photometry;
 pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub(super) use self::texture::half_hash;
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };
@@ -156,6 +175,15 @@ impl World {
         [parts, balls].concat()
     }
 
+    /// What their file calls the materials, and the shapes in the order of surfaces.
+    pub(crate) fn own_names(&self) -> [Vec<String>; 2] {
+        let own = |name: &Name| name.own().to_owned();
+        let materials = self.in_order::<(&Name, &Bsdf), _>(|(name, _)| own(name));
+        let parts = self.in_order::<(&Name, &Mesh), _>(|(name, _)| own(name));
+        let balls = self.in_order::<(&Name, &Ball), _>(|(name, _)| own(name));
+        [materials, [parts, balls].concat()]
+    }
+
     /// The names of the media, in their order, and whether particles say their coefficients.
     pub(crate) fn media_names(&self) -> Vec<(String, bool)> {
         self.in_order::<(&Name, &Medium), _>(|(name, medium)| {
@@ -167,8 +195,11 @@ impl World {
     pub(crate) fn lamp_names(&self) -> Vec<String> {
         let lamps = self.in_order::<(&Name, &Punctual), _>(|(name, light)| {
             let shines = light.intensity.values().iter().any(|value| *value > 0.0);
-            let is_lamp = shines && light.kind != PunctualKind::Directional;
-            is_lamp.then(|| name.0.clone())
+            let has_place = match light.kind {
+                PunctualKind::Point | PunctualKind::Spot { .. } => true,
+                PunctualKind::Directional | PunctualKind::Sun { .. } => false,
+            };
+            (shines && has_place).then(|| name.0.clone())
         });
         lamps.into_iter().flatten().collect()
     }
@@ -184,11 +215,20 @@ impl World {
         f: impl for<'a> Fn(Q::Item<'a>) -> T,
     ) -> Vec<T> {
         let mut query = self.entities.query::<(&Order, Q)>();
-        let mut rows: Vec<(u32, T)> =
-            query.iter().map(|(order, components)| (order.0, f(components))).collect();
-        rows.sort_by_key(|(order, _)| *order);
-        rows.into_iter().map(|(_, row)| row).collect()
+        let found = query.iter().map(|(order, components)| (order.0, f(components)));
+        let (orders, mut rows): (Vec<u32>, Vec<Option<T>>) =
+            found.map(|(order, row)| (order, Some(row))).unzip();
+        // Not the rows themselves, for whose types the program would hold a sort each.
+        let places = places_in_order(&orders);
+        places.into_iter().filter_map(|place| rows[place].take()).collect()
     }
+}
+
+/// The places of numbers, from the lowest on; of the same, the first before.
+fn places_in_order(numbers: &[u32]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..numbers.len()).collect();
+    places.sort_by_key(|place| numbers[*place]);
+    places
 }
 
 /// Position in the file, or in the order of what was added: what makes the order of all tables a
@@ -200,3 +240,14 @@ pub struct Order(pub u32);
 /// ``material 3 "glass"``, or as a program named it, as in ``material `glass` ``.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name(pub String);
+
+impl Name {
+    /// What is in quotes in it, which is what its file calls the thing, or else the whole.
+    pub(crate) fn own(&self) -> &str {
+        let quoted = |quote: char| {
+            let (_, rest) = self.0.split_once(quote)?;
+            rest.split_once(quote).map(|(inner, _)| inner)
+        };
+        quoted('"').or_else(|| quoted('`')).unwrap_or(&self.0)
+    }
+}

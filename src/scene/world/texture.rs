@@ -8,9 +8,13 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec2;
 
-use super::material::{Bsdf, Parameter};
+use super::{Bsdf, Parameter};
+use crate::image::StokesImage;
 use crate::image::texels::{Coding, Texels};
 use crate::math::{Fault, Range};
+use crate::scene::error::SceneError;
+use crate::scene::panorama::Directions;
+use crate::spectrum::Color;
 
 /// What a picture shows beyond its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,6 +72,10 @@ pub struct Picture {
     /// The mean of all texels, by coding.
     means: [OnceLock<[f32; 4]>; 2],
     least_alpha: OnceLock<f32>,
+    /// How the light of each texel is polarized, if it is.
+    states: Option<Vec<States>>,
+    /// How directions are drawn, if it shows what is around.
+    directions: OnceLock<Directions>,
 }
 
 impl fmt::Debug for Picture {
@@ -79,7 +87,59 @@ impl fmt::Debug for Picture {
 impl Picture {
     /// The picture of some texels, whose file had a checksum.
     pub fn new(texels: Texels, checksum: u128) -> Self {
-        Self { texels, checksum, means: Default::default(), least_alpha: OnceLock::new() }
+        Self {
+            texels,
+            checksum,
+            states: None,
+            means: Default::default(),
+            least_alpha: OnceLock::new(),
+            directions: OnceLock::new(),
+        }
+    }
+
+    /// That of a file of a picture, which errors call by a label.
+    pub(in crate::scene) fn decoded(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
+        let texels = Texels::decode(bytes)
+            .map_err(|[problem, remedy]| SceneError::new(label, problem, remedy))?;
+        if let Some([column, row]) = texels.find_unusable() {
+            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+            return Err(SceneError::new(label, problem, "clean the picture up"));
+        }
+        Ok(Self::new(texels, half_hash(bytes)))
+    }
+
+    /// The same of what is around a scene, which may be polarized.
+    pub(in crate::scene) fn around(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
+        let found = Texels::stokes_vectors(bytes).map_err(|error| {
+            let problem = format!("is an OpenEXR file with Stokes vectors, but {error}");
+            SceneError::new(label, problem, "write it again")
+        })?;
+        match found {
+            Some(image) => polarized(&image, bytes, label),
+            None => Self::decoded(bytes, label),
+        }
+    }
+
+    /// One of linear red, green and blue, in rows of a width, polarized so. The checksum tells it
+    /// from others.
+    pub(in crate::scene) fn of_states(
+        (width, colors): (usize, Vec<[f32; 3]>),
+        states: Vec<States>,
+        checksum: u128,
+    ) -> Self {
+        let states = Some(states);
+        Self { states, ..Self::new(Texels::of_colors(width, colors), checksum) }
+    }
+
+    /// How the light of a texel is polarized; none if the picture is not.
+    #[inline]
+    pub fn state_at(&self, column: usize, row: usize) -> Option<&States> {
+        self.states.as_ref()?.get(self.texels.size()[0] as usize * row + column)
+    }
+
+    /// Whether it says how light is polarized.
+    pub fn is_polarized(&self) -> bool {
+        self.states.is_some()
     }
 
     /// The texels.
@@ -100,6 +160,11 @@ impl Picture {
         })
     }
 
+    /// How directions are drawn by it where it shows what is around.
+    pub fn directions(&self) -> &Directions {
+        self.directions.get_or_init(|| Directions::new(self))
+    }
+
     /// The mean of all texels.
     fn mean(&self, coding: Coding) -> [f32; 4] {
         *self.means[coding as usize].get_or_init(|| {
@@ -114,6 +179,75 @@ impl Picture {
             sum.map(|sum| (sum / (f64::from(width) * f64::from(height))) as f32)
         })
     }
+}
+
+/// S1, S2 and S3 over S0 of red, green and blue, in the frame (right, up, k) of a picture that is
+/// looked at from its inside: that of films.
+pub type States = [[f32; 3]; 3];
+
+/// How much more than 1 a degree of polarization may be out of rounding to 16 bits.
+const DEGREE_TOLERANCE: f32 = 1e-2;
+
+/// A picture of Stokes vectors.
+fn polarized(image: &StokesImage, bytes: &[u8], label: &str) -> Result<Picture, SceneError> {
+    let refuse = |problem: String, remedy: &str| SceneError::new(label, problem, remedy);
+    if image.color != Color::Rgb {
+        let problem = format!("holds Stokes vectors of {}", image.color);
+        return Err(refuse(problem, "environments have those of R, G and B: S0.R to S3.B"));
+    }
+    let count = image.width * image.height;
+    let value = |component: usize, channel: usize, texel: usize| {
+        image.planes[3 * component + channel][texel]
+    };
+    let colors: Vec<[f32; 3]> =
+        (0..count).map(|texel| [0, 1, 2].map(|channel| value(0, channel, texel))).collect();
+    let mut states = Vec::with_capacity(count);
+    for texel in 0..count {
+        let of_channel = |channel: usize| {
+            let s0 = value(0, channel, texel);
+            let state = [1, 2, 3].map(|component| value(component, channel, texel));
+            shares(s0, state)
+        };
+        let [red, green, blue] = [0, 1, 2].map(of_channel);
+        let (Some(red), Some(green), Some(blue)) = (red, green, blue) else {
+            let (column, row) = (texel % image.width, texel / image.width);
+            let problem =
+                format!("has more than wholly polarized light in column {column}, row {row}");
+            return Err(refuse(problem, "clean the picture up: S0 is at least the rest"));
+        };
+        states.push([red, green, blue]);
+    }
+    let picture = Picture::of_states((image.width, colors), states, half_hash(bytes));
+    match picture.texels.find_unusable() {
+        None => Ok(picture),
+        Some([column, row]) => {
+            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+            Err(refuse(problem, "clean the picture up"))
+        }
+    }
+}
+
+/// S1, S2 and S3 over S0; none if they are more than that.
+fn shares(s0: f32, state: [f32; 3]) -> Option<[f32; 3]> {
+    let most = state.into_iter().fold(0.0, |most: f32, value| most.max(value.abs()));
+    if most == 0.0 {
+        return Some([0.0; 3]);
+    }
+    let shares = state.map(|value| value / s0);
+    let [s1, s2, s3] = shares;
+    let degree = (s1 * s1 + s2 * s2 + s3 * s3).sqrt();
+    match degree {
+        _ if degree <= 1.0 => Some(shares),
+        _ if degree <= 1.0 + DEGREE_TOLERANCE => Some(shares.map(|share| share / degree)),
+        // Or not a number.
+        _ => None,
+    }
+}
+
+/// Half the BLAKE3 of some bytes.
+pub(in crate::scene) fn half_hash(bytes: &[u8]) -> u128 {
+    let whole = blake3::hash(bytes);
+    whole.as_bytes()[..16].iter().fold(0, |half, &byte| half << 8 | u128::from(byte))
 }
 
 /// The four texels about a point, row by row, and how far it is from the first to the right and

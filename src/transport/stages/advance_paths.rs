@@ -3,6 +3,7 @@
 use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::columns::Column;
 use crate::math::{LANES, Vector, lanes};
+use crate::scattering::Scene;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::vantage::towards;
 
@@ -10,11 +11,12 @@ use crate::transport::vantage::towards;
 /// emitters there is to know.
 ///
 /// From: scatter_surfaces, collect_sensor, scatter_light. To: trace_closest.
-/// Writes: paths (rays, last). Reads: directions, surfaces.
+/// Writes: paths (rays, last). Reads: directions, surfaces, scene.
 pub fn advance_paths<const N: usize, C>(
     paths: &mut PathTable<N, C>,
     directions: &[Column; 3],
     surfaces: &SurfaceColumns,
+    scene: &Scene<N>,
 ) {
     for row in (0..paths.len).step_by(LANES) {
         let direction = Vector::load(directions, row);
@@ -23,7 +25,7 @@ pub fn advance_paths<const N: usize, C>(
         let offset = lanes::load(&surfaces.offset, row);
         if paths.last.present() {
             let before = Vector::load(&paths.rays.direction, row);
-            towards(normal, -before).store(&mut paths.last.normal, row, paths.len);
+            towards(surfaces, before, scene, row).store(&mut paths.last.normal, row, paths.len);
         }
         let origin = offset_origin(position, normal, direction, offset);
         origin.store(&mut paths.rays.origin, row, paths.len);

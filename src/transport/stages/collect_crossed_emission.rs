@@ -29,8 +29,10 @@ pub fn collect_crossed_emission<const N: usize, C: SensorSide<N>>(
         if !progress.is_over {
             let Hit { t, primitive, .. } = crossings.hits.get(index);
             let reaches = paths.media.reaching(row, &progress.depth, &progress.drawn);
-            let met = MetEmitter { row, t, primitive, reaches };
-            measure_emission(measured, paths, met, scene, finding);
+            for emitter in scene.emitters_seen(primitive) {
+                let met = MetEmitter { row, t, emitter: emitter as usize, reaches };
+                measure_emission(measured, paths, met, scene, finding);
+            }
         }
     }
 }

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use crate::geometry::HitColumns;
 use crate::scattering::Scene;
-use crate::scene::baked::NONE;
 use crate::transport::emission::{Finding, MetEmitter, measure_emission};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::measured::Measured;
@@ -26,10 +25,14 @@ pub fn collect_emission<const N: usize, C: SensorSide<N>>(
     for row in rows {
         let primitive = hits.primitive[row];
         // What might have been passed has been seen on the way.
-        if scene.emitter_seen(primitive) == NONE || scene.is_straight_on(primitive) {
+        let emitters = scene.emitters_seen(primitive);
+        if emitters.is_empty() || scene.is_straight_on(primitive) {
             continue;
         }
-        let met = MetEmitter { row, t: hits.t[row], primitive, reaches: [1.0; N] };
-        measure_emission(measured, paths, met, scene, finding);
+        for emitter in emitters {
+            let emitter = emitter as usize;
+            let met = MetEmitter { row, t: hits.t[row], emitter, reaches: [1.0; N] };
+            measure_emission(measured, paths, met, scene, finding);
+        }
     }
 }

@@ -1,24 +1,30 @@
 //! Next-event estimation: connects vertices of sensor paths to emitters.
 
+use glam::Vec3;
+
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, Real, U32s, Vector, lanes};
 use crate::scattering::emitter::direct::{DirectLanes, either};
+use crate::scattering::event::Form;
 use crate::scattering::painting::SceneAt;
 use crate::scattering::vertex::{Consecutive, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Met, Scene, Side};
+use crate::transport::emission::state_sent;
 use crate::transport::mis::{self, EmitterDensities, End, PartialWeights};
 use crate::transport::piece::PieceLanes;
 use crate::transport::sampler::{Purpose, draw};
+use crate::transport::sides::SensorSide;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
 use crate::transport::tables::paths::PathTable;
 use crate::transport::vantage::vantages;
 use crate::transport::{Arrived, Strategy};
 
-/// Connects rows that have arrived to one emitter each.
+/// Connects rows that have arrived to one emitter each. In polarized mode the light is in the state
+/// in which it leaves that, where anything comes that asks.
 ///
 /// From: depolarize_sensor. To: trace_connections.
 /// Writes: connections. Reads: arrived (paths, surfaces), scene.
-pub fn connect_to_emitters<const N: usize, C>(
+pub fn connect_to_emitters<const N: usize, C: SensorSide<N>>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, C>,
     scene: SceneAt<N>,
@@ -37,20 +43,30 @@ pub fn connect_to_emitters<const N: usize, C>(
 // Called by way of a pointer: the stage is large, and is compiled once for all scatterers.
 type TurnOf<'a, const N: usize> = dyn Fn(Consecutive, Vector<F32s>, Vector<F32s>) -> Turn<N> + 'a;
 
-fn connect<const N: usize, C>(
+fn connect<const N: usize, C: SensorSide<N>>(
     connections: &mut ConnectionTable<N>,
     arrived: &Arrived<N, C>,
     (scene, turn_of): (&Scene<N>, &TurnOf<N>),
     strategy: Strategy,
 ) {
     let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
+    let asks = event.form != Form::Depolarizer || scene.has_straight_on;
+    let has_states = scene.has_polarized_lamps() && asks && paths.carriers.columns().is_some();
     let lit = medium_lit(event.met, scene).filter(|_| strategy.connects_flights());
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
         let Chosen { lanes: mut chosen, offset, emitters, chance: of_choice } =
             choose(paths, surfaces, scene, (row, live), path_length);
         if scene.has_painted_lamps {
-            scene.tint_lanes(&mut chosen.radiance, emitters, chosen.point);
+            let at = (chosen.point, chosen.direction);
+            scene.tint_lanes(&mut chosen.radiance, emitters, at);
+        }
+        if !scene.optics.luminaires.is_empty() {
+            scene.weigh_luminaires(&mut chosen, emitters);
+        }
+        if scene.has_incandescent_lamps() {
+            let to = (chosen.normal, chosen.direction);
+            scene.weigh_exits(&mut chosen.radiance, emitters, to);
         }
         let given = -Vector::load(&paths.rays.direction, row);
         let turn = turn_of(Consecutive(row, live), given, chosen.direction);
@@ -73,8 +89,32 @@ fn connect<const N: usize, C>(
             let beta = lanes::load(&paths.beta[n], row) * turn.value[n];
             *value = beta * *value * factor;
         }
-        let lanes = segments(paths, surfaces, (&chosen, offset), (value, weight), row);
-        connections.push_lanes(&lanes, lanes.carrying(live));
+        let lanes = segments(arrived, scene, (&chosen, offset), (value, weight), row);
+        let (first, carrying) = (connections.len, lanes.carrying(live));
+        connections.push_lanes(&lanes, carrying);
+        if has_states {
+            let bits = carrying.to_bitmask();
+            polarize(connections, (first, bits), (emitters, chosen.point, chosen.direction), scene);
+        }
+    }
+}
+
+/// Gives the rows from `first` on, which are the lanes of the mask `bits`, the states in which
+/// their light leaves the emitters.
+#[inline(never)]
+fn polarize<const N: usize>(
+    connections: &mut ConnectionTable<N>,
+    (first, bits): (usize, u32),
+    (emitters, points, towards): ([usize; LANES], Vector<F32s>, Vector<F32s>),
+    scene: &Scene<N>,
+) {
+    let (points, towards) = (points.to_rows(), towards.to_rows());
+    let lanes = (0..LANES).filter(|lane| bits >> lane & 1 == 1);
+    for (row, lane) in (first..).zip(lanes) {
+        let from = (points[lane].into(), -Vec3::from(towards[lane]));
+        if let Some(state) = state_sent(scene, emitters[lane], from) {
+            connections.set_state(row, state);
+        }
     }
 }
 
@@ -131,7 +171,7 @@ fn choose<const N: usize, C>(
     if !scene.choice.depends_on_vantage() {
         return choose_by_power(scene, choice, reference, u);
     }
-    let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
+    let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), scene, row);
     let of = scene.choice.choose(&from, choice, live);
     let emitters = lanes::each(|lane| of[lane].0);
     let chance = F32s::from(lanes::each(|lane| of[lane].1));
@@ -173,12 +213,13 @@ struct Chosen<const N: usize> {
 /// Eight connections to be tested, off the surfaces at both ends, with what they would carry.
 #[inline(always)]
 fn segments<const N: usize, C>(
-    paths: &PathTable<N, C>,
-    surfaces: &SurfaceColumns,
+    arrived: &Arrived<N, C>,
+    scene: &Scene<N>,
     (chosen, offset): (&DirectLanes<N>, F32s),
     (value, weight): ([F32s; N], F32s),
     row: usize,
 ) -> ConnectionLanes<N> {
+    let surfaces = arrived.surfaces;
     let position = Vector::load(&surfaces.position, row);
     let normal = Vector::load(&surfaces.geometric_normal, row);
     let start = lanes::load(&surfaces.offset, row);
@@ -196,7 +237,7 @@ fn segments<const N: usize, C>(
         value,
         weight,
         target: U32s::from(lanes::each(|lane| (row + lane) as u32)),
-        inside: paths.media.inside_of_lanes(row),
+        inside: arrived.inside_towards(scene, chosen.direction, row),
         from: Side::Sensor,
     }
 }

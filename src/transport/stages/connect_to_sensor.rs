@@ -8,6 +8,7 @@ use crate::scattering::vertex::Turn;
 use crate::scattering::{Scene, Side};
 use crate::transport::mis::{self, End};
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
+use crate::transport::splat::pixel_of;
 use crate::transport::tables::connections::{Cargo, ConnectionTable, Segment};
 use crate::transport::tables::vertices::VertexTable;
 use crate::transport::vertex::{departing_states, turn_of_light};
@@ -62,13 +63,18 @@ pub fn connect_to_sensor<const N: usize, M: LightModel<N>>(
             let Some(found) = found.as_ref().filter(|_| value.iter().any(|&v| v > 0.0)) else {
                 continue;
             };
-            let inside = vertices.inside[row + lane];
+            let (slot, path_length) =
+                (vertices.slot[row + lane] as usize, vertices.path_length[row + lane]);
+            let counts = pixel_of(found, &scene.sensor, chunk, slot, path_length);
+            let Some((pixel, share)) = counts else { continue };
+            let inside = vertices.inside_towards(&scene, row + lane, found.direction);
             let segment =
                 Segment::between(Side::Light, origin[lane], found.lens.to_array(), inside);
+            let value = value.map(|value| value * share);
             let cargo = Cargo { value, weight: weights[lane] };
             match states[lane] {
-                Some(state) => connections.push_polarized(segment, cargo, found.pixel, state),
-                None => connections.push(segment, cargo, found.pixel),
+                Some(state) => connections.push_polarized(segment, cargo, pixel, state),
+                None => connections.push(segment, cargo, pixel),
             }
         }
     }

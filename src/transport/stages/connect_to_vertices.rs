@@ -3,16 +3,15 @@
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
-use crate::scattering::event::Form;
+use crate::scattering::event::{Event, Form};
 use crate::scattering::painting::SceneAt;
-use crate::scattering::vertex::{Same, Scatterer, Vertices, for_scatterer};
+use crate::scattering::vertex::{Same, Scatterer, Turn, Vertices, for_scatterer};
 use crate::scattering::{Scene, Side};
 use crate::transport::collapse::{has_collapsed, met_by_collapsed};
 use crate::transport::mis::{self, End, PartialWeights};
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
 use crate::transport::tables::measured::Measured;
-use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::states::LightState;
 use crate::transport::tables::vertices::LightPaths;
 use crate::transport::vertex::{departing_states, turn_of_light};
@@ -50,10 +49,9 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     (scene, measured): (SceneAt<N>, &Measured<N>),
 ) {
     connections.clear();
-    let &Arrived { paths, surfaces, event, ref rows, path_length } = arrived;
-    let depolarizes = event.form == Form::Depolarizer;
+    let &Arrived { paths, ref rows, path_length, .. } = arrived;
     let mut places = [0.0; LANES];
-    for_scatterer!(scene, event.met, all => for row in rows.clone() {
+    for row in rows.clone() {
         let lane = (row - rows.start) % LANES;
         if lane == 0 {
             places = paths.identity.draw(row, path_length, Purpose::Connections)[0].to_array();
@@ -63,8 +61,8 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
         if of_path.is_empty() {
             continue;
         }
-        let mut sensor = SensorVertex::load(paths, surfaces, all, depolarizes, row);
-        let mut connect = |sensor: &mut SensorVertex<_, N>, first: usize| {
+        let mut sensor = SensorVertex::load(arrived, &scene, row);
+        let mut connect = |sensor: &mut SensorVertex<N>, first: usize| {
             let some = (first, LANES.min(of_path.end - first));
             sensor.connect::<M>(connections, light, scene, some);
         };
@@ -87,20 +85,20 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
             let group = ((v * groups as f32) as usize).min(groups - 1);
             connect(&mut sensor, of_path.start + ALWAYS + group * LANES);
         }
-    });
+    }
 }
 
 /// One sensor vertex in all lanes.
-struct SensorVertex<V, const N: usize> {
+struct SensorVertex<'a, const N: usize> {
     row: u32,
-    /// The medium around it.
-    inside: u32,
+    surfaces: &'a SurfaceColumns,
+    event: Event,
+    /// The medium around it, and the one behind, where light goes through the surface.
+    inside: [u32; 2],
     position: Vector<F32s>,
     normal: Vector<F32s>,
     offset: F32s,
     given: Vector<F32s>,
-    scatters: V,
-    depolarizes: bool,
     beta: [F32s; N],
     /// Whether dispersion has sent its path on at one wavelength.
     has_collapsed: bool,
@@ -111,28 +109,23 @@ struct SensorVertex<V, const N: usize> {
     place: f32,
 }
 
-impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
+impl<'a, const N: usize> SensorVertex<'a, N> {
     #[inline(always)]
-    fn load<C>(
-        paths: &PathTable<N, C>,
-        surfaces: &SurfaceColumns,
-        all: impl Scatterer<N, Vertices = V>,
-        depolarizes: bool,
-        row: usize,
-    ) -> Self {
+    fn load<C>(arrived: &Arrived<'a, N, C>, scene: &Scene<N>, row: usize) -> Self {
+        let &Arrived { paths, surfaces, event, .. } = arrived;
         let mut beta = [F32s::splat(0.0); N];
         for (beta, column) in beta.iter_mut().zip(&paths.beta) {
             *beta = F32s::splat(column[row]);
         }
         Self {
             row: row as u32,
-            inside: paths.media.inside(row),
+            surfaces,
+            event,
+            inside: [paths.media.inside(row), arrived.beyond(scene, row)],
             position: Vector::splat(lanes::row_of(&surfaces.position, row)),
             normal: Vector::splat(lanes::row_of(&surfaces.geometric_normal, row)),
             offset: F32s::splat(surfaces.offset[row]),
             given: -Vector::splat(lanes::row_of(&paths.rays.direction, row)),
-            scatters: all.at(surfaces, Same(row)),
-            depolarizes,
             beta,
             has_collapsed: has_collapsed(&paths.beta, row),
             weights: paths.mis.splat(row),
@@ -166,13 +159,25 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         carrying & lanes::mask_of(made)
     }
 
+    /// The media in which connections along these directions start.
+    #[inline(always)]
+    fn inside_towards(&self, direction: Vector<F32s>) -> U32s {
+        let [here, beyond] = self.inside.map(U32s::splat);
+        if self.inside[0] == self.inside[1] {
+            return here;
+        }
+        let passes = self.normal.dot(direction) * self.normal.dot(self.given);
+        let passes: U32s = bytemuck::cast(passes.simd_lt(F32s::splat(0.0)));
+        (passes & beyond) | (!passes & here)
+    }
+
     /// Makes what connections bring count for so many like it.
     fn count_for(&mut self, vertices: f32) {
         self.beta.iter_mut().for_each(|beta| *beta *= F32s::splat(vertices));
     }
 
     /// Connects to the `live` vertices from `first` on.
-    #[inline(always)]
+    #[inline(never)]
     fn connect<M: LightModel<N>>(
         &mut self,
         connections: &mut ConnectionTable<N>,
@@ -184,7 +189,10 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         let offset = position - self.position;
         let distance2 = offset.length_squared();
         let direction = offset * (F32s::splat(1.0) / distance2.sqrt());
-        let turn = self.scatters.turn(self.given, direction);
+        let turn = for_scatterer!(scene, self.event.met, all => {
+            all.at(self.surfaces, Same(self.row as usize)).turn(self.given, direction)
+        });
+        let turn = turn.unwrap_or(Turn::none());
         let light = turn_of_light(vertices, scene, -direction, (first, live));
         let sensor_end = End { weights: self.weights, turn: (&turn).into() };
         let light_end = End { weights: vertices.weights(first), turn: (&light).into() };
@@ -215,7 +223,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
             value,
             weight: factor * distance2,
             target: U32s::splat(self.row),
-            inside: U32s::splat(self.inside),
+            inside: self.inside_towards(direction),
             from: Side::Sensor,
         };
         let carrying = lanes.carrying(live) & made;
@@ -239,7 +247,7 @@ impl<V: Vertices<N>, const N: usize> SensorVertex<V, N> {
         for lane in (0..LANES).filter(|lane| carrying >> lane & 1 == 1) {
             let (segment, mut cargo) = lanes.lane(lane);
             match &states[lane] {
-                Some(state) if !self.depolarizes || scene.has_straight_on => {
+                Some(state) if self.event.form != Form::Depolarizer || scene.has_straight_on => {
                     connections.push_polarized(segment, cargo, self.row, *state);
                     continue;
                 }

@@ -4,7 +4,7 @@ use crate::math::LANES;
 use crate::scattering::Scene;
 use crate::scattering::emitter::EmissionSample;
 use crate::transport::Chunk;
-use crate::transport::emission::sample_emissions;
+use crate::transport::emission::{sample_emissions, state_sent};
 use crate::transport::mis::PartialWeights;
 use crate::transport::sampler::{Stream, path_seed};
 use crate::transport::sides::LightSide;
@@ -43,7 +43,7 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
     paths.media.start(slots);
 }
 
-fn start_row<const N: usize, C>(
+fn start_row<const N: usize, C: LightSide<N>>(
     paths: &mut PathTable<N, C>,
     row: usize,
     sample: &EmissionSample<N>,
@@ -63,4 +63,10 @@ fn start_row<const N: usize, C>(
     paths.mis.pdf_w[row] = if sample.finite { 0.0 } else { f32::INFINITY };
     let &EmissionSample { emission_pdf, cos_at_light, delta, .. } = sample;
     paths.mis.set_row(row, PartialWeights::from_emitter(emission_pdf, cos_at_light, delta));
+    let from = (sample.position, sample.direction);
+    if let Some(carriers) = paths.carriers.columns_mut()
+        && let Some(light) = state_sent(scene, sample.emitter, from)
+    {
+        carriers.start_polarized(row, &light);
+    }
 }

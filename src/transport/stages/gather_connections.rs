@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use crate::geometry::SurfaceColumns;
 use crate::math::{LANES, Vector, lanes};
 use crate::polarization::{Arrival, SensorRow, Stokes, film_axis};
@@ -11,7 +9,7 @@ use crate::scattering::Met;
 use crate::scattering::event::Form;
 use crate::scattering::painting::SceneAt;
 use crate::scattering::sensor::Sensor;
-use crate::scattering::vertex::{Scatterer, for_scatterer};
+use crate::scattering::vertex::{Scatterer, Vertices, for_scatterer};
 use crate::scene::baked::NONE;
 use crate::transport::LightModel;
 use crate::transport::measure::{measure_polarized, measure_unpolarized};
@@ -24,7 +22,7 @@ use crate::transport::tables::states::scatter_states;
 /// Adds open connections to the slots of the sensor paths they belong to, all of which have met
 /// the same. In polarized mode, polarizing vertices apply their kernels to the light that arrives.
 ///
-/// From: trace_connections, cross_connections. To: the film.
+/// From: trace_connections, cross_connections. To: weigh_samples, the film.
 /// Writes: measured. Reads: connections, paths, surfaces, scene.
 pub fn gather_connections<const N: usize, M: LightModel<N>>(
     measured: &mut Measured<N>,
@@ -34,10 +32,10 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     met: Met,
 ) {
     if M::POLARIZED && scene.events[met.event()].form != Form::Depolarizer {
-        let of = (paths, surfaces);
-        for_scatterer!(scene, met, all => {
-            gather_polarized(measured, connections, of, all, scene.sensor.up());
-        });
+        for first in (0..connections.len).step_by(LANES) {
+            let some = first..connections.len.min(first + LANES);
+            gather_polarized(measured, connections, (paths, surfaces), (scene, met), some);
+        }
         return;
     }
     for index in 0..connections.len {
@@ -55,32 +53,13 @@ pub fn gather_connections<const N: usize, M: LightModel<N>>(
     }
 }
 
-/// Connections to polarizing vertices.
-fn gather_polarized<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
-    measured: &mut Measured<N>,
-    connections: &ConnectionTable<N>,
-    of: (&PathTable<N, C>, &SurfaceColumns),
-    all: S,
-    film_up: Vec3,
-) {
-    // No such event gets here, and nothing is compiled for it.
-    if !S::POLARIZES {
-        return;
-    }
-    for first in (0..connections.len).step_by(LANES) {
-        let rows = first..connections.len.min(first + LANES);
-        gather_scattered(measured, connections, of, all, rows, film_up);
-    }
-}
-
-/// Eight of them.
-fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
+/// Eight of them at most, to polarizing vertices.
+fn gather_polarized<const N: usize, C: SensorSide<N>>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
     (paths, surfaces): (&PathTable<N, C>, &SurfaceColumns),
-    all: S,
+    (scene, met): (SceneAt<N>, Met),
     rows: Range<usize>,
-    film_up: Vec3,
 ) {
     if rows.clone().all(|index| connections.blocked[index] != 0) {
         return;
@@ -88,14 +67,17 @@ fn gather_scattered<const N: usize, C: SensorSide<N>, S: Scatterer<N>>(
     let target = |lane: usize| connections.target[(rows.start + lane).min(rows.end - 1)] as usize;
     let k_in = -Vector::load(&connections.rays.direction, rows.start);
     let k_out = -Vector::gather(|lane| lanes::row_of(&paths.rays.direction, target(lane)));
-    let vertices = all.at(surfaces, lanes::each(target));
-    let (first, last_k) = (rows.start, k_out.to_rows());
+    let found = for_scatterer!(scene, met, all => {
+        all.at(surfaces, lanes::each(target)).leaving(k_in, k_out)
+    });
+    let Some(leaving) = found else { return };
+    let (first, k_out) = (rows.start, k_out.to_rows());
     let open = (0..rows.len()).filter(|lane| connections.blocked[first + lane] == 0);
     let state = |lane: usize| connections.states.get(connections.state[first + lane] as usize);
-    scatter_states(&vertices, [k_in, k_out], open, state, |lane, light| {
+    scatter_states(&leaving, k_in, open, state, |lane, light| {
         let row = target(lane);
         let place = (row, paths.identity.slot[row] as usize);
-        let along = (last_k[lane].into(), film_up);
+        let along = (k_out[lane].into(), scene.sensor.up());
         let value = connections.value[first + lane];
         measure_polarized(measured, &paths.carriers, place, value, light, along);
     });

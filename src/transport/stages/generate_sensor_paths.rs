@@ -1,4 +1,4 @@
-//! Starts one sensor path a slot, through a random point of its pixel.
+//! Starts one sensor path a slot, through a random point of its pixel's filter.
 
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::film_axis;
@@ -51,8 +51,8 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
         }
         let seed = lanes::load_u32(&paths.identity.seed, row);
         let iteration = lanes::load_u32(&paths.identity.iteration, row);
-        let [dx, dy] = draw(seed, iteration, 0, Purpose::Pixel);
-        let film = [dx + lanes::load(&x, 0), dy + lanes::load(&y, 0)];
+        let numbers = draw(seed, iteration, 0, Purpose::Pixel);
+        let film = sensor.points([lanes::load(&x, 0), lanes::load(&y, 0)], numbers);
         let (origin, direction, pdf) =
             sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
         origin.store(&mut paths.rays.origin, row, slots);

@@ -41,3 +41,4 @@ pub mod store_photons;
 pub mod trace_connections;
 pub mod weigh_arrival;
 pub mod weigh_choice;
+pub mod weigh_samples;

@@ -1,23 +1,25 @@
-//! Finds what textures say of the surfaces that paths have met.
+//! Finds what textures, and other glass, say of the surfaces that paths have met.
 
 use crate::geometry::{HitColumns, SurfaceColumns};
 use crate::scattering::painting::{PaintedModels, paint};
 use crate::scattering::{Scene, Side};
+use crate::transport::tables::paths::PathTable;
 
 /// Gives every row on a painted surface a row of its own in the table of its model, and its shading
-/// normal. Vertices of light paths may be kept, and with them their rows; those of sensor paths are
-/// forgotten when the next have been met.
+/// normal; so too on rough glass that touches other glass. Vertices of light paths may be kept, and
+/// with them their rows; those of sensor paths are forgotten when the next have been met.
 ///
 /// From: resolve_surfaces. To: weigh_arrival.
-/// Writes: surfaces, models. Reads: hits, scene.
-pub fn paint_surfaces<const N: usize>(
+/// Writes: surfaces, models. Reads: hits, paths (rays, nested), scene.
+pub fn paint_surfaces<const N: usize, C>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,
-    hits: &HitColumns,
+    (hits, paths): (&HitColumns, &PathTable<N, C>),
     scene: &Scene<N>,
-    (side, count): (Side, usize),
+    side: Side,
 ) {
-    if scene.is_painted() {
-        paint(surfaces, models, hits, (0..count, side == Side::Light), scene);
+    if scene.has_models_by_place {
+        let by = (hits, (&paths.rays, paths.nested.inside.as_slice()));
+        paint(surfaces, models, by, (0..paths.len, side == Side::Light), scene);
     }
 }

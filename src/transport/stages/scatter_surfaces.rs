@@ -3,13 +3,14 @@
 
 use std::ops::Range;
 
-use crate::geometry::SurfaceColumns;
+use crate::geometry::{RayColumns, SurfaceColumns};
+use crate::math::columns::Channels;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scattering::event::{Elements, Form};
 use crate::scattering::nesting::InterfaceLanes;
 use crate::scattering::painting::SceneAt;
-use crate::scattering::surface::model::{Choice, Incidence, OneOfTwo, Scattered};
-use crate::scattering::surface::{Connecting, Specular, for_scattering};
+use crate::scattering::surface::model::{Choice, Incidence, LaneRows, OneOfTwo, Scattered};
+use crate::scattering::surface::{Connecting, Specular, SurfaceKind, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::collapse::{collapse, have_collapsed};
@@ -17,8 +18,9 @@ use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::carriers::{CarrierTable, ratio};
 use crate::transport::tables::kernels::DepartureColumns;
-use crate::transport::tables::partition::{Part, Partition};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::media::MediaColumns;
+use crate::transport::tables::partition::Partition;
+use crate::transport::tables::paths::{IdentityColumns, MisColumns, NestedColumns, PathTable};
 use crate::transport::{Bounce, Sampling};
 
 /// Draws a new direction for every row that has met a surface.
@@ -46,57 +48,93 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
 ) {
     for part in &partition.parts {
         let Met::Surface(kind) = part.event.met else { continue };
-        let mut to = Departing { departures, paths, end: part.rows.end };
-        for_scattering!(scene.surfaces, kind, models => {
-            specular: {
-                let all = (&*scene, models);
-                send_on::<N, POLARIZED, C, _>(&mut to, all, surfaces, part, bounce);
-            },
-            connecting: {
-                let all = OnSurfaces::new(&scene, models);
-                scatter::<N, POLARIZED, C, _>(&mut to, all, surfaces, part.rows.clone(), bounce);
-            },
-            else: {},
-        });
+        let PathTable { rays, identity, beta, mis, media, nested, carriers, .. } = &mut *paths;
+        let lean = |row: usize, frame| {
+            let mut light = [[F32s::ZERO; 2]; N];
+            for (n, light) in light.iter_mut().enumerate() {
+                *light = carriers.lean(part, n, row, frame);
+            }
+            light
+        };
+        let leans = POLARIZED && bounce.sampling == Sampling::Stokes && C::leans(part);
+        let lean: Option<&Lean<N>> = if leans { Some(&lean) } else { None };
+        let end = part.rows.end;
+        let mut to = Departing { departures, rays, identity, beta, mis, media, nested, lean, end };
+        scatter_part::<N, POLARIZED>(&mut to, surfaces, scene, (kind, &part.rows), bounce);
     }
+}
+
+/// What [`CarrierTable::lean`] says of some rows at every wavelength.
+// By way of a pointer: the stage is large, and is compiled once for both sides.
+type Lean<'a, const N: usize> = dyn Fn(usize, (Vector<F32s>, Vector<F32s>)) -> [[F32s; 2]; N] + 'a;
+
+/// What is written of rows, and read.
+struct Departing<'a, const N: usize> {
+    departures: &'a mut DepartureColumns<N>,
+    rays: &'a RayColumns,
+    identity: &'a IdentityColumns,
+    beta: &'a mut Channels<N>,
+    mis: &'a mut MisColumns,
+    media: &'a mut MediaColumns<N>,
+    nested: &'a mut NestedColumns,
+    /// Where it steers which of two ways paths go.
+    lean: Option<&'a Lean<'a, N>>,
+    /// The end of the rows.
+    end: usize,
+}
+
+/// Rows that have met surfaces of one kind.
+#[inline(never)]
+fn scatter_part<const N: usize, const POLARIZED: bool>(
+    to: &mut Departing<N>,
+    surfaces: &SurfaceColumns,
+    scene: SceneAt<N>,
+    (kind, rows): (SurfaceKind, &Range<usize>),
+    bounce: Bounce,
+) {
+    for_scattering!(scene.surfaces, kind, models => {
+        specular: {
+            let all = (&*scene, models);
+            send_on::<N, POLARIZED, _>(to, all, surfaces, rows.clone(), bounce);
+        },
+        connecting: {
+            let all = OnSurfaces::new(&scene, models);
+            let beyond = kind.passes_any_way().then_some(&*scene);
+            scatter::<N, POLARIZED, _>(to, all, (surfaces, beyond), rows.clone(), bounce);
+        },
+        else: {},
+    });
 }
 
 /// How much of a choice unpolarized light decides, whatever the path carries: no way is closed by
 /// rounding to light that goes it.
 const EVEN_SHARE: f32 = 1.0 / 64.0;
 
-/// What is written of the rows up to `end`.
-struct Departing<'a, const N: usize, C> {
-    departures: &'a mut DepartureColumns<N>,
-    paths: &'a mut PathTable<N, C>,
-    end: usize,
-}
-
 /// One way, or two.
-fn send_on<const N: usize, const POLARIZED: bool, C: CarrierTable, M: Specular<N>>(
-    to: &mut Departing<N, C>,
+fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
+    to: &mut Departing<N>,
     (scene, models): (&Scene<N>, &[M]),
     surfaces: &SurfaceColumns,
-    part: &Part,
+    rows: Range<usize>,
     bounce: Bounce,
 ) {
-    let leans = POLARIZED && bounce.sampling == Sampling::Stokes && C::leans(part);
-    for row in part.rows.clone().step_by(LANES) {
-        let some = (row, LANES.min(part.rows.end - row));
-        let mut at = Incidence::load(scene, models, surfaces, &to.paths.rays, some);
-        let nested = if M::NESTS { to.interfaces(&at, surfaces, scene, some) } else { None };
+    for row in rows.clone().step_by(LANES) {
+        let some = (row, LANES.min(rows.end - row));
+        let mut at = Incidence::load(scene, models, surfaces, to.rays, some);
+        let given = at.models.rows;
+        let nested = if M::NESTS { to.interfaces(&given, surfaces, scene, some) } else { None };
         if let Some(InterfaceLanes { rows, .. }) = &nested {
             at.models.rows = *rows;
         }
         if M::DISPERSES && N > 1 {
-            at.collapsed = have_collapsed(lanes::load(&to.paths.beta[1], row));
+            at.collapsed = have_collapsed(lanes::load(&to.beta[1], row));
         }
         let choose = |way: OneOfTwo| {
-            let [u, _] = to.paths.identity.draw(row, bounce.path_length, Purpose::Decision);
-            if leans {
-                return choose_by_light(to.paths, u, &way, (part, row, bounce.side));
+            let [u, _] = to.identity.draw(row, bounce.path_length, Purpose::Decision);
+            match to.lean {
+                Some(lean) if POLARIZED => to.choose_by_light(lean, u, &way, (row, bounce.side)),
+                Some(_) | None => Choice { first: u.simd_lt(way.share), gain: F32s::ONE },
             }
-            Choice { first: u.simd_lt(way.share), gain: F32s::ONE }
         };
         let scattered = M::scatter::<POLARIZED>(&at, choose, bounce.side);
         if POLARIZED {
@@ -106,68 +144,39 @@ fn send_on<const N: usize, const POLARIZED: bool, C: CarrierTable, M: Specular<N
                 (row, to.end),
             );
         }
-        if to.paths.media.present() {
-            let behind = nested.as_ref().map_or([None; LANES], |nested| nested.behind);
-            to.cross(surfaces, scene, &scattered.direction, (row, behind));
-        }
-        if let Some(InterfaceLanes { inside, .. }) = nested {
-            to.go_through(surfaces, &scattered.direction, &inside, row);
-        }
+        to.enter(surfaces, scene, &scattered.direction, (row, nested));
         to.depart_specular(&at, &scattered, bounce.side, row);
     }
 }
 
-/// Chooses one of two ways by what goes there of the light that paths carry, or accept.
-#[inline(always)]
-fn choose_by_light<const N: usize, C: CarrierTable>(
-    paths: &PathTable<N, C>,
-    u: F32s,
-    way: &OneOfTwo,
-    (part, row, side): (&Part, usize, Side),
-) -> Choice {
-    let before = Vector::load(&paths.rays.direction, row);
-    let k = match side {
-        Side::Light => before,
-        Side::Sensor => -before,
-    };
-    let mut light = [F32s::ZERO; 2];
-    for (n, beta) in paths.beta.iter().enumerate() {
-        let beta = lanes::load(beta, row);
-        let [s0, s1] = paths.carriers.lean(part, n, row, (way.axis, k));
-        light = [beta.mul_add(s0, light[0]), beta.mul_add(s1, light[1])];
-    }
-    let one = F32s::ONE;
-    let leans = way.diattenuation * ratio(light) * F32s::splat(1.0 - EVEN_SHARE);
-    let share = (way.share * (one + leans)).min(one);
-    let first = u.simd_lt(share);
-    let gain = Real::select(first, one + leans, (one - share) / (one - way.share));
-    Choice { first, gain }
-}
-
-/// Any way.
-fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
-    to: &mut Departing<N, C>,
+/// Any way; if that may be through the surfaces, what is `beyond` is of this scene.
+fn scatter<const N: usize, const POLARIZED: bool, M: Connecting<N>>(
+    to: &mut Departing<N>,
     all: OnSurfaces<M, N>,
-    surfaces: &SurfaceColumns,
+    (surfaces, beyond): (&SurfaceColumns, Option<&Scene<N>>),
     rows: Range<usize>,
     bounce: Bounce,
 ) {
     let side = bounce.side;
     for row in rows.clone().step_by(LANES) {
-        let u = to.paths.identity.draw(row, bounce.path_length, Purpose::Direction);
+        let [first, second] = to.identity.draw(row, bounce.path_length, Purpose::Direction);
+        let third = match M::DECIDES {
+            true => to.identity.draw(row, bounce.path_length, Purpose::Decision)[0],
+            false => F32s::ZERO,
+        };
         let some = Consecutive(row, LANES.min(rows.end - row));
         let (of_model, facing) = all.load(surfaces, some);
         let of = all.models.lanes(&of_model);
-        let before = Vector::load(&to.paths.rays.direction, row);
+        let before = Vector::load(&to.rays.direction, row);
         let given = -before;
-        let drawn = all.models.draw((&of_model, &of), &facing, given, u);
+        let drawn = all.models.draw((&of_model, &of), &facing, given, [first, second, third], side);
         let direction = drawn.direction;
         let scale = match side {
             Side::Sensor => F32s::splat(1.0),
             Side::Light => facing.adjoint(given, direction),
         };
-        let passes = facing.reflects(given, direction);
-        for (beta, &weight) in to.paths.beta.iter_mut().zip(&drawn.weight) {
+        let passes = M::passes(&of, &facing, given, direction);
+        for (beta, &weight) in to.beta.iter_mut().zip(&drawn.weight) {
             let value = lanes::load(beta, row) * weight * (passes & scale);
             lanes::store(beta, row, to.end, value);
         }
@@ -187,24 +196,74 @@ fn scatter<const N: usize, const POLARIZED: bool, C, M: Connecting<N>>(
         let pdf_reverse = M::pdf(&of, &facing, direction, given);
         let measure = direction.dot(facing.geometric).abs();
         let turn = TurnDensities { pdf: drawn.pdf, pdf_reverse, measure };
-        to.paths.mis.depart(row, to.end, turn);
+        to.mis.depart(row, to.end, turn);
+        if let Some(scene) = beyond {
+            let Consecutive(row, live) = some;
+            let nested = to.interfaces(&LaneRows::Same(0), surfaces, scene, (row, live));
+            to.enter(surfaces, scene, &direction, (row, nested));
+        }
     }
 }
 
-impl<const N: usize, C> Departing<'_, N, C> {
+impl<const N: usize> Departing<'_, N> {
+    /// Chooses one of two ways by what goes there of the light that paths carry, or accept.
+    #[inline(always)]
+    fn choose_by_light(
+        &self,
+        lean: &Lean<N>,
+        u: F32s,
+        way: &OneOfTwo,
+        (row, side): (usize, Side),
+    ) -> Choice {
+        let before = Vector::load(&self.rays.direction, row);
+        let k = match side {
+            Side::Light => before,
+            Side::Sensor => -before,
+        };
+        let mut light = [F32s::ZERO; 2];
+        for (beta, [s0, s1]) in self.beta.iter().zip(&lean(row, (way.axis, k))) {
+            let beta = lanes::load(beta, row);
+            light = [beta.mul_add(*s0, light[0]), beta.mul_add(*s1, light[1])];
+        }
+        let one = F32s::ONE;
+        let leans = way.diattenuation * ratio(light) * F32s::splat(1.0 - EVEN_SHARE);
+        let share = (way.share * (one + leans)).min(one);
+        let first = u.simd_lt(share);
+        let gain = Real::select(first, one + leans, (one - share) / (one - way.share));
+        Choice { first, gain }
+    }
+
+    /// Rows that go through their surfaces are in what is there from now on.
+    #[inline(always)]
+    fn enter(
+        &mut self,
+        surfaces: &SurfaceColumns,
+        scene: &Scene<N>,
+        drawn: &Vector<F32s>,
+        (row, nested): (usize, Option<InterfaceLanes>),
+    ) {
+        if self.media.present() {
+            let behind = nested.as_ref().map_or([None; LANES], |nested| nested.behind);
+            self.cross(surfaces, scene, drawn, (row, behind));
+        }
+        if let Some(InterfaceLanes { inside, .. }) = nested {
+            self.go_through(surfaces, drawn, &inside, row);
+        }
+    }
+
     /// What rows have met that can be nested, in scenes where it is.
     #[inline(always)]
-    fn interfaces<M>(
+    fn interfaces(
         &self,
-        at: &Incidence<M>,
+        given: &LaneRows,
         surfaces: &SurfaceColumns,
         scene: &Scene<N>,
         (row, live): (usize, usize),
     ) -> Option<InterfaceLanes> {
         let interfaces = scene.interfaces.as_ref()?;
-        let paths = (&self.paths.rays, self.paths.nested.inside.as_slice());
+        let paths = (self.rays, self.nested.inside.as_slice());
         let hits = lanes::each(|lane| row + lane.min(live - 1));
-        Some(scene.interfaces_at(interfaces, surfaces, paths, hits, &at.models.rows))
+        Some(scene.interfaces_at(interfaces, surfaces, paths, hits, given))
     }
 
     /// Rows are in the dielectric from now on that is on the side of the surface they go on to.
@@ -217,7 +276,7 @@ impl<const N: usize, C> Departing<'_, N, C> {
     ) {
         let passes = self.pass(surfaces, drawn, row);
         for lane in 0..LANES.min(self.end - row) {
-            self.paths.nested.inside[row + lane] = inside[lane][usize::from(passes[lane].0)];
+            self.nested.inside[row + lane] = inside[lane][usize::from(passes[lane].0)];
         }
     }
 
@@ -230,7 +289,7 @@ impl<const N: usize, C> Departing<'_, N, C> {
         row: usize,
     ) -> [(bool, bool); LANES] {
         let normal = Vector::load(&surfaces.geometric_normal, row);
-        let before = Vector::load(&self.paths.rays.direction, row).dot(normal).to_array();
+        let before = Vector::load(&self.rays.direction, row).dot(normal).to_array();
         let after = drawn.dot(normal).to_array();
         lanes::each(|lane| (before[lane] * after[lane] > 0.0, after[lane] > 0.0))
     }
@@ -249,7 +308,7 @@ impl<const N: usize, C> Departing<'_, N, C> {
         for lane in 0..LANES.min(self.end - row) {
             let (passes, to_front) = passes[lane];
             if passes {
-                let inside = &mut self.paths.media.inside[row + lane];
+                let inside = &mut self.media.inside[row + lane];
                 let known = (*inside, solids[lane]);
                 *inside = scene.medium_beyond(surfaces, row + lane, to_front, known);
             }
@@ -280,15 +339,15 @@ impl<const N: usize, C> Departing<'_, N, C> {
         };
         let mut beta = [F32s::ZERO; N];
         for (n, beta) in beta.iter_mut().enumerate() {
-            *beta = lanes::load(&self.paths.beta[n], row) * weight[n] * adjoint;
+            *beta = lanes::load(&self.beta[n], row) * weight[n] * adjoint;
         }
         if M::DISPERSES {
             collapse(&mut beta, scattered.alone);
         }
-        for (column, &beta) in self.paths.beta.iter_mut().zip(&beta) {
+        for (column, &beta) in self.beta.iter_mut().zip(&beta) {
             lanes::store(column, row, self.end, beta);
         }
         direction.store(&mut self.departures.direction, row, self.end);
-        self.paths.mis.depart_specular(row, self.end, cos_out);
+        self.mis.depart_specular(row, self.end, cos_out);
     }
 }

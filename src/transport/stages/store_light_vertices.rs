@@ -24,13 +24,16 @@ pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
     let &Arrived { paths, event, ref rows, path_length, .. } = arrived;
     let range = vertices.len..vertices.len + rows.len();
     vertices.reserve(rows.len());
-    for_scatterer!(scene, event.met, all => {
-        store_lanes(vertices, arrived, all);
-    });
+    store_lanes(vertices, arrived, scene);
     vertices.slot[range.clone()].copy_from_slice(&paths.identity.slot[rows.clone()]);
     vertices.path_length[range.clone()].fill(path_length);
     for (to, row) in range.clone().zip(rows.clone()) {
         vertices.inside[to] = paths.media.inside(row);
+    }
+    if event.met.passes_any_way() {
+        for (to, row) in range.clone().zip(rows.clone()) {
+            vertices.beyond[to] = arrived.beyond(&scene, row);
+        }
     }
     vertices.event[range.clone()].fill(event.met.event() as u32);
     let (states, place) = (&mut vertices.states, &mut vertices.state[range.clone()]);
@@ -39,19 +42,22 @@ pub fn store_light_vertices<const N: usize, C: LightSide<N>>(
 }
 
 /// The columns of floats, and the rows of models.
-fn store_lanes<const N: usize, C, S: Scatterer<N>>(
+fn store_lanes<const N: usize, C>(
     vertices: &mut VertexTable<N>,
     arrived: &Arrived<N, C>,
-    all: S,
+    scene: SceneAt<N>,
 ) {
-    let &Arrived { paths, surfaces, ref rows, .. } = arrived;
+    let &Arrived { paths, surfaces, event, ref rows, .. } = arrived;
     let start = vertices.len;
     let end = start + rows.len();
     for row in rows.clone().step_by(LANES) {
         let to = start + row - rows.start;
         let live = LANES.min(rows.end - row);
-        let some = all.at(surfaces, Consecutive(row, live));
-        let KeptLanes { facing, rows: of_model } = some.keep();
+        let kept = for_scatterer!(scene, event.met, all => {
+            let some = all.at(surfaces, Consecutive(row, live));
+            (some.keep(), some.factor())
+        });
+        let Some((KeptLanes { facing, rows: of_model }, factor)) = kept else { return };
         Vector::load(&surfaces.position, row).store(&mut vertices.position, to, end);
         let offset = lanes::load(&surfaces.offset, row);
         lanes::store(&mut vertices.offset, to, end, offset);
@@ -60,7 +66,7 @@ fn store_lanes<const N: usize, C, S: Scatterer<N>>(
         lanes::store(&mut vertices.two_sided, to, end, facing.two_sided & F32s::splat(1.0));
         vertices.row[to..to + live].copy_from_slice(&of_model.to_array()[..live]);
         (-Vector::load(&paths.rays.direction, row)).store(&mut vertices.given, to, end);
-        for (n, factor) in some.factor().into_iter().enumerate() {
+        for (n, factor) in factor.into_iter().enumerate() {
             let power = lanes::load(&paths.beta[n], row) * factor;
             lanes::store(&mut vertices.power[n], to, end, power);
         }

@@ -23,12 +23,12 @@ pub fn weigh_choice<const N: usize, C>(
 ) {
     for row in (0..paths.len).step_by(LANES) {
         let emitters = emitters_of_paths(&paths.identity, scene, row);
-        let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), row);
+        let from = vantages(surfaces, Vector::load(&paths.rays.direction, row), scene, row);
         for lane in 0..LANES.min(paths.len - row) {
             let row = row + lane;
             let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
             let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
-            let pdf = direct_pdf(scene, emitters[lane], &from[lane], (origin, direction));
+            let pdf = direct_pdf(scene, emitters[lane], &from[lane], (origin, -direction));
             paths.mis.set_row(row, paths.mis.row(row).beside_choice(pdf));
         }
     }

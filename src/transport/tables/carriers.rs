@@ -10,6 +10,7 @@
 
 use super::classes::{LightClass, SensorClass};
 use super::partition::Part;
+use super::states::LightState;
 use super::{channels, vectors};
 use crate::math::columns::{Channels, Column, take};
 use crate::math::lanes::{self, FromColumn};
@@ -101,9 +102,22 @@ pub struct SensorCarriers<const N: usize> {
 }
 
 impl<const N: usize> LightCarriers<N> {
-    /// Forgets what earlier paths left: all rows start unpolarized.
+    /// Forgets what earlier paths left: all rows start unpolarized, until it is said otherwise.
     pub fn start_at_emitters(&mut self, rows: usize) {
         self.class[..rows].fill(LightClass::Unpolarized);
+    }
+
+    /// Starts a row in a state.
+    pub fn start_polarized(&mut self, row: usize, light: &LightState<N>) {
+        self.class[row] = LightClass::Polarized;
+        for (column, value) in self.axis.iter_mut().zip([light.x.x, light.x.y, light.x.z]) {
+            column[row] = value;
+        }
+        for (n, Stokes(state)) in light.stokes.iter().enumerate() {
+            for (columns, value) in self.stokes.iter_mut().zip(state) {
+                columns[n][row] = *value;
+            }
+        }
     }
 
     /// Reads a wavelength from `row` on, where the axis is `x`.

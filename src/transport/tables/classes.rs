@@ -4,7 +4,8 @@
 //! | side | class | columns | when |
 //! |---|---|---|---|
 //! | light | [`LightClass::Unpolarized`] | none | emitted unpolarized, or after a depolarizer |
-//! | light | [`LightClass::Polarized`] | Stokes, axis | after a polarizing event |
+//! | light | [`LightClass::Polarized`] | Stokes, axis | emitted polarized, or after a polarizing |
+//! | | | | event |
 //! | sensor | [`SensorClass::Fresh`] | none: T = 1 in the film's frame | no event yet |
 //! | sensor | [`SensorClass::Plain`] | none: r = e0 | after a depolarizer (a film of intensities |
 //! | | | | counts as one) |

@@ -223,6 +223,12 @@ impl<const N: usize> ConnectionTable<N> {
         self.state[row..row + LANES].fill(NONE);
     }
 
+    /// Has the light of a row be in a state of polarization.
+    pub fn set_state(&mut self, row: usize, state: LightState<N>) {
+        self.state[row] = self.states.len() as u32;
+        self.states.push(state);
+    }
+
     /// Appends a row of light in a state of polarization.
     pub fn push_polarized(
         &mut self,

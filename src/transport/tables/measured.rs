@@ -106,6 +106,15 @@ impl<const N: usize> Measured<N> {
         }
     }
 
+    /// Multiplies all that a slot has measured.
+    pub fn weigh(&mut self, slot: usize, weight: f32) {
+        self.intensity[slot].iter_mut().for_each(|value| *value *= weight);
+        if self.parts.get(slot).is_some_and(|parts| parts.stokes) {
+            let values = self.stokes[slot].as_flattened_mut();
+            values.iter_mut().for_each(|value| *value *= weight);
+        }
+    }
+
     /// Says in what states the light behind their first depolarizers reaches the film, at one
     /// wavelength of up to eight slots: S0..S3 over S0.
     #[inline(always)]

@@ -4,7 +4,8 @@
 use crate::math::{F32s, LANES, Vector};
 use crate::polarization::kernel::SpheroidBlock;
 use crate::polarization::{Arrival, LightCarrier, Stokes};
-use crate::scattering::vertex::{LightLanes, Vertices};
+use crate::scattering::emitter::state::EmittedState;
+use crate::scattering::vertex::{DenseKernels, Leaving, LightLanes};
 
 /// A [`LightCarrier`] of every wavelength, with one axis.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +40,12 @@ impl<const N: usize> LightState<N> {
     #[inline(always)]
     pub fn unpolarized(x: Vector<f32>) -> Self {
         Self { stokes: [Stokes::unpolarized(); N], x }
+    }
+
+    /// Light as it leaves its emitter.
+    pub fn emitted(state: &EmittedState<N>) -> Self {
+        let stokes = state.stokes.map(|[s1, s2, s3]| Stokes([1.0, s1, s2, s3]));
+        Self { stokes, x: Vector::from(state.x.to_array()) }
     }
 
     /// Unpolarized light after an event whose axis is `x`.
@@ -77,26 +84,28 @@ fn kernels_of_lanes<const N: usize>(kernels: &[SpheroidBlock<F32s>; N]) -> [RowK
     rows
 }
 
-/// Says `to` what light leaves the vertices in some lanes along `k_out`, which has arrived there
+/// Says `to` what light leaves the vertices in some lanes by their kernels, which has arrived there
 /// along `k_in` in a state, or unpolarized.
 #[inline(always)]
 pub fn scatter_states<'a, const N: usize>(
-    vertices: &impl Vertices<N>,
-    [k_in, k_out]: [Vector<F32s>; 2],
+    leaving: &Leaving<N>,
+    k_in: Vector<F32s>,
     lanes: impl Iterator<Item = usize> + Clone,
     state: impl Fn(usize) -> Option<&'a LightState<N>>,
     mut to: impl FnMut(usize, &LightState<N>),
 ) {
-    if vertices.is_dense() {
-        let mut rows =
-            k_in.any_perpendicular().to_rows().map(|x| LightState::unpolarized(x.into()));
-        lanes.clone().for_each(|lane| rows[lane] = *state(lane).unwrap_or(&rows[lane]));
-        scatter_densely(vertices, [k_in, k_out], &mut rows);
-        lanes.for_each(|lane| to(lane, &rows[lane]));
-        return;
-    }
-    let (kernels, axis) = vertices.kernels(k_in, k_out);
-    let kernels = kernels_of_lanes(&kernels);
+    let (kernels, axis) = match leaving {
+        Leaving::Blocks(kernels) => kernels,
+        Leaving::Dense(kernels) => {
+            let mut rows =
+                k_in.any_perpendicular().to_rows().map(|x| LightState::unpolarized(x.into()));
+            lanes.clone().for_each(|lane| rows[lane] = *state(lane).unwrap_or(&rows[lane]));
+            scatter_densely(kernels, k_in, &mut rows);
+            lanes.for_each(|lane| to(lane, &rows[lane]));
+            return;
+        }
+    };
+    let kernels = kernels_of_lanes(kernels);
     let (axis, k_in) = (axis.to_rows(), k_in.to_rows());
     for lane in lanes {
         let [axis, k_in] = [axis[lane], k_in[lane]].map(Vector::from);
@@ -112,8 +121,8 @@ pub fn scatter_states<'a, const N: usize>(
 /// do takes longer than a call.
 #[inline(never)]
 fn scatter_densely<const N: usize>(
-    vertices: &impl Vertices<N>,
-    [k_in, k_out]: [Vector<F32s>; 2],
+    kernels: &DenseKernels<N>,
+    k_in: Vector<F32s>,
     rows: &mut [LightState<N>; LANES],
 ) {
     let lanes = |of: &dyn Fn(&LightState<N>) -> f32| F32s::from(rows.each_ref().map(of));
@@ -121,7 +130,7 @@ fn scatter_densely<const N: usize>(
     let stokes = |n: usize| Stokes([0, 1, 2, 3].map(|i| component(n, i)));
     let x = Vector::gather(|lane| <[f32; 3]>::from(rows[lane].x));
     let mut light = LightLanes { stokes: std::array::from_fn(stokes), x };
-    vertices.scatter(k_in, k_out, &mut light);
+    light.pass(k_in, kernels);
     let x = light.x.to_rows();
     let components = light.stokes.map(|Stokes(of)| of.map(F32s::to_array));
     for (lane, row) in rows.iter_mut().enumerate() {

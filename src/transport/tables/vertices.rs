@@ -1,7 +1,10 @@
 //! Light vertices that sensor paths and the sensor connect to.
 
+use glam::Vec3;
+
 use crate::math::columns::{Channels, Column, columns};
 use crate::math::{F32s, lanes};
+use crate::scattering::Scene;
 use crate::transport::mis::PartialWeights;
 
 use super::states::LightState;
@@ -35,6 +38,8 @@ columns! {
         pub path_length: Vec<u32>,
         /// The medium around the vertex: a row of the scene's media, or `NONE`.
         pub inside: Vec<u32>,
+        /// The medium behind a surface that light goes through; without meaning elsewhere.
+        pub beyond: Vec<u32>,
         /// What was met: its place among the scene's events.
         pub event: Vec<u32>,
         /// On a surface, the row in the table of its model.
@@ -69,6 +74,20 @@ impl<const N: usize> VertexTable<N> {
     pub fn store_weights(&mut self, row: usize, end: usize, weights: PartialWeights<F32s>) {
         lanes::store(&mut self.d_vcm, row, end, weights.d_vcm);
         lanes::store(&mut self.d_vc, row, end, weights.d_vc);
+    }
+
+    /// The medium in which a connection of a row along a direction starts.
+    #[inline(always)]
+    pub fn inside_towards(&self, scene: &Scene<N>, row: usize, direction: Vec3) -> u32 {
+        let of = |columns| Vec3::from(lanes::row_of(columns, row));
+        let passes = || {
+            let normal = of(&self.geometric_normal);
+            normal.dot(of(&self.given)) * normal.dot(direction) < 0.0
+        };
+        match scene.events[self.event[row] as usize].met.passes_any_way() && passes() {
+            true => self.beyond[row],
+            false => self.inside[row],
+        }
     }
 
     /// Removes all rows.

@@ -8,6 +8,7 @@ use crate::math::{LANES, lanes};
 use crate::polarization::kernel::Kernel;
 use crate::polarization::{Dense, Distribution, Rotation, Stokes};
 use crate::scattering::phase::half_sine2;
+use crate::scattering::side::Side;
 use crate::scattering::surface::glossy::{GlossyLanes, GlossyTable};
 use crate::scattering::surface::measured::Measured;
 use crate::scattering::surface::metallic_roughness::MetallicRoughness;
@@ -121,7 +122,7 @@ impl Model {
 
     pub fn say(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> Said {
         let (of, facing) = (self.lanes(), Self::facing());
-        let [value] = GlossyTable::shape(&of, &facing, given, drawn);
+        let [value] = GlossyTable::shape(&of, &facing, given, drawn, Side::Sensor);
         let ([kernel], axis) = GlossyTable::dense_kernels(&of, &facing, -given, drawn);
         Said { value, kernel, axis }
     }
@@ -132,7 +133,8 @@ impl Model {
 
     fn draw(&self, given: Vector<F32s>, u: [F32s; 2]) -> Drawn<1> {
         let rows = LaneRows::Same(0);
-        self.table().draw((&rows, &self.lanes()), &Self::facing(), given, u)
+        let u = [u[0], u[1], F32s::splat(0.0)];
+        self.table().draw((&rows, &self.lanes()), &Self::facing(), given, u, Side::Sensor)
     }
 
     fn scattered(&self) -> f32 {
