@@ -36,6 +36,8 @@ pub enum Form {
     Block,
     /// a, b, c, d and s.
     Spheroid,
+    /// Sixteen.
+    Dense,
 }
 
 /// A kernel's elements over M00, eight rows at a time.

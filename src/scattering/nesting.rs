@@ -321,6 +321,7 @@ impl Interfaces {
                 | SurfaceModel::Null
                 | SurfaceModel::Polarizer { .. }
                 | SurfaceModel::Retarder { .. }
+                | SurfaceModel::Sheet { .. }
                 | SurfaceModel::ThinDielectric { .. } => [1.0; N],
             };
             indices.iter().position(|known| *known == ior).unwrap_or_else(|| {

@@ -139,10 +139,19 @@ impl Rows {
                 let SpheroidBlock { a, b, c, d, s } = match event.form {
                     Form::Spheroid if is_stored => full,
                     Form::Block if is_stored => block,
-                    Form::Spheroid | Form::Block | Form::Depolarizer => none,
+                    Form::Spheroid | Form::Block | Form::Dense | Form::Depolarizer => none,
                 };
                 (kernels.a[n][row], kernels.b[n][row], kernels.c[n][row]) = (a, b, c);
                 (kernels.d[n][row], kernels.s[n][row]) = (d, s);
+                kernels.dense[row][n] = match event.form {
+                    Form::Dense if is_stored => {
+                        let SpheroidBlock { a, b, c, d, s } = full;
+                        let rows = [[1.0, a, 0.0, 0.0], [a, b, 0.0, 0.0], [0.0, 0.0, c, s]];
+                        let all = [rows[0], rows[1], rows[2], [0.0, 0.0, -s, d]];
+                        std::array::from_fn(|index| all[index / 4][index % 4])
+                    }
+                    Form::Dense | Form::Spheroid | Form::Block | Form::Depolarizer => [unread; 16],
+                };
             }
             write_vector(&mut kernels.axis, row, vertex.x.into());
         }
@@ -229,7 +238,9 @@ fn exact_light(rows: &Rows, row: usize, n: usize) -> Vec<LightCarrier<f64>> {
                 let stokes = Stokes::unpolarized().scaled(light.depolarized());
                 LightCarrier { stokes, x: vertex.x }
             }
-            Form::Block | Form::Spheroid => light.scatter(&vertex.arrival(light.x), vertex.kernel),
+            Form::Block | Form::Spheroid | Form::Dense => {
+                light.scatter(&vertex.arrival(light.x), vertex.kernel)
+            }
         });
     }
     states
@@ -383,7 +394,7 @@ fn check(case: Case, components: usize) -> f64 {
 #[test]
 fn columns_measure_what_the_algebra_measures() {
     let mut worst = 0.0_f64;
-    for form in [Form::Block, Form::Spheroid] {
+    for form in [Form::Block, Form::Spheroid, Form::Dense] {
         // All matrices apart, one for all wavelengths, and one that splits.
         for achromatic in [0, 1, 2, 5] {
             for depolarizer in [None, Some(0), Some(1), Some(2), Some(4)] {

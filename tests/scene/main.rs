@@ -16,5 +16,6 @@ mod reference;
 mod refused;
 mod room;
 mod rough;
+mod sheets;
 mod spectra;
 mod textures;

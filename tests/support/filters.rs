@@ -9,13 +9,20 @@ use super::gltf::Document;
 use super::scenes::{Named, add_panel, foggy_room, open_scene, pinhole, room, v};
 
 /// All of them.
-pub const FILTERS: [Named; 26] = [
+pub const FILTERS: [Named; 29] = [
     ("polarizers before panel and pinhole", || behind(true, &[POLARIZER], &[ANALYZER])),
     ("polarizers before point and pinhole", || behind(false, &[POLARIZER], &[ANALYZER])),
     ("wave plates before point and pinhole", || {
         behind(false, &[POLARIZER, PLATE], &[PLATE, LEAKY])
     }),
     ("crossed sheets before a panel", || behind(true, &[POLARIZER, CROSSED], &[])),
+    ("real polarizers before panel and pinhole", || behind(true, &[REAL], &[CIRCULAR])),
+    ("circular polarizers before point and pinhole", || {
+        behind(false, &[CIRCULAR, DISPERSIVE], &[MATRIX, CIRCULAR])
+    }),
+    ("a matrix before a panel, real ones crossed", || {
+        behind(true, &[MATRIX, CIRCULAR, REAL], &[DISPERSIVE, ANALYZER])
+    }),
     ("thin panes before panel and pinhole", || behind(true, &[PANE], &[PANE])),
     ("thin panes before point and pinhole", || behind(false, &[PANE], &[PANE])),
     ("stack of panes", || behind(true, &[PANE, PANE], &[PANE, POLARIZER, PANE])),
@@ -45,6 +52,15 @@ const ANALYZER: &str = r#"{"bsdf": "polarizer", "axis_deg": 75}"#;
 const CROSSED: &str = r#"{"bsdf": "polarizer", "axis_deg": 105}"#;
 const LEAKY: &str = r#"{"bsdf": "polarizer", "axis_deg": 100, "extinction_ratio": 8}"#;
 const PLATE: &str = r#"{"bsdf": "retarder", "axis_deg": 65, "retardance_deg": 100}"#;
+const REAL: &str = r#"{"bsdf": "polarizer", "axis_deg": 100, "transmittance": [0.9, 0.8, 0.6],
+    "blocked": [0.01, 0.05, 0.2]}"#;
+const CIRCULAR: &str = r#"{"bsdf": "circular_polarizer", "axis_deg": -30, "handedness": "left",
+    "extinction_ratio": 40, "retardance_deg": [70, 90, 120]}"#;
+const DISPERSIVE: &str = r#"{"bsdf": "retarder", "axis_deg": 15, "birefringence": 0.01,
+    "thickness_um": 30}"#;
+/// Of optical activity, a retarder and a depolarizer.
+const MATRIX: &str = r#"{"bsdf": "mueller", "axis_deg": 40, "matrix": [[0.7, 0.1, 0.0, 0.0],
+    [0.0, 0.3, -0.3, 0.1], [0.1, 0.2, 0.2, 0.2], [0.0, -0.1, 0.1, 0.4]]}"#;
 const PANE: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.6}"#;
 const THIN_WATER: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.33}"#;
 const MATCHED: &str = r#"{"bsdf": "dielectric", "ior": 1.4, "exterior_ior": 1.4}"#;

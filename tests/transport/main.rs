@@ -29,6 +29,7 @@ mod painted;
 mod parts;
 mod plates;
 mod reference_images;
+mod sheets;
 mod slabs;
 mod straight_on;
 mod variance;

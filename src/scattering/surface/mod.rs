@@ -21,6 +21,7 @@ mod polarizer;
 mod retarder;
 mod rough;
 mod rough_conductor;
+mod sheet;
 mod thin_dielectric;
 
 pub use crossed::Crossed;
@@ -37,6 +38,7 @@ use null::Null;
 use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
+use sheet::Sheet;
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
@@ -76,6 +78,7 @@ macro_rules! surface_models {
                 Null {} => null: Null,
                 Polarizer { axis_deg, extinction_ratio } => polarizer: Polarizer,
                 Retarder { axis_deg, retardance_deg } => retarder: Retarder,
+                Sheet { axis_deg, action } => sheet: Sheet<N>,
             }
         }
     };
@@ -154,6 +157,19 @@ macro_rules! declare {
                     $(Self::$any => true,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
+                }
+            }
+
+            /// The form of its kernel where it lets light straight on.
+            #[inline(always)]
+            pub const fn form_straight_on(self) -> Form {
+                const N: usize = 1;
+                match self {
+                    $(Self::$end => Form::Depolarizer,)*
+                    $(Self::$one => Form::Depolarizer,)*
+                    $(Self::$any => Form::Depolarizer,)*
+                    $(Self::$both => <$both_model as StraightOn<N>>::FORM,)*
+                    $(Self::$pass => <$pass_model as StraightOn<N>>::FORM,)*
                 }
             }
 

@@ -203,6 +203,7 @@ fn surface(
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }
             | Bsdf::Retarder { .. }
+            | Bsdf::Sheet { .. }
             | Bsdf::Null => false,
         },
         priority: boundary.priority,

@@ -31,19 +31,25 @@ pub const MATERIAL: Keys = Keys {
     known: &[
         "alpha",
         "axis_deg",
+        "birefringence",
+        "blocked",
         "bsdf",
         "distribution",
         "emission",
         "eta",
         "exterior_ior",
         "extinction_ratio",
+        "handedness",
         "ior",
         "k",
+        "matrix",
         "metal",
         "multiple_scattering",
         "reflectance",
         "retardance_deg",
         "roughness",
+        "thickness_um",
+        "transmittance",
     ],
     planned: &[],
 };
@@ -180,7 +186,11 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
         ("host" | "material" | "particles", "k")
-        | ("material", "reflectance")
+        | (
+            "material",
+            "birefringence" | "blocked" | "matrix" | "reflectance" | "retardance_deg"
+            | "transmittance",
+        )
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
     }
@@ -214,7 +224,7 @@ impl<'a> Body<'a> {
     }
 
     /// The keys of an object within the extension.
-    fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
+    pub fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
         let prefix = format!("{label}.");
         let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
         body.add_object(object, &label, keys)?;

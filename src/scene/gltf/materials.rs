@@ -19,6 +19,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::sheets;
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
@@ -55,14 +56,20 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 9] = [
+const MODELS: [Model; 11] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
+    Model {
+        name: "circular_polarizer",
+        keys: &sheets::CIRCULAR,
+        read: |body, _| sheets::circular_polarizer(body),
+    },
     Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
     Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
+    Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
-    Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
-    Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
+    Model { name: "polarizer", keys: &sheets::POLARIZER, read: |body, _| sheets::polarizer(body) },
+    Model { name: "retarder", keys: &sheets::RETARDER, read: |body, _| sheets::retarder(body) },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
@@ -325,6 +332,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return Ok(bsdf),
     };
     bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_DISPERSION)))?;
@@ -386,24 +394,6 @@ fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
         return Err(SceneError::new(body.field(key), problem, "make it a conductor"));
     }
     body.refraction(key, Part::Real)
-}
-
-fn polarizer(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
-    let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
-    let extinction_ratio = body.number("extinction_ratio")?.unwrap_or(f64::INFINITY);
-    Ok(Bsdf::Polarizer { axis_deg, extinction_ratio })
-}
-
-fn retarder(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
-    match body.number("retardance_deg")? {
-        Some(retardance_deg) => {
-            Ok(Bsdf::retarder(body.number("axis_deg")?.unwrap_or(0.0), retardance_deg))
-        }
-        None => {
-            let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
-            Err(SceneError::new(body.field("retardance_deg"), "is missing", remedy))
-        }
-    }
 }
 
 fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {

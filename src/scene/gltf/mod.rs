@@ -23,6 +23,7 @@ mod particles;
 mod phase_matrix;
 mod places;
 mod poses;
+mod sheets;
 mod spectra;
 mod textures;
 mod unused;

@@ -78,21 +78,7 @@ impl Body<'_> {
     /// A number or a color. `others` is what else might stand there.
     fn plain(&self, key: &str, others: &str) -> Result<Option<Spectrum>, SceneError> {
         let Some((value, field)) = self.value(key) else { return Ok(None) };
-        let number = |value: &Value| {
-            let number = value.as_f64().ok_or_else(|| {
-                let remedy = format!("write a number, [red, green, blue] or {others}");
-                SceneError::new(field, "is not a spectrum", remedy)
-            })?;
-            Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
-            Ok::<f32, SceneError>(number as f32)
-        };
-        match value.as_array().map(Vec::as_slice) {
-            Some([red, green, blue]) => {
-                Ok(Some(Spectrum::Rgb([number(red)?, number(green)?, number(blue)?])))
-            }
-            // A list of another length is no number.
-            Some(_) | None => Ok(Some(Spectrum::Constant(number(value)?))),
-        }
+        number_or_color(value, field, others).map(Some)
     }
 
     /// Numbers that must be there.
@@ -110,7 +96,27 @@ impl Body<'_> {
     }
 }
 
-fn table(body: &Body) -> Result<Spectrum, SceneError> {
+/// A number or a color, in the field `field`. `others` is what else might stand there.
+pub fn number_or_color(value: &Value, field: &str, others: &str) -> Result<Spectrum, SceneError> {
+    let number = |value: &Value| {
+        let number = value.as_f64().ok_or_else(|| {
+            let remedy = format!("write a number, [red, green, blue] or {others}");
+            SceneError::new(field, "is not a spectrum", remedy)
+        })?;
+        Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
+        Ok::<f32, SceneError>(number as f32)
+    };
+    match value.as_array().map(Vec::as_slice) {
+        Some([red, green, blue]) => {
+            Ok(Spectrum::Rgb([number(red)?, number(green)?, number(blue)?]))
+        }
+        // A list of another length is no number.
+        Some(_) | None => Ok(Spectrum::Constant(number(value)?)),
+    }
+}
+
+/// A table of wavelengths and values.
+pub fn table(body: &Body) -> Result<Spectrum, SceneError> {
     let column = |key: &str| -> Result<Vec<f32>, SceneError> {
         let column = body.column(key, &format!("write {TABLE}"))?;
         Ok(column.into_iter().map(|number| number as f32).collect())

@@ -328,6 +328,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return None,
     };
     Some((parameter, rgb(spectrum)?))
@@ -346,6 +347,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Pai
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return None,
     };
     let paint = |factor: f32, reads| {

@@ -12,6 +12,7 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use super::sheets;
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -318,6 +319,7 @@ impl Writer {
             Bsdf::Retarder { axis_deg, retardance_deg } => {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
+            Bsdf::Sheet { axis_deg, action } => sheets::written(*axis_deg, action, of),
             Bsdf::Null => json!({"bsdf": "null"}),
         }
     }

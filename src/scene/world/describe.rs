@@ -7,8 +7,8 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::{
-    Ball, Boundary, Bsdf, Component, Emission, Environment, Filling, FillsScene, Lens, MadeOf,
-    Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
+    Action, Ball, Boundary, Bsdf, Component, Delay, Emission, Environment, Filling, FillsScene,
+    Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
 };
 use crate::math::text::{counted, excerpt};
 use crate::polarization::Analyzer;
@@ -123,6 +123,28 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Retarder { axis_deg, retardance_deg } => {
             format!("linear retarder of {retardance_deg} degrees at {axis_deg} degrees")
         }
+        Bsdf::Sheet { axis_deg, action } => format!("{} at {axis_deg} degrees", sheet(action)),
+    }
+}
+
+fn sheet(action: &Action<Spectrum>) -> String {
+    let grid = |Grid { transmittance, blocked }: &Grid<Spectrum>| {
+        format!("transmittance {} along and {} across", spectrum(transmittance), spectrum(blocked))
+    };
+    let delay = |delay: &Delay<Spectrum>| match delay {
+        Delay::Degrees(degrees) => format!("of {} degrees", spectrum(degrees)),
+        Delay::Crystal { birefringence, thickness } => {
+            format!("of birefringence {} over {} nm", spectrum(birefringence), spectrum(thickness))
+        }
+    };
+    match action {
+        Action::Polarizer(polarizer) => format!("linear polarizer, {}", grid(polarizer)),
+        Action::Retarder(retarder) => format!("linear retarder {}", delay(retarder)),
+        Action::Circular { polarizer, retarder, hand } => {
+            let (hand, polarizer, retarder) = (hand.name(), grid(polarizer), delay(retarder));
+            format!("{hand} circular polarizer, {polarizer}, retarder {retarder}")
+        }
+        Action::Matrix(elements) => format!("Mueller matrix, M00 {}", spectrum(&elements[0])),
     }
 }
 

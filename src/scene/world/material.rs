@@ -1,5 +1,6 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::sheet::Action;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
@@ -94,6 +95,14 @@ pub enum SurfaceModel<S> {
         /// Retardance in degrees.
         retardance_deg: f64,
     },
+    /// Sheet that does more than those two: polarizers by their transmittances, retarders with
+    /// dispersion, circular polarizers, Mueller matrices.
+    Sheet {
+        /// Its axis from the node's x axis, counter-clockwise about the front's normal.
+        axis_deg: f64,
+        /// What it does to light in the frame of the axis.
+        action: Action<S>,
+    },
     /// Nothing but a boundary between media of the same index of refraction.
     Null,
 }
@@ -146,6 +155,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => return false,
         }
         true
@@ -243,6 +253,7 @@ impl Bsdf {
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => Ok(self.clone()),
         }
     }
@@ -262,6 +273,7 @@ impl Bsdf {
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => false,
         }
     }
@@ -303,6 +315,10 @@ impl Bsdf {
             Self::Retarder { axis_deg, retardance_deg } => {
                 Range::ANY.check("axis_deg", *axis_deg)?;
                 Range::ANY.check("retardance_deg", *retardance_deg)
+            }
+            Self::Sheet { axis_deg, action } => {
+                Range::ANY.check("axis_deg", *axis_deg)?;
+                action.check()
             }
         }
     }
@@ -396,6 +412,10 @@ impl<S> SurfaceModel<S> {
             &Self::Retarder { axis_deg, retardance_deg } => {
                 SurfaceModel::Retarder { axis_deg, retardance_deg }
             }
+            Self::Sheet { axis_deg, action } => {
+                let action = action.sampled(&mut sample)?;
+                SurfaceModel::Sheet { axis_deg: *axis_deg, action }
+            }
             Self::Null => SurfaceModel::Null,
         })
     }
@@ -422,6 +442,7 @@ impl<S> SurfaceModel<S> {
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => self,
         }
     }
@@ -435,9 +456,10 @@ impl<S> SurfaceModel<S> {
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. } => Passage::Closed,
             Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
-            Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
-                Passage::Sheet
-            }
+            Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Sheet { .. } => Passage::Sheet,
             Self::Null => Passage::Boundary,
         }
     }

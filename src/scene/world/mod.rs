@@ -32,6 +32,7 @@ mod mesh;
 mod particles;
 mod phase_matrix;
 mod shape;
+mod sheet;
 mod texture;
 mod transform;
 
@@ -56,6 +57,7 @@ pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub use self::sheet::{Action, Delay, Grid, Hand};
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector, lanes};
-use crate::polarization::kernel::{Block, SpheroidBlock};
+use crate::polarization::kernel::{Block, Dense, SpheroidBlock};
 use crate::polarization::{Departure, Rotation, SensorMatrix, SensorRow, film_axis};
 use crate::scattering::event::Form;
 use crate::transport::sides::SensorSide;
@@ -33,6 +33,7 @@ pub fn collect_sensor<const N: usize, C: SensorSide<N>>(
             Form::Depolarizer => {}
             Form::Block => collect::<N, Block<F32s>>(carriers, kernels, rays, part),
             Form::Spheroid => collect::<N, SpheroidBlock<F32s>>(carriers, kernels, rays, part),
+            Form::Dense => collect::<N, Dense<F32s>>(carriers, kernels, rays, part),
         }
     }
 }

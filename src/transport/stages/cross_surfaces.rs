@@ -3,7 +3,8 @@
 use crate::math::{Vector, lanes};
 use crate::scattering::event::{Event, Form};
 use crate::scattering::surface::{Crossed, SurfaceKind};
-use crate::scattering::{Met, Scene};
+use crate::scattering::{Met, Scene, Side};
+use crate::transport::crossing::dense_at;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
@@ -24,7 +25,7 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     flights: &FlightTable<N>,
     scene: &Scene<N>,
 ) {
-    let &Crossing { crossings, part } = crossing;
+    let &Crossing { crossings, part, side } = crossing;
     partition.parts.clear();
     let model = match part.kind {
         Crossed::Model(kind) => Some((kind, event_of(kind))),
@@ -56,6 +57,11 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
                     partition.parts.push(Part { event, class, rows: row..row + 1 });
                 }
             }
+            if event.form == Form::Dense {
+                let matrices = dense_at(crossings, (kind, index), scene, side == Side::Sensor);
+                kernels.store_dense(&matrices, lanes::row_of(&crossings.axis, index), row);
+                continue;
+            }
             let blocks = crossings.kernels(index, kind);
             let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
             kernels.store_events((event.form, event.achromatic), &(blocks, axis), (row, row + 1));
@@ -65,5 +71,9 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
 
 /// What goes straight on through a model has met.
 fn event_of(kind: SurfaceKind) -> Event {
-    Event { met: Met::Surface(kind), form: Form::Block, achromatic: kind.passes_alike() }
+    Event {
+        met: Met::Surface(kind),
+        form: kind.form_straight_on(),
+        achromatic: kind.passes_alike(),
+    }
 }

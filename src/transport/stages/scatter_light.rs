@@ -2,7 +2,7 @@
 
 use crate::math::columns::Column;
 use crate::math::{F32s, LANES, Vector};
-use crate::polarization::kernel::{Block, SpheroidBlock};
+use crate::polarization::kernel::{Block, Dense, SpheroidBlock};
 use crate::polarization::{Arrival, LightCarrier};
 use crate::scattering::event::Form;
 use crate::transport::sides::LightSide;
@@ -28,6 +28,7 @@ pub fn scatter_light<const N: usize, C: LightSide<N>>(
             Form::Depolarizer => {}
             Form::Block => scatter::<N, Block<F32s>>(carriers, kernels, direction, part),
             Form::Spheroid => scatter::<N, SpheroidBlock<F32s>>(carriers, kernels, direction, part),
+            Form::Dense => scatter::<N, Dense<F32s>>(carriers, kernels, direction, part),
         }
     }
 }

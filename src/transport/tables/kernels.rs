@@ -2,7 +2,7 @@
 
 use crate::math::columns::{Channels, Column, columns};
 use crate::math::{F32s, Vector, lanes};
-use crate::polarization::kernel::{Block, Kernel, SpheroidBlock};
+use crate::polarization::kernel::{Block, Dense, Kernel, SpheroidBlock};
 use crate::scattering::event::Form;
 
 columns! {
@@ -29,6 +29,9 @@ columns! {
         pub d: Channels<N>,
         /// M23: sine-like element of the lower block.
         pub s: Channels<N>,
+        /// All sixteen elements, row by row; only for dense kernels, which are few: room that
+        /// nothing is written to costs no memory.
+        pub dense: Vec<[[f32; 16]; N]>,
         /// The x axis of the block's frames: perpendicular to the light before and after.
         pub axis: [Column; 3],
     }
@@ -50,17 +53,33 @@ impl<const N: usize> KernelColumns<N> {
                 Form::Depolarizer => {}
                 Form::Block => Block { a, c, s }.store(self, n, row, end),
                 Form::Spheroid => kernel.store(self, n, row, end),
+                Form::Dense => unreachable!("dense kernels are no spheroids: see `store_dense`"),
             }
         }
         axis.store(&mut self.axis, row, end);
     }
+
+    /// Writes the dense kernels of a row, whose axis is `x`.
+    pub fn store_dense(&mut self, kernels: &[Dense<f32>; N], x: [f32; 3], row: usize) {
+        for (to, Dense(matrix)) in self.dense[row].iter_mut().zip(kernels) {
+            for (to, from) in to.iter_mut().zip(matrix.iter().flatten()) {
+                *to = *from;
+            }
+        }
+        for (column, x) in self.axis.iter_mut().zip(x) {
+            column[row] = x;
+        }
+    }
 }
 
-/// Kernels that the columns hold, eight rows at a time.
+/// Kernels that are read from the columns, eight rows at a time.
 pub trait StoredKernel: Kernel<F32s> {
     /// Reads the rows from `row` on.
     fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self;
+}
 
+/// And written.
+trait Store {
     /// Writes the rows from `row` to `end`, eight at most.
     fn store<const N: usize>(
         self,
@@ -80,7 +99,9 @@ impl StoredKernel for Block<F32s> {
             s: lanes::load(&columns.s[channel], row),
         }
     }
+}
 
+impl Store for Block<F32s> {
     #[inline(always)]
     fn store<const N: usize>(
         self,
@@ -102,7 +123,9 @@ impl StoredKernel for SpheroidBlock<F32s> {
         let b = lanes::load(&columns.b[channel], row);
         Self { a, b, c, d: lanes::load(&columns.d[channel], row), s }
     }
+}
 
+impl Store for SpheroidBlock<F32s> {
     #[inline(always)]
     fn store<const N: usize>(
         self,
@@ -114,5 +137,17 @@ impl StoredKernel for SpheroidBlock<F32s> {
         Block { a: self.a, c: self.c, s: self.s }.store(columns, channel, row, end);
         lanes::store(&mut columns.b[channel], row, end, self.b);
         lanes::store(&mut columns.d[channel], row, end, self.d);
+    }
+}
+
+impl StoredKernel for Dense<F32s> {
+    #[inline(always)]
+    fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self {
+        let mut elements = [[F32s::ZERO; 4]; 4];
+        for (index, element) in elements.iter_mut().flatten().enumerate() {
+            let of = lanes::each(|lane| columns.dense[row + lane][channel][index]);
+            *element = F32s::from(of);
+        }
+        Self(elements)
     }
 }
