@@ -316,6 +316,8 @@ impl Interfaces {
                 SurfaceModel::Absorber
                 | SurfaceModel::Conductor { .. }
                 | SurfaceModel::MetallicRoughness { .. }
+                | SurfaceModel::FilmedConductor { .. }
+                | SurfaceModel::FilmedDielectric { .. }
                 | SurfaceModel::RoughConductor { .. }
                 | SurfaceModel::Diffuse { .. }
                 | SurfaceModel::Null

@@ -9,7 +9,7 @@ use super::gltf::Document;
 use super::scenes::{Named, add_panel, foggy_room, open_scene, pinhole, room, v};
 
 /// All of them.
-pub const FILTERS: [Named; 29] = [
+pub const FILTERS: [Named; 30] = [
     ("polarizers before panel and pinhole", || behind(true, &[POLARIZER], &[ANALYZER])),
     ("polarizers before point and pinhole", || behind(false, &[POLARIZER], &[ANALYZER])),
     ("wave plates before point and pinhole", || {
@@ -44,6 +44,7 @@ pub const FILTERS: [Named; 29] = [
     ("sheet within glass", sheet_within_glass),
     ("sheet and pane before a mirror", before_a_mirror),
     ("sheets laid on panel, mirror and glass", laid_on),
+    ("films on metal and glass", films),
     ("fog that fills half a room, beside another", side_by_side),
 ];
 
@@ -281,6 +282,21 @@ fn laid_on() -> World {
     scene.cuboid(v(0.2, -0.6, 0.2), v(0.5, 0.3, 0.4), glass);
     scene.quad(v(0.2, -0.6, 0.6), v(0.4, 0.0, 0.0), v(0.0, 0.25, 0.0), polarizer);
     pinhole(scene).load("sheets laid on panel, mirror and glass")
+}
+
+/// Films are no sheets, but are seen through them.
+fn films() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.6, 5.0);
+    let metal = r#"{"bsdf": "conductor", "metal": "Ti", "film": {"eta": 2.2, "thickness_nm": 90}}"#;
+    let metal = sheet(&mut scene, metal);
+    scene.quad(v(0.0, 0.0, -0.8), v(0.8, 0.0, 0.0), v(0.0, 0.8, 0.0), metal);
+    let glass = r#"{"bsdf": "dielectric", "ior": 1.5,
+        "film": {"eta": 1.8, "k": 0.05, "thickness_nm": 400}}"#;
+    let glass = sheet(&mut scene, glass);
+    scene.sphere(v(0.3, -0.5, 0.2), 0.4, glass);
+    before_camera(&mut scene, &[ANALYZER]);
+    pinhole(scene).load("films on metal and glass")
 }
 
 /// Media that share walls with the room and with each other.

@@ -17,6 +17,7 @@ mod contacts;
 mod convergence;
 mod door;
 mod emitters;
+mod films;
 mod furnace;
 mod glimpses;
 mod grounds;

@@ -143,8 +143,9 @@ fn retarders_disperse() {
         json!({"birefringence": {"nm": [400.0, 700.0], "value": [0.0095, 0.0089]},
             "thickness_um": 63.0}),
     ];
-    let delays: [fn(f64) -> f64; 3] = [
-        |nm| {
+    // Of the wavelengths at which indices stand for the channels, and of those that tell lengths.
+    let delays: [fn(f64, f64) -> f64; 3] = [
+        |nm, _| {
             if nm > 600.0 {
                 150.0
             } else if nm > 500.0 {
@@ -153,18 +154,18 @@ fn retarders_disperse() {
                 20.0
             }
         },
-        |nm| 360.0 * 0.009 * 40_000.0 / nm,
-        |nm| 360.0 * (0.0095 - 0.0006 * (nm - 400.0) / 300.0) * 63_000.0 / nm,
+        |_, waves_nm| 360.0 * 0.009 * 40_000.0 / waves_nm,
+        |nm, waves_nm| 360.0 * (0.0095 - 0.0006 * (nm - 400.0) / 300.0) * 63_000.0 / waves_nm,
     ];
-    // What stands for the channels where a length is told by wavelengths, and where no length is.
-    let places = [[650.0, 550.0, 450.0], [605.0, 542.0, 455.0], [605.0, 542.0, 455.0]];
-    for ((mut plate, delay), waves) in plates.into_iter().zip(delays).zip(places) {
+    for (mut plate, delay) in plates.into_iter().zip(delays) {
         plate["bsdf"] = json!("retarder");
         plate["axis_deg"] = json!(45);
         let row = Row::of(vec![ideal(0.0), plate, ideal(90.0)]);
         let found = row.stokes::<3>(Color::Rgb, Integrator::Path);
-        for (found, nm) in found.iter().zip(waves) {
-            let expected = 0.5 * (0.5 * delay(nm)).to_radians().sin().powi(2);
+        for (found, [nm, waves_nm]) in
+            found.iter().zip([[650.0, 605.0], [550.0, 542.0], [450.0, 455.0]])
+        {
+            let expected = 0.5 * (0.5 * delay(nm, waves_nm)).to_radians().sin().powi(2);
             // Retardances of thousands of degrees in single precision.
             assert!((f64::from(found[0]) - expected).abs() < 1e-4, "{found:?} {expected}");
         }

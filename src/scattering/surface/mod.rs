@@ -14,6 +14,9 @@ mod diffuse;
 mod dispersive_dielectric;
 mod element;
 mod facing;
+mod film;
+mod filmed_conductor;
+mod filmed_dielectric;
 mod metallic_roughness;
 pub mod model;
 mod null;
@@ -33,6 +36,8 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use filmed_conductor::FilmedConductor;
+use filmed_dielectric::FilmedDielectric;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
 use polarizer::Polarizer;
@@ -63,6 +68,9 @@ macro_rules! surface_models {
                 Dielectric { ior, exterior_ior } => dielectric: Dielectric,
                 DispersiveDielectric { ior, exterior_ior } =>
                     dispersive_dielectric: DispersiveDielectric<N>,
+                FilmedConductor { eta, k, film } => filmed_conductor: FilmedConductor<N>,
+                FilmedDielectric { ior, exterior_ior, film } =>
+                    filmed_dielectric: FilmedDielectric<N>,
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
@@ -531,8 +539,8 @@ mod tests {
     #[test]
     fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         use SurfaceKind::{
-            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness,
-            RoughConductor, ThinDielectric,
+            Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
+            FilmedDielectric, MetallicRoughness, RoughConductor, ThinDielectric,
         };
         let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
         let expected = [
@@ -540,6 +548,8 @@ mod tests {
             Conductor,
             Dielectric,
             DispersiveDielectric,
+            FilmedConductor,
+            FilmedDielectric,
             ThinDielectric,
             Diffuse,
             RoughConductor,

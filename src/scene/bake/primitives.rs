@@ -199,6 +199,8 @@ fn surface(
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::FilmedDielectric { .. }
             | Bsdf::RoughConductor { .. }
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }

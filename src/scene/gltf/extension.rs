@@ -39,6 +39,7 @@ pub const MATERIAL: Keys = Keys {
         "eta",
         "exterior_ior",
         "extinction_ratio",
+        "film",
         "handedness",
         "ior",
         "k",
@@ -128,6 +129,9 @@ pub const SPECTRUM: Keys =
 /// Keys of the real part of an index of refraction.
 pub const INDEX: Keys =
     Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
+/// Keys of a film on a surface.
+pub const THIN_FILM: Keys =
+    Keys { definition: "thin_film", known: &["eta", "k", "thickness_nm"], planned: &[] };
 /// Keys of Sellmeier's formula.
 pub const SELLMEIER: Keys =
     Keys { definition: "sellmeier", known: &["b", "c_um2", "range_nm"], planned: &[] };
@@ -145,7 +149,7 @@ pub const EMISSION: Keys = Keys {
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 19] = [
+pub const ALL: [&Keys; 20] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -164,6 +168,7 @@ pub const ALL: [&Keys; 19] = [
     &INDEX,
     &SELLMEIER,
     &CAUCHY,
+    &THIN_FILM,
     &EMISSION,
 ];
 
@@ -174,18 +179,18 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("camera", "film") => Some(&FILM),
         ("film", "analyzer") => Some(&ANALYZER),
         ("scene", "environment") => Some(&ENVIRONMENT),
+        ("material", "film") => Some(&THIN_FILM),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),
         ("medium", "table") => Some(&MATRIX),
         ("particles", "distribution") => Some(&DISTRIBUTION),
         ("environment", "radiance") | ("light" | "material", "emission") => Some(&EMISSION),
-        ("host" | "material" | "particles", "eta") | ("material", "exterior_ior" | "ior") => {
-            Some(&INDEX)
-        }
+        ("host" | "material" | "particles" | "thin_film", "eta")
+        | ("material", "exterior_ior" | "ior") => Some(&INDEX),
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
-        ("host" | "material" | "particles", "k")
+        ("host" | "material" | "particles" | "thin_film", "k")
         | (
             "material",
             "birefringence" | "blocked" | "matrix" | "reflectance" | "retardance_deg"

@@ -19,6 +19,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::films;
 use super::sheets;
 use super::spectra::Part;
 use super::volume::Volume;
@@ -63,8 +64,8 @@ const MODELS: [Model; 11] = [
         keys: &sheets::CIRCULAR,
         read: |body, _| sheets::circular_polarizer(body),
     },
-    Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
-    Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
+    Model { name: "conductor", keys: &["eta", "film", "k", "metal"], read: conductor },
+    Model { name: "dielectric", keys: &["exterior_ior", "film", "ior"], read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
     Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
@@ -173,6 +174,7 @@ impl Import<'_> {
         let volume = Volume::of(value, label)?;
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
+        let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
@@ -328,6 +330,8 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
@@ -377,7 +381,17 @@ fn diffuse(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
 
 fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
-    Ok(Bsdf::boundary(ior, refraction(body, "exterior_ior")?.unwrap_or(1.0.into())))
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
+    let Some(film) = films::stated(body)? else { return Ok(Bsdf::boundary(ior, exterior_ior)) };
+    match (ior, exterior_ior) {
+        (Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
+            Ok(Bsdf::FilmedDielectric { ior, exterior_ior, film })
+        }
+        (_, _) => {
+            let problem = "films on glass with dispersion are not supported";
+            Err(SceneError::new(body.field("film"), problem, "give indices that are numbers"))
+        }
+    }
 }
 
 fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
@@ -398,7 +412,10 @@ fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
 
 fn conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "conductor")?;
-    Ok(Bsdf::Conductor { eta, k })
+    Ok(match films::stated(body)? {
+        Some(film) => Bsdf::FilmedConductor { eta, k, film },
+        None => Bsdf::Conductor { eta, k },
+    })
 }
 
 fn rough_conductor(body: &Body, _: &json::Material) -> Result<Bsdf, SceneError> {

@@ -13,6 +13,7 @@ mod edit;
 mod edited;
 mod extension;
 pub(super) mod files;
+mod films;
 mod hierarchy;
 mod instances;
 mod lights;

@@ -325,6 +325,8 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::RoughConductor { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
@@ -344,6 +346,8 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Option<[(Parameter, Pai
         | Bsdf::RoughConductor { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }

@@ -320,6 +320,17 @@ impl Writer {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
             Bsdf::Sheet { axis_deg, action } => sheets::written(*axis_deg, action, of),
+            Bsdf::FilmedConductor { eta, k, film } => {
+                let film = json!({"eta": of(&film.eta), "k": of(&film.k),
+                    "thickness_nm": of(&film.thickness)});
+                json!({"bsdf": "conductor", "eta": of(eta), "k": of(k), "film": film})
+            }
+            Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
+                let film = json!({"eta": of(&film.eta), "k": of(&film.k),
+                    "thickness_nm": of(&film.thickness)});
+                json!({"bsdf": "dielectric", "ior": ior, "exterior_ior": exterior_ior,
+                    "film": film})
+            }
             Bsdf::Null => json!({"bsdf": "null"}),
         }
     }

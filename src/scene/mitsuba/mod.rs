@@ -243,6 +243,8 @@ impl Import<'_> {
             | Bsdf::Conductor { .. }
             | Bsdf::RoughConductor { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
             | Bsdf::ThinDielectric { .. }
@@ -377,6 +379,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
         | Bsdf::Sheet { .. } => return None,

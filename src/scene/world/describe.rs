@@ -8,7 +8,8 @@ use hecs::Entity;
 
 use super::{
     Action, Ball, Boundary, Bsdf, Component, Delay, Emission, Environment, Filling, FillsScene,
-    Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, Transform, World,
+    Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Resolution, Sides, ThinFilm,
+    Transform, World,
 };
 use crate::math::text::{counted, excerpt};
 use crate::polarization::Analyzer;
@@ -116,6 +117,14 @@ fn model(bsdf: &Bsdf) -> String {
             let (behind, before) = (spectrum(ior), spectrum(exterior_ior));
             format!("smooth dispersive dielectric, ior {behind} behind and {before} before it")
         }
+        Bsdf::FilmedConductor { eta, k, film } => {
+            let (eta, k) = (spectrum(eta), spectrum(k));
+            format!("smooth conductor, eta {eta}, k {k}, {}", thin_film(film))
+        }
+        Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
+            let film = thin_film(film);
+            format!("smooth dielectric, ior {ior} behind and {exterior_ior} before it, {film}")
+        }
         Bsdf::Null => "boundary between media".to_owned(),
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
             format!("linear polarizer at {axis_deg} degrees, extinction ratio {extinction_ratio}")
@@ -125,6 +134,11 @@ fn model(bsdf: &Bsdf) -> String {
         }
         Bsdf::Sheet { axis_deg, action } => format!("{} at {axis_deg} degrees", sheet(action)),
     }
+}
+
+fn thin_film(film: &ThinFilm<Spectrum>) -> String {
+    let (eta, k, thickness) = (spectrum(&film.eta), spectrum(&film.k), spectrum(&film.thickness));
+    format!("under a film of eta {eta}, k {k}, {thickness} nm thick")
 }
 
 fn sheet(action: &Action<Spectrum>) -> String {

@@ -1,6 +1,7 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
 use super::sheet::Action;
+use super::thin_film::ThinFilm;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
@@ -71,6 +72,25 @@ pub enum SurfaceModel<S> {
         ior: S,
         /// Index of refraction before the front, greater than zero; 1 in vacuum.
         exterior_ior: S,
+    },
+    /// Smooth metal of index n - i k under a thin film.
+    FilmedConductor {
+        /// Real part n > 0 of the index of refraction.
+        eta: S,
+        /// Extinction coefficient k >= 0.
+        k: S,
+        /// The film.
+        film: ThinFilm<S>,
+    },
+    /// Smooth boundary between two dielectrics under a thin film. Its indices are its own, whatever
+    /// it touches.
+    FilmedDielectric {
+        /// Index of refraction behind the front, greater than zero.
+        ior: f32,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
+        /// The film.
+        film: ThinFilm<S>,
     },
     /// Pane of a dielectric, thin beside the scene but thick beside the wavelength: all reflections
     /// within it add up, without interference, and light goes straight on. Its indices may depend
@@ -150,6 +170,8 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             Self::Absorber
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -250,6 +272,8 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
@@ -269,6 +293,8 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
@@ -286,6 +312,16 @@ impl Bsdf {
             Self::Conductor { eta, k } => {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)
+            }
+            Self::FilmedConductor { eta, k, film } => {
+                eta.check("eta", Range::POSITIVE)?;
+                k.check("k", Range::NOT_NEGATIVE)?;
+                film.check()
+            }
+            Self::FilmedDielectric { ior, exterior_ior, film } => {
+                let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
+                check_indices(&ior, &exterior_ior)?;
+                film.check()
             }
             Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
                 eta.check("eta", Range::POSITIVE)?;
@@ -396,6 +432,14 @@ impl<S> SurfaceModel<S> {
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
+            Self::FilmedConductor { eta, k, film } => {
+                let (eta, k) = (index(eta, "eta")?, index(k, "k")?);
+                SurfaceModel::FilmedConductor { eta, k, film: film.sampled(&mut sample)? }
+            }
+            &Self::FilmedDielectric { ior, exterior_ior, ref film } => {
+                let film = film.sampled(&mut sample)?;
+                SurfaceModel::FilmedDielectric { ior, exterior_ior, film }
+            }
             Self::DispersiveDielectric { ior, exterior_ior } => {
                 let ior = index(ior, "ior")?;
                 let exterior_ior = index(exterior_ior, "exterior_ior")?;
@@ -437,6 +481,8 @@ impl<S> SurfaceModel<S> {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
@@ -454,8 +500,11 @@ impl<S> SurfaceModel<S> {
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::FilmedConductor { .. }
             | Self::MetallicRoughness { .. } => Passage::Closed,
-            Self::Dielectric { .. } | Self::DispersiveDielectric { .. } => Passage::Body,
+            Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
+            | Self::FilmedDielectric { .. } => Passage::Body,
             Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }

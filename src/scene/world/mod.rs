@@ -34,6 +34,7 @@ mod phase_matrix;
 mod shape;
 mod sheet;
 mod texture;
+mod thin_film;
 mod transform;
 
 use std::collections::HashMap;
@@ -61,6 +62,7 @@ pub use self::sheet::{Action, Delay, Grid, Hand};
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };
+pub use self::thin_film::ThinFilm;
 pub use self::transform::Transform;
 
 /// A scene: made in code, or read from a file, and edited.
