@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Action, Bsdf, Delay, Grid, Hand, Material, Sides};
+use sunstone::world::{Action, Bsdf, Delay, Grid, Hand, Material, Sides, ThinFilm};
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
@@ -39,7 +39,16 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "conductor" => conductor(keys)?,
         "dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
-            Bsdf::boundary(ior, exterior_ior)
+            match (film(keys)?, ior, exterior_ior) {
+                (None, ior, exterior_ior) => Bsdf::boundary(ior, exterior_ior),
+                (Some(film), Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
+                    Bsdf::FilmedDielectric { ior, exterior_ior, film }
+                }
+                _ => {
+                    let problem = "films on glass with dispersion are not supported";
+                    return Err(keys.refuse("film", problem, "give indices that are numbers"));
+                }
+            }
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
@@ -145,7 +154,22 @@ fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "conductor")?;
-    Ok(Bsdf::Conductor { eta, k })
+    Ok(match film(keys)? {
+        Some(film) => Bsdf::FilmedConductor { eta, k, film },
+        None => Bsdf::Conductor { eta, k },
+    })
+}
+
+/// A thin film, if there is one.
+fn film(keys: &Keys) -> PyResult<Option<ThinFilm<Spectrum>>> {
+    let Some(film) = keys.part("film")? else { return Ok(None) };
+    let remedy = "the real part of the film's index of refraction";
+    let eta = film.refraction("eta", Part::Real)?;
+    let eta = eta.ok_or_else(|| film.refuse("eta", "is missing", remedy))?;
+    let k = film.refraction("k", Part::Extinction)?.unwrap_or(0.0.into());
+    let thickness_nm: f32 = film.need("thickness_nm", "in nanometers, as 300")?;
+    film.finish("a film")?;
+    Ok(Some(ThinFilm::new(eta, k, thickness_nm)))
 }
 
 fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {

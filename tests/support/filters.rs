@@ -16,13 +16,6 @@ pub const FILTERS: [Named; 30] = [
         behind(false, &[POLARIZER, PLATE], &[PLATE, LEAKY])
     }),
     ("crossed sheets before a panel", || behind(true, &[POLARIZER, CROSSED], &[])),
-    ("real polarizers before panel and pinhole", || behind(true, &[REAL], &[CIRCULAR])),
-    ("circular polarizers before point and pinhole", || {
-        behind(false, &[CIRCULAR, DISPERSIVE], &[MATRIX, CIRCULAR])
-    }),
-    ("a matrix before a panel, real ones crossed", || {
-        behind(true, &[MATRIX, CIRCULAR, REAL], &[DISPERSIVE, ANALYZER])
-    }),
     ("thin panes before panel and pinhole", || behind(true, &[PANE], &[PANE])),
     ("thin panes before point and pinhole", || behind(false, &[PANE], &[PANE])),
     ("stack of panes", || behind(true, &[PANE, PANE], &[PANE, POLARIZER, PANE])),
@@ -44,8 +37,15 @@ pub const FILTERS: [Named; 30] = [
     ("sheet within glass", sheet_within_glass),
     ("sheet and pane before a mirror", before_a_mirror),
     ("sheets laid on panel, mirror and glass", laid_on),
-    ("films on metal and glass", films),
     ("fog that fills half a room, beside another", side_by_side),
+    ("real polarizers before panel and pinhole", || behind(true, &[REAL], &[CIRCULAR])),
+    ("circular polarizers before point and pinhole", || {
+        behind(false, &[CIRCULAR, DISPERSIVE], &[MATRIX, CIRCULAR])
+    }),
+    ("a matrix before a panel, real ones crossed", || {
+        behind(true, &[MATRIX, CIRCULAR, REAL], &[DISPERSIVE, ANALYZER])
+    }),
+    ("films on metal and glass", films),
 ];
 
 const POLARIZER: &str = r#"{"bsdf": "polarizer", "axis_deg": 20}"#;
@@ -59,9 +59,9 @@ const CIRCULAR: &str = r#"{"bsdf": "circular_polarizer", "axis_deg": -30, "hande
     "extinction_ratio": 40, "retardance_deg": [70, 90, 120]}"#;
 const DISPERSIVE: &str = r#"{"bsdf": "retarder", "axis_deg": 15, "birefringence": 0.01,
     "thickness_um": 30}"#;
-/// Of optical activity, a retarder and a depolarizer.
-const MATRIX: &str = r#"{"bsdf": "mueller", "axis_deg": 40, "matrix": [[0.7, 0.1, 0.0, 0.0],
-    [0.0, 0.3, -0.3, 0.1], [0.1, 0.2, 0.2, 0.2], [0.0, -0.1, 0.1, 0.4]]}"#;
+/// Turns S1 to S2, S2 to S3 and that to S1, and depolarizes half of the light.
+const MATRIX: &str = r#"{"bsdf": "mueller", "axis_deg": 40, "matrix": [[0.6, 0.1, 0.0, 0.0],
+    [0.0, 0.0, 0.0, 0.3], [0.1, 0.3, 0.0, 0.0], [0.0, 0.0, 0.3, 0.0]]}"#;
 const PANE: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.6}"#;
 const THIN_WATER: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.33}"#;
 const MATCHED: &str = r#"{"bsdf": "dielectric", "ior": 1.4, "exterior_ior": 1.4}"#;
