@@ -383,15 +383,11 @@ fn dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
     let Some(film) = films::stated(body)? else { return Ok(Bsdf::boundary(ior, exterior_ior)) };
-    match (ior, exterior_ior) {
-        (Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
-            Ok(Bsdf::FilmedDielectric { ior, exterior_ior, film })
-        }
-        (_, _) => {
-            let problem = "films on glass with dispersion are not supported";
-            Err(SceneError::new(body.field("film"), problem, "give indices that are numbers"))
-        }
+    if let (&Spectrum::Constant(ior), &Spectrum::Constant(exterior_ior)) = (&ior, &exterior_ior) {
+        return Ok(Bsdf::FilmedDielectric { ior, exterior_ior, film });
     }
+    let problem = "films on glass with dispersion are not supported";
+    Err(SceneError::new(body.field("film"), problem, "give indices that are numbers"))
 }
 
 fn thin_dielectric(body: &Body, material: &json::Material) -> Result<Bsdf, SceneError> {
