@@ -2,7 +2,10 @@
 
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
-use sunstone::world::{Bsdf, EmittedStokes, InternalReflection, Material, Sides};
+use sunstone::world::{
+    Action, Bsdf, Coat, Delay, EmittedStokes, Grid, Hand, InternalReflection, Material, Sides,
+    ThinFilm,
+};
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
@@ -15,8 +18,9 @@ const IOR: f32 = 1.5;
 const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
-const MODELS: &str = "use one of absorber, conductor, dielectric, diffuse, null, plastic, \
-                      polarizer, retarder, rough_conductor, rough_dielectric, thin_dielectric";
+const MODELS: &str = "use one of absorber, circular_polarizer, conductor, dielectric, diffuse, \
+                      mueller, null, plastic, polarizer, retarder, rough_conductor, \
+                      rough_dielectric, thin_dielectric";
 
 /// A material, and how what it emits is polarized: in a state, or by its heat.
 pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>, bool)> {
@@ -46,20 +50,55 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "conductor" => conductor(keys)?,
         "dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
-            Bsdf::boundary(ior, exterior_ior)
+            match (film(keys)?, ior, exterior_ior) {
+                (None, ior, exterior_ior) => Bsdf::boundary(ior, exterior_ior),
+                (Some(film), Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
+                    Bsdf::FilmedDielectric { ior, exterior_ior, film }
+                }
+                _ => {
+                    let problem = "films on glass with dispersion are not supported";
+                    return Err(keys.refuse("film", problem, "give indices that are numbers"));
+                }
+            }
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
         "plastic" => plastic(keys)?,
-        "polarizer" => Bsdf::Polarizer {
-            axis_deg: axis_deg()?,
-            extinction_ratio: keys.take("extinction_ratio")?.unwrap_or(f64::INFINITY),
+        "circular_polarizer" => {
+            let hand: Option<String> = keys.take("handedness")?;
+            let hand = match hand.as_deref() {
+                None => Hand::default(),
+                Some(name) => Hand::named(name).ok_or_else(|| {
+                    let problem = format!("`{name}` is no sense of rotation");
+                    keys.refuse("handedness", &problem, "use right or left")
+                })?,
+            };
+            let retarder = delay(keys)?.unwrap_or(Delay::Degrees(90.0.into()));
+            let action = Action::Circular { polarizer: grid(keys)?, retarder, hand };
+            Bsdf::Sheet { axis_deg: axis_deg()?, action }
+        }
+        "mueller" => {
+            let axis_deg = axis_deg()?;
+            Bsdf::Sheet { axis_deg, action: Action::Matrix(matrix(keys)?) }
+        }
+        "polarizer" => match (axis_deg()?, grid(keys)?) {
+            (axis_deg, Grid { transmittance, blocked: Spectrum::Constant(blocked) })
+                if transmittance == 1.0.into() =>
+            {
+                Bsdf::Polarizer { axis_deg, extinction_ratio: f64::from(blocked).recip() }
+            }
+            (axis_deg, grid) => Bsdf::Sheet { axis_deg, action: Action::Polarizer(grid) },
         },
-        "retarder" => Bsdf::Retarder {
-            axis_deg: axis_deg()?,
-            retardance_deg: keys
-                .need("retardance_deg", "90 for a quarter-wave plate, 180 for a half-wave plate")?,
-        },
+        "retarder" => {
+            let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
+            let missing = || keys.refuse("retardance_deg", "is missing", remedy);
+            match (axis_deg()?, delay(keys)?.ok_or_else(missing)?) {
+                (axis_deg, Delay::Degrees(Spectrum::Constant(degrees))) => {
+                    Bsdf::retarder(axis_deg, degrees.into())
+                }
+                (axis_deg, delay) => Bsdf::Sheet { axis_deg, action: Action::Retarder(delay) },
+            }
+        }
         "rough_conductor" => rough_conductor(keys)?,
         "rough_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
@@ -74,6 +113,57 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
     })
 }
 
+/// Transmittances of a polarizer, of which that across the axis may follow from a ratio.
+fn grid(keys: &Keys) -> PyResult<Grid<Spectrum>> {
+    let transmittance = keys.spectrum("transmittance")?.unwrap_or(1.0.into());
+    let blocked = match (keys.spectrum("blocked")?, keys.take::<f32>("extinction_ratio")?) {
+        (Some(blocked), None) => blocked,
+        (None, None) => 0.0.into(),
+        (None, Some(ratio)) if ratio >= 1.0 => transmittance.clone().scaled(ratio.recip()),
+        (None, Some(ratio)) => {
+            return Err(keys.refuse(
+                "extinction_ratio",
+                &format!("{ratio} must be at least 1"),
+                "",
+            ));
+        }
+        (Some(_), Some(_)) => {
+            let problem = "a polarizer takes either `blocked` or `extinction_ratio`";
+            return Err(keys.refuse("", problem, "remove one of them"));
+        }
+    };
+    Ok(Grid { transmittance, blocked })
+}
+
+/// What a retarder does, if it is stated.
+fn delay(keys: &Keys) -> PyResult<Option<Delay<Spectrum>>> {
+    let degrees = keys.spectrum("retardance_deg")?;
+    match (degrees, keys.spectrum("birefringence")?, keys.take::<f32>("thickness_um")?) {
+        (None, None, None) => Ok(None),
+        (Some(degrees), None, None) => Ok(Some(Delay::Degrees(degrees))),
+        (None, Some(birefringence), Some(um)) => {
+            let thickness = Spectrum::Constant(um * 1000.0);
+            Ok(Some(Delay::Crystal { birefringence, thickness }))
+        }
+        _ => {
+            let problem = "a retarder takes either `retardance_deg` or both `birefringence` and \
+                           `thickness_um`";
+            Err(keys.refuse("", problem, "state the retardance once"))
+        }
+    }
+}
+
+/// Four rows of four numbers.
+fn matrix(keys: &Keys) -> PyResult<[Spectrum; 16]> {
+    let rows: Vec<Vec<f32>> = keys.need("matrix", "four lists of four numbers")?;
+    let is_square = rows.len() == 4 && rows.iter().all(|row| row.len() == 4);
+    let elements: Vec<Spectrum> = rows.into_iter().flatten().map(Spectrum::Constant).collect();
+    match <[Spectrum; 16]>::try_from(elements) {
+        Ok(elements) if is_square => Ok(elements),
+        _ => Err(keys.refuse("matrix", "is not a matrix", "give four lists of four numbers")),
+    }
+}
+
 fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
     let [ior, exterior_ior] = [keys.index("ior")?, keys.index("exterior_ior")?];
     Ok([ior.unwrap_or(IOR.into()), exterior_ior.unwrap_or(1.0.into())])
@@ -81,7 +171,22 @@ fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "conductor")?;
-    Ok(Bsdf::Conductor { eta, k })
+    Ok(match film(keys)? {
+        Some(film) => Bsdf::FilmedConductor { eta, k, film },
+        None => Bsdf::Conductor { eta, k },
+    })
+}
+
+/// A thin film, if there is one.
+fn film(keys: &Keys) -> PyResult<Option<ThinFilm<Spectrum>>> {
+    let Some(film) = keys.part("film")? else { return Ok(None) };
+    let remedy = "the real part of the film's index of refraction";
+    let eta = film.refraction("eta", Part::Real)?;
+    let eta = eta.ok_or_else(|| film.refuse("eta", "is missing", remedy))?;
+    let k = film.refraction("k", Part::Extinction)?.unwrap_or(0.0.into());
+    let thickness_nm: f32 = film.need("thickness_nm", "in nanometers, as 300")?;
+    film.finish("a film")?;
+    Ok(Some(ThinFilm::new(eta, k, thickness_nm)))
 }
 
 fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
@@ -107,12 +212,14 @@ fn plastic(keys: &Keys) -> PyResult<Bsdf> {
     };
     Ok(Bsdf::Plastic {
         reflectance: keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into()),
-        ior: number(keys, "ior", IOR)?,
-        exterior_ior: number(keys, "exterior_ior", 1.0)?,
-        alpha: alpha(keys)?,
-        distribution: distribution(keys)?,
-        specular: keys.take("specular")?.unwrap_or(1.0),
-        internal_reflection,
+        coat: Coat {
+            ior: number(keys, "ior", IOR)?,
+            exterior_ior: number(keys, "exterior_ior", 1.0)?,
+            alpha: alpha(keys)?,
+            distribution: distribution(keys)?,
+            specular: keys.take("specular")?.unwrap_or(1.0),
+            internal_reflection,
+        },
     })
 }
 

@@ -196,7 +196,7 @@ fn cross<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
             let ([paths, _], _, profile) = S::tables(w);
             profile.time(Stage::Mueller, || S::rescale(paths));
         }
-        let crossing = &Crossing { crossings: &crossings, part };
+        let crossing = &Crossing { crossings: &crossings, part, side: S::SIDE };
         if scene.has_media() {
             S::connect_flights(w, Some(crossing), scene, finding);
             let ([paths, _], WalkTables { hits: [hits, _], flights, .. }, profile) = S::tables(w);

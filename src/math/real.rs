@@ -33,6 +33,10 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// The larger of the two.
     fn max(self, other: Self) -> Self;
+    /// e to the power of it.
+    fn exp(self) -> Self;
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
     /// The angle of the point that has `x` to the right and `self` upwards, from -pi to pi.
     fn atan2(self, x: Self) -> Self;
     /// Where `self < other`.
@@ -83,6 +87,14 @@ macro_rules! scalar_real {
                 <$float>::max(self, other)
             }
             #[inline(always)]
+            fn exp(self) -> Self {
+                elementary::exp(self)
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                elementary::sin_cos(self)
+            }
+            #[inline(always)]
             fn atan2(self, x: Self) -> Self {
                 elementary::atan2(self, x)
             }
@@ -130,6 +142,14 @@ impl Real for F32s {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         F32s::fast_max(self, other)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        F32s::exp(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        F32s::sin_cos(self)
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {

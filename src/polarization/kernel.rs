@@ -76,6 +76,14 @@ impl<F: Real> Block<F> {
     }
 }
 
+impl Block<f64> {
+    /// All sixteen elements, `[row][column]`.
+    pub fn matrix(self) -> [[f64; 4]; 4] {
+        let Self { a, c, s } = self;
+        [[1.0, a, 0.0, 0.0], [a, 1.0, 0.0, 0.0], [0.0, 0.0, c, s], [0.0, 0.0, -s, c]]
+    }
+}
+
 impl<F: Real> Kernel<F> for Block<F> {
     #[inline(always)]
     fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {
@@ -202,6 +210,23 @@ impl<F: Real> Kernel<F> for SpheroidBlock<F> {
 /// polarization.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<F>(pub [[F; 4]; 4]);
+
+impl<F: Real> Dense<F> {
+    /// Of light that goes the same way in the other direction through something straight on, where
+    /// x is the same axis: reciprocity (Sekera 1966, "Scattering matrices and reciprocity
+    /// relationships for various representations of the state of polarization") transposes Jones
+    /// matrices, and y turns round with the light.
+    #[inline(always)]
+    pub fn reversed(&self) -> Self {
+        let m = &self.0;
+        Self([
+            [m[0][0], m[1][0], -m[2][0], m[3][0]],
+            [m[0][1], m[1][1], -m[2][1], m[3][1]],
+            [-m[0][2], -m[1][2], m[2][2], -m[3][2]],
+            [m[0][3], m[1][3], -m[2][3], m[3][3]],
+        ])
+    }
+}
 
 impl<F: Real> Kernel<F> for Dense<F> {
     #[inline(always)]

@@ -25,6 +25,7 @@ pub mod albedo;
 pub mod analyzer;
 pub mod carrier;
 pub mod elements;
+pub mod film;
 pub mod frame;
 pub mod fresnel;
 pub mod kept;
@@ -42,6 +43,7 @@ pub use analyzer::Analyzer;
 pub use carrier::{
     Arrival, Departure, LightCarrier, SensorColumn, SensorEvent, SensorMatrix, SensorRow,
 };
+pub use film::{Film, Filmed, filmed_conductor, filmed_dielectric};
 pub use frame::{Rotation, film_axis, s_axis};
 pub use fresnel::{
     Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,

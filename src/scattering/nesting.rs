@@ -319,11 +319,14 @@ impl Interfaces {
                 | SurfaceModel::MetallicRoughness { .. }
                 | SurfaceModel::Plastic { .. }
                 | SurfaceModel::Measured { .. }
+                | SurfaceModel::FilmedConductor { .. }
+                | SurfaceModel::FilmedDielectric { .. }
                 | SurfaceModel::RoughConductor { .. }
                 | SurfaceModel::Diffuse { .. }
                 | SurfaceModel::Null
                 | SurfaceModel::Polarizer { .. }
                 | SurfaceModel::Retarder { .. }
+                | SurfaceModel::Sheet { .. }
                 | SurfaceModel::ThinDielectric { .. } => [1.0; N],
             };
             indices.iter().position(|known| *known == ior).unwrap_or_else(|| {

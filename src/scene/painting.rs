@@ -71,7 +71,8 @@ impl<const N: usize> Painting<N> {
         match role {
             // Colors of vertices may be beyond one.
             Some(Role::Reflectance) => value.map(|value| value.clamp(0.0, 1.0)),
-            Some(Role::Emission | Role::Coefficient | Role::Index) | None => value,
+            Some(Role::Emission | Role::Coefficient | Role::Index | Role::Waves | Role::Spread)
+            | None => value,
         }
     }
 }

@@ -46,6 +46,15 @@ use std::sync::Arc;
 /// stand when an index in RGB is asked for its value at one wavelength.
 pub const RGB_WAVELENGTHS_NM: [f32; 3] = [650.0, 550.0, 450.0];
 
+/// The vacuum wavelengths, in nanometers, that stand for red, green and blue where light interferes
+/// with itself, in films and crystals: with [`RGB_SPREAD`], films of 20 to 1500 nm on glass and
+/// metal have the colors, in daylight, that are nearest to those of all wavelengths.
+pub const RGB_FRINGES_NM: [f32; 3] = [605.0, 542.0, 455.0];
+
+/// Half of the width of the lines of Lorentz's shape that stand for red, green and blue there, over
+/// their wavelengths.
+pub const RGB_SPREAD: f32 = 0.025;
+
 /// Least width of a line or a band over its wavelength: wavelengths are numbers of single
 /// precision, of which 100 to 200 are in so much, and rounding takes a share of what is narrower.
 pub const RELATIVE_WIDTH_MIN: f64 = 2e-5;

@@ -2,7 +2,7 @@
 
 use super::color_space::White;
 use super::upsampling::Smooth;
-use super::{Carried, Formula, RGB_WAVELENGTHS_NM};
+use super::{Carried, Formula, RGB_FRINGES_NM, RGB_SPREAD, RGB_WAVELENGTHS_NM};
 use crate::math::{Fault, Range};
 
 /// A quantity that may depend on wavelength: a reflectance, an index of refraction, a radiance.
@@ -34,6 +34,12 @@ pub enum Role {
     /// What no color is known for, an index of refraction say: linear between the values at the
     /// channels' [`RGB_WAVELENGTHS_NM`], constant beyond the outer two.
     Index,
+    /// A length in nanometers, of which wavelengths become the unit: in RGB those of
+    /// [`RGB_FRINGES_NM`].
+    Waves,
+    /// Half of the width of what a column stands for over its wavelength: [`RGB_SPREAD`] times what
+    /// is said in RGB, and 0 for light of one wavelength.
+    Spread,
 }
 
 /// A tabulated spectrum: see `SpectrumTable::new`.
@@ -234,7 +240,16 @@ impl Spectrum {
             Self::Table(table) => carried.within(table.ends_nm())?.map(|nm| table.at(nm)),
             Self::Formula(formula) => carried.within(formula.ends_nm())?.map(|nm| formula.at(nm)),
         };
-        Ok(values.map(|value| value + 0.0))
+        let values = values.map(|value| value + 0.0);
+        Ok(match role {
+            Role::Waves if carried.is_rgb() => {
+                std::array::from_fn(|n| values[n] / RGB_FRINGES_NM[n % RGB_FRINGES_NM.len()])
+            }
+            Role::Waves => std::array::from_fn(|n| values[n] / carried.wavelengths_nm()[n]),
+            Role::Spread if carried.is_rgb() => values.map(|value| value * RGB_SPREAD),
+            Role::Spread => [0.0; N],
+            Role::Reflectance | Role::Emission | Role::Coefficient | Role::Index => values,
+        })
     }
 }
 
@@ -256,7 +271,7 @@ fn rgb_at<const N: usize>(
             }
             values
         }
-        Role::Index => wavelengths_nm.map(|nm| linear(rgb, nm)),
+        Role::Index | Role::Waves | Role::Spread => wavelengths_nm.map(|nm| linear(rgb, nm)),
     })
 }
 

@@ -5,7 +5,10 @@
 
 use crate::geometry::{Hit, TraceScratch, trace_next};
 use crate::math::columns::Rows;
+use crate::math::{Vector, lanes};
+use crate::polarization::Dense;
 use crate::scattering::Scene;
+use crate::scattering::surface::{StraightOn, SurfaceKind, for_straight_on};
 use crate::transport::tables::crossings::CrossingTable;
 use crate::transport::tables::flights::FlightTable;
 
@@ -61,5 +64,30 @@ fn push_wave<const N: usize>(
             }
         }
         crossings.close_part(kind, first);
+    }
+}
+
+/// Dense kernels of a crossing, for light along the segment's ray or, of those that the sensor's
+/// end starts, against it.
+#[inline(never)]
+pub fn dense_at<const N: usize>(
+    crossings: &CrossingTable<N>,
+    (kind, index): (SurfaceKind, usize),
+    scene: &Scene<N>,
+    from_sensor: bool,
+) -> [Dense<f32>; N] {
+    let CrossingTable { surfaces, rays, .. } = crossings;
+    let model = match scene.is_painted() {
+        true => scene.model_row(surfaces, index),
+        false => scene.material_at(surfaces.primitive[index]).row as usize,
+    };
+    let mut kernels = [Dense([[0.0; 4]; 4]); N];
+    for_straight_on!(scene.surfaces, kind, models => kernels = models[model].matrices());
+    let normal: Vector<f32> = lanes::row_of(&surfaces.geometric_normal, index).into();
+    let direction: Vector<f32> = lanes::row_of(&rays.direction, index).into();
+    let meets_front = direction.dot(normal) < 0.0;
+    match meets_front == from_sensor {
+        true => kernels.map(|kernel| kernel.reversed()),
+        false => kernels,
     }
 }

@@ -2,6 +2,7 @@
 
 mod chains;
 mod columns;
+mod film;
 mod fresnel;
 mod laws;
 mod mie;

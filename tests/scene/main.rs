@@ -22,6 +22,7 @@ mod reference;
 mod refused;
 mod room;
 mod rough;
+mod sheets;
 mod skies;
 mod spectra;
 mod stokes;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use sunstone::internals::polarization::Distribution;
-use sunstone::internals::scene::world::{InternalReflection, SurfaceModel};
+use sunstone::internals::scene::world::{Coat, InternalReflection, SurfaceModel};
 use sunstone::internals::scene::{Written, bake, load};
 use sunstone::internals::spectrum::Carried;
 
@@ -25,12 +25,14 @@ fn keys_and_their_defaults() {
     let plain = with(json!({"alpha": 0.2}));
     let expected = SurfaceModel::Plastic {
         reflectance: [1.0; 3],
-        ior: 1.5,
-        exterior_ior: 1.0,
-        alpha: 0.2,
-        distribution: Distribution::Ggx,
-        specular: 1.0,
-        internal_reflection: InternalReflection::Nonlinear,
+        coat: Coat {
+            ior: 1.5,
+            exterior_ior: 1.0,
+            alpha: 0.2,
+            distribution: Distribution::Ggx,
+            specular: 1.0,
+            internal_reflection: InternalReflection::Nonlinear,
+        },
     };
     assert_eq!(plain, expected);
     for within in InternalReflection::ALL {
@@ -39,12 +41,14 @@ fn keys_and_their_defaults() {
             "internal_reflection": within.name()}));
         let expected = SurfaceModel::Plastic {
             reflectance: [0.1, 0.2, 0.3],
-            ior: 1.6,
-            exterior_ior: 1.25,
-            alpha: 0.25,
-            distribution: Distribution::Beckmann,
-            specular: 0.5,
-            internal_reflection: within,
+            coat: Coat {
+                ior: 1.6,
+                exterior_ior: 1.25,
+                alpha: 0.25,
+                distribution: Distribution::Beckmann,
+                specular: 0.5,
+                internal_reflection: within,
+            },
         };
         assert_eq!(all, expected);
     }
@@ -59,8 +63,8 @@ fn colors_and_indices_of_gltf_are_those_of_the_base() {
         "extensions": {"KHR_materials_ior": {"ior": 1.75},
             "SUNSTONE_polarization": {"bsdf": "plastic", "alpha": 0.2}}});
     let model = baked(&document).optics.materials[0].model.clone();
-    let SurfaceModel::Plastic { reflectance, ior, .. } = model else { panic!("{model:?}") };
-    assert_eq!((reflectance, ior), ([0.5, 0.25, 0.125], 1.75));
+    let SurfaceModel::Plastic { reflectance, coat } = model else { panic!("{model:?}") };
+    assert_eq!((reflectance, coat.ior), ([0.5, 0.25, 0.125], 1.75));
 }
 
 /// Makes the first material plastic with these keys.
@@ -114,12 +118,14 @@ fn of_mitsuba(bsdf: &str) -> SurfaceModel<[f32; 1]> {
 fn mitsubas_plastics() {
     let of = |alpha, distribution, internal_reflection| SurfaceModel::Plastic {
         reflectance: [0.5],
-        ior: 1.49,
-        exterior_ior: 1.000_277,
-        alpha,
-        distribution,
-        specular: 1.0,
-        internal_reflection,
+        coat: Coat {
+            ior: 1.49,
+            exterior_ior: 1.000_277,
+            alpha,
+            distribution,
+            specular: 1.0,
+            internal_reflection,
+        },
     };
     use Distribution::{Beckmann, Ggx};
     use InternalReflection::{Linear, Lost, Nonlinear};
@@ -145,10 +151,8 @@ fn mitsubas_plastics() {
          <spectrum name='specular_reflectance' value='0.75'/>\
          <string name='int_ior' value='water'/><float name='ext_ior' value='1'/></bsdf>",
     );
-    let SurfaceModel::Plastic { reflectance, specular, ior, .. } = other else {
-        panic!("{other:?}")
-    };
-    assert_eq!((reflectance, specular, ior), ([0.25], 0.75, 1.333));
+    let SurfaceModel::Plastic { reflectance, coat } = other else { panic!("{other:?}") };
+    assert_eq!((reflectance, coat.specular, coat.ior), ([0.25], 0.75, 1.333));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod ball;
 mod edges;
 mod films;
 mod fresnel;
+mod fringes;
 mod gauge;
 mod measured;
 mod mirrors;

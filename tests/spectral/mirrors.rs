@@ -24,7 +24,7 @@ const LIMIT: f64 = 5.0;
 
 /// A sheet about the origin, seen along its plane of incidence at an angle to its normal, under a
 /// sky; before a wall that emits, if any does.
-fn sheet(bsdf: Bsdf, deg: f64, sky: Spectrum, wall: Option<Spectrum>) -> PlacedWorld {
+pub fn sheet(bsdf: Bsdf, deg: f64, sky: Spectrum, wall: Option<Spectrum>) -> PlacedWorld {
     let world = || -> Result<World, Error> {
         let mut world = World::new("sheet");
         let sheet = world.add_material("sheet", Material::from(bsdf).two_sided())?;
@@ -67,7 +67,7 @@ fn linear(first: f64, step: f64, values: &[f64], nm: f64) -> f64 {
 
 /// S0 and S1 in linear sRGB of daylight that something reflects, (1, 1, 1) of what reflects all:
 /// `of` says how much of the light across the plane of incidence, and in it.
-fn seen(of: impl Fn(f64) -> [f64; 2]) -> [[f64; 3]; 2] {
+pub fn seen(of: impl Fn(f64) -> [f64; 2]) -> [[f64; 3]; 2] {
     const STEPS: usize = 400;
     let observer = rows(include_str!("../../src/spectrum/data/cie1931.csv"));
     let illuminants = include_str!("../../src/spectrum/data/illuminants.csv");
@@ -90,7 +90,7 @@ fn seen(of: impl Fn(f64) -> [f64; 2]) -> [[f64; 3]; 2] {
     sums.map(|xyz| SRGB.map(|row| (0..3).map(|of| row[of] * xyz[of]).sum::<f64>() / white))
 }
 
-fn options(mode: Mode, samples: u32) -> Options {
+pub fn options(mode: Mode, samples: u32) -> Options {
     Options {
         integrator: Some(Integrator::Path),
         mode,

@@ -9,7 +9,7 @@ use super::gltf::Document;
 use super::scenes::{Named, add_panel, foggy_room, open_scene, pinhole, room, v};
 
 /// All of them.
-pub const FILTERS: [Named; 26] = [
+pub const FILTERS: [Named; 30] = [
     ("polarizers before panel and pinhole", || behind(true, &[POLARIZER], &[ANALYZER])),
     ("polarizers before point and pinhole", || behind(false, &[POLARIZER], &[ANALYZER])),
     ("wave plates before point and pinhole", || {
@@ -38,6 +38,14 @@ pub const FILTERS: [Named; 26] = [
     ("sheet and pane before a mirror", before_a_mirror),
     ("sheets laid on panel, mirror and glass", laid_on),
     ("fog that fills half a room, beside another", side_by_side),
+    ("real polarizers before panel and pinhole", || behind(true, &[REAL], &[CIRCULAR])),
+    ("circular polarizers before point and pinhole", || {
+        behind(false, &[CIRCULAR, DISPERSIVE], &[MATRIX, CIRCULAR])
+    }),
+    ("a matrix before a panel, real ones crossed", || {
+        behind(true, &[MATRIX, CIRCULAR, REAL], &[DISPERSIVE, ANALYZER])
+    }),
+    ("films on metal and glass", films),
 ];
 
 const POLARIZER: &str = r#"{"bsdf": "polarizer", "axis_deg": 20}"#;
@@ -45,6 +53,15 @@ const ANALYZER: &str = r#"{"bsdf": "polarizer", "axis_deg": 75}"#;
 const CROSSED: &str = r#"{"bsdf": "polarizer", "axis_deg": 105}"#;
 const LEAKY: &str = r#"{"bsdf": "polarizer", "axis_deg": 100, "extinction_ratio": 8}"#;
 const PLATE: &str = r#"{"bsdf": "retarder", "axis_deg": 65, "retardance_deg": 100}"#;
+const REAL: &str = r#"{"bsdf": "polarizer", "axis_deg": 100, "transmittance": [0.9, 0.8, 0.6],
+    "blocked": [0.01, 0.05, 0.2]}"#;
+const CIRCULAR: &str = r#"{"bsdf": "circular_polarizer", "axis_deg": -30, "handedness": "left",
+    "extinction_ratio": 40, "retardance_deg": [70, 90, 120]}"#;
+const DISPERSIVE: &str = r#"{"bsdf": "retarder", "axis_deg": 15, "birefringence": 0.01,
+    "thickness_um": 30}"#;
+/// Turns S1 to S2, S2 to S3 and that to S1, and depolarizes half of the light.
+const MATRIX: &str = r#"{"bsdf": "mueller", "axis_deg": 40, "matrix": [[0.6, 0.1, 0.0, 0.0],
+    [0.0, 0.0, 0.0, 0.3], [0.1, 0.3, 0.0, 0.0], [0.0, 0.0, 0.3, 0.0]]}"#;
 const PANE: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.6}"#;
 const THIN_WATER: &str = r#"{"bsdf": "thin_dielectric", "ior": 1.33}"#;
 const MATCHED: &str = r#"{"bsdf": "dielectric", "ior": 1.4, "exterior_ior": 1.4}"#;
@@ -265,6 +282,21 @@ fn laid_on() -> World {
     scene.cuboid(v(0.2, -0.6, 0.2), v(0.5, 0.3, 0.4), glass);
     scene.quad(v(0.2, -0.6, 0.6), v(0.4, 0.0, 0.0), v(0.0, 0.25, 0.0), polarizer);
     pinhole(scene).load("sheets laid on panel, mirror and glass")
+}
+
+/// Films are no sheets, but are seen through them.
+fn films() -> World {
+    let mut scene = room(&[]);
+    add_panel(&mut scene, 0.6, 5.0);
+    let metal = r#"{"bsdf": "conductor", "metal": "Ti", "film": {"eta": 2.2, "thickness_nm": 90}}"#;
+    let metal = sheet(&mut scene, metal);
+    scene.quad(v(0.0, 0.0, -0.8), v(0.8, 0.0, 0.0), v(0.0, 0.8, 0.0), metal);
+    let glass = r#"{"bsdf": "dielectric", "ior": 1.5,
+        "film": {"eta": 1.8, "k": 0.05, "thickness_nm": 400}}"#;
+    let glass = sheet(&mut scene, glass);
+    scene.sphere(v(0.3, -0.5, 0.2), 0.4, glass);
+    before_camera(&mut scene, &[ANALYZER]);
+    pinhole(scene).load("films on metal and glass")
 }
 
 /// Media that share walls with the room and with each other.

@@ -14,6 +14,9 @@ mod diffuse;
 mod dispersive_dielectric;
 mod element;
 mod facing;
+mod film;
+mod filmed_conductor;
+mod filmed_dielectric;
 mod glossy;
 mod measured;
 mod metallic_roughness;
@@ -25,18 +28,23 @@ mod retarder;
 mod rough;
 mod rough_conductor;
 mod rough_dielectric;
+mod sheet;
+mod tables;
 mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
 pub use glossy::{Glossy, GlossyTable};
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
+pub use tables::SURVIVAL_MIN;
 
 use absorber::Absorber;
 use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use filmed_conductor::FilmedConductor;
+use filmed_dielectric::FilmedDielectric;
 use measured::Measured;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
@@ -45,11 +53,11 @@ use polarizer::Polarizer;
 use retarder::Retarder;
 use rough_conductor::RoughConductor;
 use rough_dielectric::RoughDielectric;
+use sheet::Sheet;
+use tables::{Added, append};
 use thin_dielectric::ThinDielectric;
 
 use super::event::{END, Elements, Event, Form, Met};
-use crate::scene::baked;
-use crate::scene::painting::Painting;
 use crate::scene::world::SurfaceModel;
 
 /// The list: for every model, the variant of [`SurfaceModel`] with the parameters that its `of`
@@ -69,6 +77,9 @@ macro_rules! surface_models {
                 Dielectric { ior, exterior_ior } => dielectric: Dielectric,
                 DispersiveDielectric { ior, exterior_ior } =>
                     dispersive_dielectric: DispersiveDielectric<N>,
+                FilmedConductor { eta, k, film } => filmed_conductor: FilmedConductor<N>,
+                FilmedDielectric { ior, exterior_ior, film } =>
+                    filmed_dielectric: FilmedDielectric<N>,
             }
             connecting {
                 Diffuse { reflectance } => diffuse: Diffuse<N>,
@@ -80,10 +91,7 @@ macro_rules! surface_models {
                     rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
-                Plastic {
-                    reflectance, ior, exterior_ior, alpha, distribution, specular,
-                    internal_reflection
-                } => plastic: Plastic<N>,
+                Plastic { reflectance, coat } => plastic: Plastic<N>,
                 Measured { table, places } => measured: Measured<N>,
             }
             either {
@@ -93,6 +101,7 @@ macro_rules! surface_models {
                 Null {} => null: Null,
                 Polarizer { axis_deg, extinction_ratio } => polarizer: Polarizer,
                 Retarder { axis_deg, retardance_deg } => retarder: Retarder,
+                Sheet { axis_deg, action } => sheet: Sheet<N>,
             }
         }
     };
@@ -192,6 +201,20 @@ macro_rules! declare {
                     $(| Self::$any)*
                     $(| Self::$both)*
                     $(| Self::$pass)* => false,
+                }
+            }
+
+            /// The form of its kernel where it lets light straight on.
+            #[inline(always)]
+            pub const fn form_straight_on(self) -> Form {
+                const N: usize = 1;
+                match self {
+                    $(Self::$end => Form::Depolarizer,)*
+                    $(Self::$one => Form::Depolarizer,)*
+                    $(Self::$any => Form::Depolarizer,)*
+                    $(Self::$glossy => Form::Depolarizer,)*
+                    $(Self::$both => <$both_model as StraightOn<N>>::FORM,)*
+                    $(Self::$pass => <$pass_model as StraightOn<N>>::FORM,)*
                 }
             }
 
@@ -518,79 +541,6 @@ pub struct Material {
     pub peak: f32,
     /// Whether there are holes in it, or places that let some light straight on.
     pub has_holes: bool,
-}
-
-impl<const N: usize> Surfaces<N> {
-    /// The tables of baked materials, as `painting` has them.
-    pub fn new(baked: &[baked::Material<N>], painting: Option<&Painting<N>>) -> Self {
-        let mut surfaces = Self::default();
-        for (index, &baked::Material { ref model, two_sided }) in baked.iter().enumerate() {
-            let textures = painting.and_then(|painting| painting.of(index));
-            let Added { row, scattered, peak } = surfaces.add(model);
-            surfaces.materials.push(Material {
-                kind: SurfaceKind::of(model),
-                row,
-                two_sided,
-                survival: scattered.clamp(SURVIVAL_MIN, 1.0),
-                peak,
-                has_holes: textures.is_some_and(|textures| textures.coverage.is_some()),
-            });
-        }
-        surfaces
-    }
-
-    /// Adds the interface between two indices of refraction; its row in the table of dielectrics,
-    /// which are all with dispersion, or all without.
-    pub fn add_interface(&mut self, ior: [f32; N], exterior_ior: [f32; N]) -> u32 {
-        let model = match self.disperses() {
-            true => SurfaceModel::DispersiveDielectric { ior, exterior_ior },
-            false => SurfaceModel::Dielectric { ior: ior[0], exterior_ior: exterior_ior[0] },
-        };
-        self.add(&model).row
-    }
-
-    /// The index of refraction behind an interface relative to before it, by its row.
-    pub fn ior_of_interface(&self, row: usize) -> [f32; N] {
-        match self.disperses() {
-            true => self.dispersive_dielectric[row].relative_ior(),
-            false => [self.dielectric[row].relative_ior(); N],
-        }
-    }
-
-    /// Whether light may go on at one wavelength alone.
-    pub fn disperses(&self) -> bool {
-        !self.dispersive_dielectric.is_empty()
-    }
-
-    /// The row that a model becomes in its table.
-    pub fn append(&mut self, model: &SurfaceModel<[f32; N]>) -> u32 {
-        self.add(model).row
-    }
-
-    /// The materials, in the order of the baked ones.
-    #[inline(always)]
-    pub fn materials(&self) -> &[Material] {
-        &self.materials
-    }
-}
-
-/// The least probability of going on, so that no path gains too much where it is let.
-pub const SURVIVAL_MIN: f32 = 0.05;
-
-/// What a material has become.
-struct Added {
-    /// The row in the table of its model.
-    row: u32,
-    /// See [`Surface::scattered`].
-    scattered: f32,
-    /// See [`Surface::peak`].
-    peak: f32,
-}
-
-fn append<M: Surface>(table: &mut Vec<M>, model: M) -> Added {
-    let (scattered, peak) = (model.scattered(), model.peak());
-    table.push(model);
-    Added { row: table.len() as u32 - 1, scattered, peak }
 }
 
 #[cfg(test)]

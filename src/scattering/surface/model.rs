@@ -8,9 +8,9 @@
 
 use crate::geometry::{RayColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, U32s, Vector, lanes};
-use crate::polarization::Block;
+use crate::polarization::{Block, Dense};
 use crate::scattering::Scene;
-use crate::scattering::event::Elements;
+use crate::scattering::event::{Elements, Form};
 use crate::scattering::side::Side;
 use crate::scattering::vertex::DenseKernels;
 use crate::scene::baked::{self, Shapes};
@@ -98,6 +98,13 @@ pub trait StraightOn<const N: usize>: Surface {
     const ACTS: bool;
     /// Whether its kernel is the same at all wavelengths.
     const ACHROMATIC: bool = true;
+    /// The form of its kernel: that of a block, or dense.
+    const FORM: Form = Form::Block;
+
+    /// Dense kernels, for light that goes from front to back, in the frame of the axis.
+    fn matrices(&self) -> [Dense<f32>; N] {
+        unreachable!("asked for dense kernels where blocks are")
+    }
 
     /// What it does to light. With `POLARIZED`, the kernel is wanted too, else it may be anything.
     fn pass<const POLARIZED: bool>(at: &Incidence<Self>) -> Passage<N>;
@@ -109,7 +116,7 @@ pub struct Passage<const N: usize> {
     pub transmittance: [F32s; N],
     /// The probability with which paths pass, the same both ways; with the rest they are scattered.
     pub chance: F32s,
-    /// Kernels; of an achromatic model, the first alone counts.
+    /// Kernels; of an achromatic model, the first alone counts, and of dense ones none.
     pub kernels: [Block<F32s>; N],
     /// The x axis of the kernels' frames, perpendicular to the light.
     pub axis: Vector<F32s>,

@@ -40,7 +40,7 @@ use crate::polarization::{
 };
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
-use crate::scene::world::InternalReflection;
+use crate::scene::world::{Coat, InternalReflection};
 
 /// Keeps denominators off zero.
 const TINY: f32 = 1e-30;
@@ -67,19 +67,10 @@ pub struct Plastic<const N: usize> {
 }
 
 impl<const N: usize> Plastic<N> {
-    /// With the reflectance of the base, the indices of refraction within and outside, the
-    /// roughness of facets, the share of what they reflect that is there, and what becomes of light
-    /// that is reflected within.
-    pub fn of(
-        reflectance: [f32; N],
-        ior: f32,
-        exterior_ior: f32,
-        alpha: f32,
-        distribution: Distribution,
-        specular: f32,
-        internal_reflection: InternalReflection,
-    ) -> Self {
-        let ior = ior / exterior_ior;
+    /// With the reflectance of the base, and its interface.
+    pub fn of(reflectance: [f32; N], coat: Coat) -> Self {
+        let Coat { exterior_ior, alpha, distribution, specular, internal_reflection, .. } = coat;
+        let ior = coat.ior / exterior_ior;
         let albedo = Albedo::of_dielectric(distribution, ior, alpha);
         let by_fresnel = |cos| F32s::ONE - fresnel::dielectric_reflectance(cos, F32s::splat(ior)).0;
         let (is_smooth, through) = match internal_reflection {

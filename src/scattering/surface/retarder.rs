@@ -43,6 +43,6 @@ mod tests {
     fn a_quarter_wave_is_exact() {
         let Retarder { element } = Retarder::of(45.0, 90.0);
         assert_eq!(element.block, Block { a: 0.0, c: 0.0, s: 1.0 });
-        assert!((element.axis[0] - element.axis[1]).abs() < 1e-7);
+        assert!((element.axis.0[0] - element.axis.0[1]).abs() < 1e-7);
     }
 }

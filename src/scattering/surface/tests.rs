@@ -1,6 +1,7 @@
 //! The list of models, and what follows from it.
 
 use super::*;
+use crate::scene::baked;
 
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {

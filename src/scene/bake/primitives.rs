@@ -202,10 +202,13 @@ fn surface(
             | Bsdf::MetallicRoughness { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::FilmedDielectric { .. }
             | Bsdf::RoughConductor { .. }
             | Bsdf::ThinDielectric { .. }
             | Bsdf::Polarizer { .. }
             | Bsdf::Retarder { .. }
+            | Bsdf::Sheet { .. }
             | Bsdf::Null => false,
         },
         priority: boundary.priority,

@@ -31,6 +31,8 @@ pub const MATERIAL: Keys = Keys {
     known: &[
         "alpha",
         "axis_deg",
+        "birefringence",
+        "blocked",
         "bsdf",
         "distribution",
         "emission",
@@ -38,10 +40,13 @@ pub const MATERIAL: Keys = Keys {
         "exterior_ior",
         "extinction_ratio",
         "file",
+        "film",
+        "handedness",
         "incandescent",
         "internal_reflection",
         "ior",
         "k",
+        "matrix",
         "metal",
         "multiple_scattering",
         "reflectance",
@@ -49,6 +54,8 @@ pub const MATERIAL: Keys = Keys {
         "roughness",
         "specular",
         "stokes",
+        "thickness_um",
+        "transmittance",
     ],
     planned: &[],
 };
@@ -143,6 +150,9 @@ pub const SPECTRUM: Keys =
 /// Keys of the real part of an index of refraction.
 pub const INDEX: Keys =
     Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
+/// Keys of a film on a surface.
+pub const THIN_FILM: Keys =
+    Keys { definition: "thin_film", known: &["eta", "k", "thickness_nm"], planned: &[] };
 /// Keys of Sellmeier's formula.
 pub const SELLMEIER: Keys =
     Keys { definition: "sellmeier", known: &["b", "c_um2", "range_nm"], planned: &[] };
@@ -160,7 +170,7 @@ pub const EMISSION: Keys = Keys {
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 20] = [
+pub const ALL: [&Keys; 21] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -180,6 +190,7 @@ pub const ALL: [&Keys; 20] = [
     &INDEX,
     &SELLMEIER,
     &CAUCHY,
+    &THIN_FILM,
     &EMISSION,
 ];
 
@@ -191,20 +202,24 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("film", "analyzer") => Some(&ANALYZER),
         ("scene", "environment") => Some(&ENVIRONMENT),
         ("environment", "sky") => Some(&CLEAR_SKY),
+        ("material", "film") => Some(&THIN_FILM),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),
         ("medium", "table") => Some(&MATRIX),
         ("particles", "distribution") => Some(&DISTRIBUTION),
         ("environment", "radiance") | ("light" | "material", "emission") => Some(&EMISSION),
-        ("host" | "material" | "particles", "eta") | ("material", "exterior_ior" | "ior") => {
-            Some(&INDEX)
-        }
+        ("host" | "material" | "particles" | "thin_film", "eta")
+        | ("material", "exterior_ior" | "ior") => Some(&INDEX),
         ("index", "cauchy") => Some(&CAUCHY),
         ("index", "sellmeier") => Some(&SELLMEIER),
         ("environment" | "light" | "material", "stokes")
-        | ("host" | "material" | "particles", "k")
-        | ("material", "reflectance")
+        | ("host" | "material" | "particles" | "thin_film", "k")
+        | (
+            "material",
+            "birefringence" | "blocked" | "matrix" | "reflectance" | "retardance_deg"
+            | "transmittance",
+        )
         | ("medium", "g" | "sigma_a" | "sigma_s") => Some(&SPECTRUM),
         _ => None,
     }
@@ -238,11 +253,7 @@ impl<'a> Body<'a> {
     }
 
     /// The keys of an object within the extension.
-    pub(super) fn nested(
-        object: &'a Value,
-        label: String,
-        keys: &Keys,
-    ) -> Result<Self, SceneError> {
+    pub fn nested(object: &'a Value, label: String, keys: &Keys) -> Result<Self, SceneError> {
         let prefix = format!("{label}.");
         let mut body = Self { label: label.clone(), prefix, values: BTreeMap::new() };
         body.add_object(object, &label, keys)?;

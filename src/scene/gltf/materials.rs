@@ -20,6 +20,8 @@ use serde_json::Value;
 use super::Import;
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
+use super::films;
+use super::sheets;
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
@@ -27,8 +29,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, EmittedStokes, InternalReflection, Material, MeasuredTable, Name,
-    Sides, Skin, tabulated,
+    Boundary, Bsdf, Coat, Emission, EmittedStokes, InternalReflection, Material, MeasuredTable,
+    Name, Sides, Skin, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -66,16 +68,22 @@ struct Model {
 }
 
 /// All of them.
-const MODELS: [Model; 12] = [
+const MODELS: [Model; 14] = [
     Model { name: "absorber", keys: &[], read: |_, _| Ok(Bsdf::Absorber) },
-    Model { name: "conductor", keys: &["eta", "k", "metal"], read: conductor },
-    Model { name: "dielectric", keys: &["exterior_ior", "ior"], read: dielectric },
+    Model {
+        name: "circular_polarizer",
+        keys: &sheets::CIRCULAR,
+        read: |body, _| sheets::circular_polarizer(body),
+    },
+    Model { name: "conductor", keys: &["eta", "film", "k", "metal"], read: conductor },
+    Model { name: "dielectric", keys: &["exterior_ior", "film", "ior"], read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
     Model { name: "measured", keys: &["file"], read: measured },
+    Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
     Model { name: "plastic", keys: &PLASTIC, read: plastic },
-    Model { name: "polarizer", keys: &["axis_deg", "extinction_ratio"], read: polarizer },
-    Model { name: "retarder", keys: &["axis_deg", "retardance_deg"], read: retarder },
+    Model { name: "polarizer", keys: &sheets::POLARIZER, read: |body, _| sheets::polarizer(body) },
+    Model { name: "retarder", keys: &sheets::RETARDER, read: |body, _| sheets::retarder(body) },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
     Model { name: "rough_dielectric", keys: &ROUGH_DIELECTRIC, read: rough_dielectric },
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
@@ -228,6 +236,7 @@ impl Import<'_> {
         let volume = Volume::of(value, label)?;
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
+        let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
@@ -407,10 +416,13 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return Ok(bsdf),
     };
     bsdf.check().map_err(|fault| SceneError::at(label, fault.of(KHR_DISPERSION)))?;
@@ -447,7 +459,13 @@ fn diffuse(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
 
 fn dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
-    Ok(Bsdf::boundary(ior, refraction(body, "exterior_ior")?.unwrap_or(1.0.into())))
+    let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
+    let Some(film) = films::stated(body)? else { return Ok(Bsdf::boundary(ior, exterior_ior)) };
+    if let (&Spectrum::Constant(ior), &Spectrum::Constant(exterior_ior)) = (&ior, &exterior_ior) {
+        return Ok(Bsdf::FilmedDielectric { ior, exterior_ior, film });
+    }
+    let problem = "films on glass with dispersion are not supported";
+    Err(SceneError::new(body.field("film"), problem, "give indices that are numbers"))
 }
 
 fn thin_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
@@ -466,27 +484,12 @@ fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
     body.refraction(key, Part::Real)
 }
 
-fn polarizer(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
-    let axis_deg = body.number("axis_deg")?.unwrap_or(0.0);
-    let extinction_ratio = body.number("extinction_ratio")?.unwrap_or(f64::INFINITY);
-    Ok(Bsdf::Polarizer { axis_deg, extinction_ratio })
-}
-
-fn retarder(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
-    match body.number("retardance_deg")? {
-        Some(retardance_deg) => {
-            Ok(Bsdf::retarder(body.number("axis_deg")?.unwrap_or(0.0), retardance_deg))
-        }
-        None => {
-            let remedy = "90 for a quarter-wave plate, 180 for a half-wave plate";
-            Err(SceneError::new(body.field("retardance_deg"), "is missing", remedy))
-        }
-    }
-}
-
 fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "conductor")?;
-    Ok(Bsdf::Conductor { eta, k })
+    Ok(match films::stated(body)? {
+        Some(film) => Bsdf::FilmedConductor { eta, k, film },
+        None => Bsdf::Conductor { eta, k },
+    })
 }
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
@@ -523,12 +526,14 @@ fn plastic(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     };
     Ok(Bsdf::Plastic {
         reflectance: body.spectrum("reflectance")?.unwrap_or(base_color),
-        ior: number("ior")?.unwrap_or_else(|| khr_ior(material)),
-        exterior_ior: number("exterior_ior")?.unwrap_or(1.0),
-        alpha: alpha(body)?,
-        distribution: distribution(body)?,
-        specular: number("specular")?.unwrap_or(1.0),
-        internal_reflection,
+        coat: Coat {
+            ior: number("ior")?.unwrap_or_else(|| khr_ior(material)),
+            exterior_ior: number("exterior_ior")?.unwrap_or(1.0),
+            alpha: alpha(body)?,
+            distribution: distribution(body)?,
+            specular: number("specular")?.unwrap_or(1.0),
+            internal_reflection,
+        },
     })
 }
 

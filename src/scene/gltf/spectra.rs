@@ -114,8 +114,8 @@ impl Body<'_> {
     }
 }
 
-/// A number or a color, which errors call `field`.
-fn plain(value: &Value, field: &str, others: &str) -> Result<Spectrum, SceneError> {
+/// A number or a color, which errors call `field`. `others` is what else might stand there.
+pub fn plain(value: &Value, field: &str, others: &str) -> Result<Spectrum, SceneError> {
     let number = |value: &Value| {
         let number = value.as_f64().ok_or_else(|| {
             let remedy = format!("write a number, [red, green, blue] or {others}");
@@ -133,7 +133,8 @@ fn plain(value: &Value, field: &str, others: &str) -> Result<Spectrum, SceneErro
     }
 }
 
-fn table(body: &Body) -> Result<Spectrum, SceneError> {
+/// A table of wavelengths and values.
+pub fn table(body: &Body) -> Result<Spectrum, SceneError> {
     let column = |key: &str| -> Result<Vec<f32>, SceneError> {
         let column = body.column(key, &format!("write {TABLE}"))?;
         Ok(column.into_iter().map(|number| number as f32).collect())

@@ -329,9 +329,12 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::RoughDielectric { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return None,
     };
     Some((parameter, spectrum.rgb()?))
@@ -351,9 +354,12 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
         | Bsdf::Plastic { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. }
         | Bsdf::Null => return Vec::new(),
     };
     let paint = |factor: f32, reads| {

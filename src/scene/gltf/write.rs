@@ -12,6 +12,7 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use super::{films, sheets};
 use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
@@ -19,9 +20,10 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
-    Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window, World,
+    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Coat, Emission, EmittedStokes,
+    Environment, Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium,
+    Mesh, Name, Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
+    Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -316,17 +318,7 @@ impl Writer {
                     "distribution": distribution.name(),
                     "multiple_scattering": multiple_scattering})
             }
-            Bsdf::Plastic {
-                reflectance,
-                ior,
-                exterior_ior,
-                alpha,
-                distribution,
-                specular,
-                internal_reflection,
-            } => json!({"bsdf": "plastic", "reflectance": of(reflectance), "ior": ior,
-                "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
-                "specular": specular, "internal_reflection": internal_reflection.name()}),
+            Bsdf::Plastic { reflectance, coat } => plastic(of(reflectance), coat),
             // Beside the scene, as it was.
             Bsdf::Measured { table, places: _ } => {
                 json!({"bsdf": "measured", "file": table.name()})
@@ -353,6 +345,16 @@ impl Writer {
             }
             Bsdf::Retarder { axis_deg, retardance_deg } => {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
+            }
+            Bsdf::Sheet { axis_deg, action } => sheets::written(*axis_deg, action, of),
+            Bsdf::FilmedConductor { eta, k, film } => {
+                let film = films::written(film, &mut of);
+                json!({"bsdf": "conductor", "eta": of(eta), "k": of(k), "film": film})
+            }
+            Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
+                let film = films::written(film, &mut of);
+                json!({"bsdf": "dielectric", "ior": ior, "exterior_ior": exterior_ior,
+                    "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
         }
@@ -580,4 +582,11 @@ fn called(name: &Name) -> String {
 /// Sixteen numbers, by column.
 fn matrix(place: DAffine3) -> [f64; 16] {
     DMat4::from(place).to_cols_array()
+}
+
+fn plastic(reflectance: Value, coat: &Coat) -> Value {
+    let Coat { ior, exterior_ior, alpha, distribution, specular, internal_reflection } = coat;
+    json!({"bsdf": "plastic", "reflectance": reflectance, "ior": ior,
+        "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
+        "specular": specular, "internal_reflection": internal_reflection.name()})
 }

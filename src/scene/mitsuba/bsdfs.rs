@@ -7,7 +7,7 @@ use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Bsdf, InternalReflection};
+use crate::scene::world::{Action, Bsdf, Coat, Grid, InternalReflection};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -23,7 +23,8 @@ pub struct Surface {
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 14] = [
+const TYPES: [(&str, Read); 15] = [
+    ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", |fields| diffuse(fields).map(one_sided)),
@@ -227,12 +228,14 @@ fn plastic_of(
     };
     Ok(Bsdf::Plastic {
         reflectance,
-        ior: index(fields, "int_ior", "polypropylene")?,
-        exterior_ior: index(fields, "ext_ior", "air")?,
-        alpha,
-        distribution,
-        specular,
-        internal_reflection,
+        coat: Coat {
+            ior: index(fields, "int_ior", "polypropylene")?,
+            exterior_ior: index(fields, "ext_ior", "air")?,
+            alpha,
+            distribution,
+            specular,
+            internal_reflection,
+        },
     })
 }
 
@@ -285,14 +288,32 @@ fn angle_deg(fields: &Fields, name: &str, default: f64) -> Result<f64, SceneErro
 }
 
 fn polarizer(fields: &Fields) -> Result<Bsdf, SceneError> {
-    fields.factor_of_one("transmittance")?;
+    let transmittance = fields.spectrum_or("transmittance", Kind::Share, 1.0)?;
     if fields.boolean("polarizing")? == Some(false) {
         let problem = "a sheet that takes half of the light and polarizes nothing is not supported";
         return Err(fields.wrong("polarizing", problem, "remove it"));
     }
     // It turns clockwise, seen from the front.
     let axis_deg = 0.0 - angle_deg(fields, "theta", 0.0)?;
-    Ok(Bsdf::Polarizer { axis_deg, extinction_ratio: f64::INFINITY })
+    if transmittance == Spectrum::Constant(1.0) {
+        return Ok(Bsdf::polarizer(axis_deg));
+    }
+    let grid = Grid { transmittance, blocked: Spectrum::Constant(0.0) };
+    Ok(Bsdf::Sheet { axis_deg, action: Action::Polarizer(grid) })
+}
+
+/// An ideal filter of circular light, which leaves it circular: alike from both sides, and at any
+/// angle.
+fn circular(fields: &Fields) -> Result<Bsdf, SceneError> {
+    let transmittance = fields.spectrum_or("transmittance", Kind::Share, 1.0)?;
+    angle_deg(fields, "theta", 0.0)?;
+    let sense = if fields.boolean("left_handed")? == Some(true) { -0.5 } else { 0.5 };
+    let nothing = || Spectrum::Constant(0.0);
+    let mut matrix: [Spectrum; 16] = std::array::from_fn(|_| nothing());
+    for (corner, of) in [(0, 0.5), (3, sense), (12, sense), (15, 0.5)] {
+        matrix[corner] = transmittance.clone().scaled(of);
+    }
+    Ok(Bsdf::Sheet { axis_deg: 0.0, action: Action::Matrix(matrix) })
 }
 
 fn retarder(fields: &Fields) -> Result<Bsdf, SceneError> {

@@ -237,7 +237,7 @@ impl Import<'_> {
     /// Refuses a sheet with an axis on a shape that has none.
     fn check_sheet(&self, fields: &Fields, bsdf: &Bsdf, form: &Form) -> Result<(), SceneError> {
         let has_axis = match bsdf {
-            Bsdf::Polarizer { .. } | Bsdf::Retarder { .. } => true,
+            Bsdf::Polarizer { .. } | Bsdf::Retarder { .. } | Bsdf::Sheet { .. } => true,
             Bsdf::Absorber
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
@@ -246,6 +246,8 @@ impl Import<'_> {
             | Bsdf::MetallicRoughness { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
             | Bsdf::ThinDielectric { .. }
@@ -388,8 +390,11 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::FilmedConductor { .. }
+        | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }
-        | Bsdf::Retarder { .. } => return None,
+        | Bsdf::Retarder { .. }
+        | Bsdf::Sheet { .. } => return None,
     };
     let emits = material.emission.is_some();
     (!emits).then_some(Material { bsdf, ..material })

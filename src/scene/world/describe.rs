@@ -9,8 +9,9 @@ use hecs::Entity;
 use super::incandescent::Incandescent;
 use super::light::Luminaire;
 use super::{
-    Ball, Boundary, Bsdf, Component, Emission, EmittedStokes, Environment, Filling, FillsScene,
-    Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster, Resolution, Sides, Transform, World,
+    Action, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes, Environment,
+    Filling, FillsScene, Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster,
+    Resolution, Sides, ThinFilm, Transform, World,
 };
 use crate::film::filter::Filter;
 use crate::film::layout::Crop;
@@ -114,25 +115,8 @@ fn model(bsdf: &Bsdf) -> String {
             let coat = format!("coat of ior {ior} and share {specular}");
             format!("metallic-roughness, color {color}, metallic {metallic}, alpha {alpha}, {coat}")
         }
-        Bsdf::Plastic {
-            reflectance,
-            ior,
-            exterior_ior,
-            alpha,
-            distribution,
-            specular,
-            internal_reflection,
-        } => {
-            let (color, facets) = (spectrum(reflectance), distribution.name());
-            let outside = match exterior_ior {
-                1.0 => String::new(),
-                ior => format!(" in {ior}"),
-            };
-            let within = internal_reflection.name();
-            format!(
-                "plastic, reflectance {color}, ior {ior}{outside}, {facets} facets of alpha \
-                 {alpha} and share {specular}, internal reflection {within}"
-            )
+        Bsdf::Plastic { reflectance, coat } => {
+            format!("plastic, reflectance {}, {}", spectrum(reflectance), plastic_coat(coat))
         }
         Bsdf::Measured { table, places: _ } => {
             let ([first, last], count) = (table.ends_nm(), table.wavelengths());
@@ -153,6 +137,14 @@ fn model(bsdf: &Bsdf) -> String {
             let (behind, before) = (spectrum(ior), spectrum(exterior_ior));
             format!("smooth dispersive dielectric, ior {behind} behind and {before} before it")
         }
+        Bsdf::FilmedConductor { eta, k, film } => {
+            let (eta, k) = (spectrum(eta), spectrum(k));
+            format!("smooth conductor, eta {eta}, k {k}, {}", thin_film(film))
+        }
+        Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
+            let film = thin_film(film);
+            format!("smooth dielectric, ior {ior} behind and {exterior_ior} before it, {film}")
+        }
         Bsdf::Null => "boundary between media".to_owned(),
         Bsdf::Polarizer { axis_deg, extinction_ratio } => {
             format!("linear polarizer at {axis_deg} degrees, extinction ratio {extinction_ratio}")
@@ -160,6 +152,46 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Retarder { axis_deg, retardance_deg } => {
             format!("linear retarder of {retardance_deg} degrees at {axis_deg} degrees")
         }
+        Bsdf::Sheet { axis_deg, action } => format!("{} at {axis_deg} degrees", sheet(action)),
+    }
+}
+
+fn plastic_coat(coat: &Coat) -> String {
+    let Coat { ior, exterior_ior, alpha, distribution, specular, internal_reflection } = coat;
+    let outside = match exterior_ior {
+        1.0 => String::new(),
+        ior => format!(" in {ior}"),
+    };
+    let (facets, within) = (distribution.name(), internal_reflection.name());
+    format!(
+        "ior {ior}{outside}, {facets} facets of alpha {alpha} and share {specular}, internal \
+         reflection {within}"
+    )
+}
+
+fn thin_film(film: &ThinFilm<Spectrum>) -> String {
+    let (eta, k, thickness) = (spectrum(&film.eta), spectrum(&film.k), spectrum(&film.thickness));
+    format!("under a film of eta {eta}, k {k}, {thickness} nm thick")
+}
+
+fn sheet(action: &Action<Spectrum>) -> String {
+    let grid = |Grid { transmittance, blocked }: &Grid<Spectrum>| {
+        format!("transmittance {} along and {} across", spectrum(transmittance), spectrum(blocked))
+    };
+    let delay = |delay: &Delay<Spectrum>| match delay {
+        Delay::Degrees(degrees) => format!("of {} degrees", spectrum(degrees)),
+        Delay::Crystal { birefringence, thickness } => {
+            format!("of birefringence {} over {} nm", spectrum(birefringence), spectrum(thickness))
+        }
+    };
+    match action {
+        Action::Polarizer(polarizer) => format!("linear polarizer, {}", grid(polarizer)),
+        Action::Retarder(retarder) => format!("linear retarder {}", delay(retarder)),
+        Action::Circular { polarizer, retarder, hand } => {
+            let (hand, polarizer, retarder) = (hand.name(), grid(polarizer), delay(retarder));
+            format!("{hand} circular polarizer, {polarizer}, retarder {retarder}")
+        }
+        Action::Matrix(elements) => format!("Mueller matrix, M00 {}", spectrum(&elements[0])),
     }
 }
 

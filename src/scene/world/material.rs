@@ -1,10 +1,14 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::measured::MeasuredTable;
+use super::plastic::Coat;
+use super::sheet::Action;
+use super::thin_film::ThinFilm;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
-use crate::scene::world::{InternalReflection, MeasuredTable};
-use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
+
+use crate::spectrum::{D_NM, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
 pub type Bsdf = SurfaceModel<Spectrum>;
@@ -76,19 +80,8 @@ pub enum SurfaceModel<S> {
     Plastic {
         /// Reflectance of the base, within [0, 1].
         reflectance: S,
-        /// Index of refraction within, at least that outside and at most ten times it.
-        ior: f32,
-        /// Index of refraction outside, greater than zero; 1 in vacuum.
-        exterior_ior: f32,
-        /// Roughness of the facets, within [0, 1]; see [`SurfaceModel::RoughConductor`]. At least
-        /// 0.001 is computed with.
-        alpha: f32,
-        /// How the normals of facets are distributed.
-        distribution: Distribution,
-        /// Share of what the facets would reflect that is there, within [0, 1].
-        specular: f32,
-        /// What becomes of light that the interface reflects within.
-        internal_reflection: InternalReflection,
+        /// The interface.
+        coat: Coat,
     },
     /// Reflectance that was measured, as Mueller matrices.
     Measured {
@@ -112,6 +105,25 @@ pub enum SurfaceModel<S> {
         /// Index of refraction before the front, greater than zero; 1 in vacuum.
         exterior_ior: S,
     },
+    /// Smooth metal of index n - i k under a thin film.
+    FilmedConductor {
+        /// Real part n > 0 of the index of refraction.
+        eta: S,
+        /// Extinction coefficient k >= 0.
+        k: S,
+        /// The film.
+        film: ThinFilm<S>,
+    },
+    /// Smooth boundary between two dielectrics under a thin film. Its indices are its own, whatever
+    /// it touches.
+    FilmedDielectric {
+        /// Index of refraction behind the front, greater than zero.
+        ior: f32,
+        /// Index of refraction before the front, greater than zero; 1 in vacuum.
+        exterior_ior: f32,
+        /// The film.
+        film: ThinFilm<S>,
+    },
     /// Pane of a dielectric, thin beside the scene but thick beside the wavelength: all reflections
     /// within it add up, without interference, and light goes straight on. Its indices may depend
     /// on the wavelength; in RGB they are those of the line d.
@@ -134,6 +146,14 @@ pub enum SurfaceModel<S> {
         axis_deg: f64,
         /// Retardance in degrees.
         retardance_deg: f64,
+    },
+    /// Sheet that does more than those two: polarizers by their transmittances, retarders with
+    /// dispersion, circular polarizers, Mueller matrices.
+    Sheet {
+        /// Its axis from the node's x axis, counter-clockwise about the front's normal.
+        axis_deg: f64,
+        /// What it does to light in the frame of the axis.
+        action: Action<S>,
     },
     /// Nothing but a boundary between media of the same index of refraction.
     Null,
@@ -245,9 +265,12 @@ impl Bsdf {
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => Ok(self.clone()),
         }
     }
@@ -270,10 +293,13 @@ impl Bsdf {
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
             | Self::Polarizer { .. }
             | Self::Retarder { .. }
+            | Self::Sheet { .. }
             | Self::Null => false,
         }
     }
@@ -287,6 +313,16 @@ impl Bsdf {
             Self::Conductor { eta, k } => {
                 eta.check("eta", Range::POSITIVE)?;
                 k.check("k", Range::NOT_NEGATIVE)
+            }
+            Self::FilmedConductor { eta, k, film } => {
+                eta.check("eta", Range::POSITIVE)?;
+                k.check("k", Range::NOT_NEGATIVE)?;
+                film.check()
+            }
+            Self::FilmedDielectric { ior, exterior_ior, film } => {
+                let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
+                check_indices(&ior, &exterior_ior)?;
+                film.check()
             }
             Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
                 eta.check("eta", Range::POSITIVE)?;
@@ -310,13 +346,9 @@ impl Bsdf {
                 COAT_IOR.check("ior", *ior)?;
                 Range::UNIT.check("specular", *specular)
             }
-            Self::Plastic { reflectance, ior, exterior_ior, alpha, specular, .. } => {
+            Self::Plastic { reflectance, coat } => {
                 reflectance.check("reflectance", Range::UNIT)?;
-                let [within, outside] = [*ior, *exterior_ior].map(Spectrum::Constant);
-                check_indices(&within, &outside)?;
-                COAT_IOR.check("ior over exterior_ior", ior / exterior_ior)?;
-                Range::UNIT.check("alpha", *alpha)?;
-                Range::UNIT.check("specular", *specular)
+                coat.check()
             }
             Self::Dielectric { ior, exterior_ior } => {
                 let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
@@ -335,6 +367,10 @@ impl Bsdf {
                 Range::ANY.check("axis_deg", *axis_deg)?;
                 Range::ANY.check("retardance_deg", *retardance_deg)
             }
+            Self::Sheet { axis_deg, action } => {
+                Range::ANY.check("axis_deg", *axis_deg)?;
+                action.check()
+            }
         }
     }
 }
@@ -350,31 +386,11 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
     })
 }
 
-/// Keys of indices of refraction behind and before.
-const INDICES: [&str; 2] = ["ior", "exterior_ior"];
-
-/// Samples two indices of refraction, or the parts of one, by the names of their keys.
-fn indices<S, T, E>(
-    sample: &mut impl FnMut(&S, &'static str, Role) -> Result<T, E>,
-    [first, second]: [&S; 2],
-    [one, other]: [&'static str; 2],
-) -> Result<[T; 2], E> {
-    Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
-}
-
-/// Rough glass between two indices of refraction, behind and before, with these facets.
-fn rough_dielectric<T>(
-    [ior, exterior_ior]: [T; 2],
-    (alpha, distribution, multiple_scattering): (f32, Distribution, bool),
-) -> SurfaceModel<T> {
-    SurfaceModel::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
-}
-
 /// Indices of refraction of coats.
-const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
+pub(super) const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
 /// Refuses indices of refraction on two sides that are none, or whose ratio is no number.
-fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {
+pub(super) fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {
     ior.check("ior", Range::POSITIVE)?;
     exterior_ior.check("exterior_ior", Range::POSITIVE)?;
     let ends = |of: &Spectrum| {
@@ -402,117 +418,6 @@ pub enum Passage {
 }
 
 impl<S> SurfaceModel<S> {
-    /// The model with `sample` of its spectra, each by the name of its key and by what it is.
-    ///
-    /// # Errors
-    /// Those of `sample`.
-    pub fn sampled<T, E>(
-        &self,
-        mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
-    ) -> Result<SurfaceModel<T>, E> {
-        Ok(match self {
-            Self::Absorber => SurfaceModel::Absorber,
-            Self::Diffuse { reflectance } => {
-                let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
-                SurfaceModel::Diffuse { reflectance }
-            }
-            Self::Conductor { eta, k } => {
-                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
-                SurfaceModel::Conductor { eta, k }
-            }
-            &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
-                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
-                SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
-            }
-            Self::RoughDielectric {
-                ior,
-                exterior_ior,
-                alpha,
-                distribution,
-                multiple_scattering,
-            } => {
-                let facets = (*alpha, *distribution, *multiple_scattering);
-                rough_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?, facets)
-            }
-            &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
-                let base_color = sample(base_color, "base_color", Role::Reflectance)?;
-                SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
-            }
-            &Self::Plastic {
-                ref reflectance,
-                ior,
-                exterior_ior,
-                alpha,
-                distribution,
-                specular,
-                internal_reflection,
-            } => SurfaceModel::Plastic {
-                reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
-                ior,
-                exterior_ior,
-                alpha,
-                distribution,
-                specular,
-                internal_reflection,
-            },
-            Self::Measured { table, places } => {
-                let places = sample(places, "wvls", Role::Index)?;
-                SurfaceModel::Measured { table: table.clone(), places }
-            }
-            &Self::Dielectric { ior, exterior_ior } => {
-                SurfaceModel::Dielectric { ior, exterior_ior }
-            }
-            Self::DispersiveDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::DispersiveDielectric { ior, exterior_ior }
-            }
-            Self::ThinDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::ThinDielectric { ior, exterior_ior }
-            }
-            &Self::Polarizer { axis_deg, extinction_ratio } => {
-                SurfaceModel::Polarizer { axis_deg, extinction_ratio }
-            }
-            &Self::Retarder { axis_deg, retardance_deg } => {
-                SurfaceModel::Retarder { axis_deg, retardance_deg }
-            }
-            Self::Null => SurfaceModel::Null,
-        })
-    }
-
-    /// What paths make of it: a boundary between equal indices of refraction is none to them, and
-    /// metal that is hardly rough is smooth.
-    pub fn simplified(self) -> Self
-    where
-        S: PartialEq,
-    {
-        match self {
-            Self::Dielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
-            Self::ThinDielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
-            Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
-                Self::Conductor { eta, k }
-            }
-            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
-            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
-                Self::DispersiveDielectric { ior, exterior_ior }
-            }
-            Self::Absorber
-            | Self::Diffuse { .. }
-            | Self::Conductor { .. }
-            | Self::RoughConductor { .. }
-            | Self::RoughDielectric { .. }
-            | Self::MetallicRoughness { .. }
-            | Self::Plastic { .. }
-            | Self::Measured { .. }
-            | Self::Dielectric { .. }
-            | Self::DispersiveDielectric { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Polarizer { .. }
-            | Self::Retarder { .. }
-            | Self::Null => self,
-        }
-    }
-
     /// Where light that goes through gets to.
     pub fn passage(&self) -> Passage {
         match self {
@@ -520,15 +425,18 @@ impl<S> SurfaceModel<S> {
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
+            | Self::FilmedConductor { .. }
             | Self::MetallicRoughness { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. } => Passage::Closed,
             Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
+            | Self::FilmedDielectric { .. }
             | Self::RoughDielectric { .. } => Passage::Body,
-            Self::ThinDielectric { .. } | Self::Polarizer { .. } | Self::Retarder { .. } => {
-                Passage::Sheet
-            }
+            Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Sheet { .. } => Passage::Sheet,
             Self::Null => Passage::Boundary,
         }
     }

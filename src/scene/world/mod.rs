@@ -42,8 +42,11 @@ mod particles;
 mod phase_matrix;
 mod photometry;
 mod plastic;
+mod sampled;
 mod shape;
+mod sheet;
 mod texture;
+mod thin_film;
 mod transform;
 
 use std::collections::HashMap;
@@ -76,12 +79,14 @@ pub use self::particles::{Component, Spheres};
 pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::photometry::Photometry;
-pub use self::plastic::InternalReflection;
+pub use self::plastic::{Coat, InternalReflection};
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
+pub use self::sheet::{Action, Delay, Grid, Hand};
 pub(super) use self::texture::half_hash;
 pub use self::texture::{
     Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
 };
+pub use self::thin_film::ThinFilm;
 pub use self::transform::Transform;
 
 /// A scene: made in code, or read from a file, and edited.

@@ -54,6 +54,9 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::Measured { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
+            | Self::Sheet { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }

@@ -1,9 +1,10 @@
 //! Plastics: what is said of their bases.
 
+use crate::math::{Fault, Range};
 use crate::polarization::Distribution;
 use crate::spectrum::Spectrum;
 
-use super::material::Bsdf;
+use super::material::{Bsdf, COAT_IOR, check_indices};
 
 /// What becomes of light that leaves the base of [`Bsdf::Plastic`] and is reflected back to
 /// it.
@@ -17,6 +18,24 @@ pub enum InternalReflection {
     /// The base reflects it like what came first: strong colors become stronger.
     #[default]
     Nonlinear,
+}
+
+/// The interface over the base of [`Bsdf::Plastic`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coat {
+    /// Index of refraction within, at least that outside and at most ten times it.
+    pub ior: f32,
+    /// Index of refraction outside, greater than zero; 1 in vacuum.
+    pub exterior_ior: f32,
+    /// Roughness of the facets, within [0, 1]; see [`Bsdf::RoughConductor`]. At least 0.001 is
+    /// computed with.
+    pub alpha: f32,
+    /// How the normals of facets are distributed.
+    pub distribution: Distribution,
+    /// Share of what the facets would reflect that is there, within [0, 1].
+    pub specular: f32,
+    /// What becomes of light that the interface reflects within.
+    pub internal_reflection: InternalReflection,
 }
 
 impl InternalReflection {
@@ -38,6 +57,18 @@ impl InternalReflection {
     }
 }
 
+impl Coat {
+    /// Refuses what is out of range.
+    pub(super) fn check(&self) -> Result<(), Fault> {
+        let Self { ior, exterior_ior, alpha, specular, .. } = self;
+        let [within, outside] = [*ior, *exterior_ior].map(Spectrum::Constant);
+        check_indices(&within, &outside)?;
+        COAT_IOR.check("ior over exterior_ior", ior / exterior_ior)?;
+        Range::UNIT.check("alpha", *alpha)?;
+        Range::UNIT.check("specular", *specular)
+    }
+}
+
 impl Bsdf {
     /// A plastic of a reflectance of the base (a number, or red, green and blue, within [0, 1]),
     /// with facets (GGX) of some roughness and the index of refraction 1.5, in vacuum; see
@@ -45,12 +76,14 @@ impl Bsdf {
     pub fn plastic(reflectance: impl Into<Spectrum>, alpha: f32) -> Self {
         Self::Plastic {
             reflectance: reflectance.into(),
-            ior: 1.5,
-            exterior_ior: 1.0,
-            alpha,
-            distribution: Distribution::default(),
-            specular: 1.0,
-            internal_reflection: InternalReflection::default(),
+            coat: Coat {
+                ior: 1.5,
+                exterior_ior: 1.0,
+                alpha,
+                distribution: Distribution::default(),
+                specular: 1.0,
+                internal_reflection: InternalReflection::default(),
+            },
         }
     }
 }

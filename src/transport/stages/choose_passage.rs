@@ -21,7 +21,7 @@ pub fn choose_passage<const N: usize, C>(
     crossing: &Crossing<N>,
     path_length: u32,
 ) {
-    let &Crossing { crossings, part } = crossing;
+    let &Crossing { crossings, part, .. } = crossing;
     if !part.kind.scatters() {
         return;
     }

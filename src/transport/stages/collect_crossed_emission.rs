@@ -22,7 +22,7 @@ pub fn collect_crossed_emission<const N: usize, C: SensorSide<N>>(
     scene: &Scene<N>,
     finding: Finding,
 ) {
-    let &Crossing { crossings, part } = crossing;
+    let &Crossing { crossings, part, .. } = crossing;
     for index in part.rows.clone() {
         let row = crossings.row[index] as usize;
         let progress = &flights.progress[row];

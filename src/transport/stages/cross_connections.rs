@@ -3,10 +3,13 @@
 use crate::geometry::CROSSES;
 use crate::math::elementary::exp;
 use crate::math::{Vector, lanes};
+use crate::polarization::kernel::Kernel;
 use crate::scattering::Scene;
-use crate::scattering::surface::{Crossed, SurfaceKind};
+use crate::scattering::event::Form;
+use crate::scattering::surface::Crossed;
 use crate::scene::baked::NONE;
 use crate::transport::Strategy;
+use crate::transport::crossing::dense_at;
 use crate::transport::mis;
 use crate::transport::scale::excess;
 use crate::transport::tables::connections::ConnectionTable;
@@ -42,10 +45,10 @@ pub fn cross_connections<const N: usize, const POLARIZED: bool>(
     let acting: Vec<&CrossingPart> = crossings.parts.iter().filter(|it| it.kind.acts()).collect();
     // A ray that starts at the sensor's end meets the surfaces in the order of light reversed.
     for part in acting.iter().rev() {
-        pass::<N, POLARIZED>(connections, flights, (crossings, part), true);
+        pass::<N, POLARIZED>(connections, flights, (crossings, part), scene, true);
     }
     for part in &acting {
-        pass::<N, POLARIZED>(connections, flights, (crossings, part), false);
+        pass::<N, POLARIZED>(connections, flights, (crossings, part), scene, false);
     }
     reweigh(connections, flights, strategy);
 }
@@ -121,6 +124,7 @@ fn pass<const N: usize, const POLARIZED: bool>(
     connections: &mut ConnectionTable<N>,
     flights: &mut FlightTable<N>,
     (crossings, part): (&CrossingTable<N>, &CrossingPart),
+    scene: &Scene<N>,
     from_sensor: bool,
 ) {
     for index in part.rows.clone() {
@@ -134,27 +138,32 @@ fn pass<const N: usize, const POLARIZED: bool>(
             *value *= transmittance;
         }
         if let (true, Crossed::Model(kind)) = (POLARIZED, part.kind) {
-            polarize(connections, row, (crossings, kind, index));
+            if kind.form_straight_on() == Form::Dense {
+                let kernels = dense_at(crossings, (kind, index), scene, from_sensor);
+                polarize(connections, row, &kernels, (crossings, index));
+            } else {
+                polarize(connections, row, &crossings.kernels(index, kind), (crossings, index));
+            }
         }
     }
 }
 
 /// Applies the kernels of a crossing.
-fn polarize<const N: usize>(
+fn polarize<const N: usize, K: Kernel<f32>>(
     connections: &mut ConnectionTable<N>,
     row: usize,
-    (crossings, kind, index): (&CrossingTable<N>, SurfaceKind, usize),
+    kernels: &[K; N],
+    (crossings, index): (&CrossingTable<N>, usize),
 ) {
-    let kernels = crossings.kernels(index, kind);
     let axis: Vector<f32> = lanes::row_of(&crossings.axis, index).into();
     let k = connections.along_light(row);
     if connections.state[row] == NONE {
         connections.state[row] = connections.states.len() as u32;
-        connections.states.push(LightState::first_event(&kernels, axis));
+        connections.states.push(LightState::first_event(kernels, axis));
         return;
     }
     let state = &mut connections.states[connections.state[row] as usize];
-    *state = state.scatter(&kernels, axis, k);
+    *state = state.scatter(kernels, axis, k);
     for (n, value) in connections.value[row].iter_mut().enumerate() {
         let scale = excess(state.stokes[n].0[0]);
         *value *= scale;

@@ -1,9 +1,11 @@
 //! Takes paths through surfaces that let them straight on.
 
-use crate::math::{Vector, lanes};
+use crate::math::{F32s, Vector, lanes};
+use crate::polarization::Dense;
 use crate::scattering::event::{Event, Form};
 use crate::scattering::surface::{Crossed, SurfaceKind};
-use crate::scattering::{Met, Scene};
+use crate::scattering::{Met, Scene, Side};
+use crate::transport::crossing::dense_at;
 use crate::transport::tables::carriers::CarrierTable;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
@@ -24,7 +26,7 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     flights: &FlightTable<N>,
     scene: &Scene<N>,
 ) {
-    let &Crossing { crossings, part } = crossing;
+    let &Crossing { crossings, part, side } = crossing;
     partition.parts.clear();
     let model = match part.kind {
         Crossed::Model(kind) => Some((kind, event_of(kind))),
@@ -56,14 +58,25 @@ pub fn cross_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
                     partition.parts.push(Part { event, class, rows: row..row + 1 });
                 }
             }
-            let blocks = crossings.kernels(index, kind);
             let axis = Vector::splat(lanes::row_of(&crossings.axis, index));
-            kernels.store_events((event.form, event.achromatic), (&blocks, axis), (row, row + 1));
+            let of = (event.form, event.achromatic);
+            if event.form == Form::Dense {
+                let dense = dense_at(crossings, (kind, index), scene, side == Side::Sensor)
+                    .map(|Dense(matrix)| Dense(matrix.map(|row| row.map(F32s::splat))));
+                kernels.store_events(of, (&dense, axis), (row, row + 1));
+            } else {
+                let blocks = crossings.kernels(index, kind);
+                kernels.store_events(of, (&blocks, axis), (row, row + 1));
+            }
         }
     }
 }
 
 /// What goes straight on through a model has met.
 fn event_of(kind: SurfaceKind) -> Event {
-    Event { met: Met::Surface(kind), form: Form::Block, achromatic: kind.passes_alike() }
+    Event {
+        met: Met::Surface(kind),
+        form: kind.form_straight_on(),
+        achromatic: kind.passes_alike(),
+    }
 }

@@ -20,7 +20,7 @@ pub fn fly_to_crossings<const N: usize, C>(
     crossing: &Crossing<N>,
     scene: &Scene<N>,
 ) {
-    let &Crossing { crossings, part } = crossing;
+    let &Crossing { crossings, part, .. } = crossing;
     for index in part.rows.clone() {
         let row = crossings.row[index] as usize;
         if !flights.progress[row].is_over {

@@ -32,7 +32,7 @@ pub fn list_pieces<const N: usize, C>(
         }
     };
     match crossing {
-        Some(Crossing { crossings, part }) => part.rows.clone().for_each(|index| {
+        Some(Crossing { crossings, part, .. }) => part.rows.clone().for_each(|index| {
             list(crossings.row[index] as usize, crossings.hits.t[index]);
         }),
         None => (0..paths.len).for_each(|row| list(row, hits.t[row])),

@@ -6,6 +6,7 @@ use crate::geometry::{Hit, HitColumns, Ray, RayColumns, SurfaceColumns};
 use crate::math::Real;
 use crate::math::columns::{Column, Rows, columns};
 use crate::polarization::SpheroidBlock;
+use crate::scattering::Side;
 use crate::scattering::surface::{Crossed, SurfaceKind};
 
 columns! {
@@ -49,6 +50,8 @@ pub struct Crossing<'a, const N: usize> {
     pub crossings: &'a CrossingTable<N>,
     /// Those that are meant.
     pub part: &'a CrossingPart,
+    /// Whose paths cross there.
+    pub side: Side,
 }
 
 impl<const N: usize> CrossingTable<N> {

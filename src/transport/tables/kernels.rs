@@ -80,7 +80,7 @@ impl<const N: usize> KernelColumns<N> {
     }
 }
 
-/// Kernels that the columns hold, eight rows at a time.
+/// Kernels that are read from the columns, eight rows at a time.
 pub trait StoredKernel: Kernel<F32s> {
     /// Reads the rows from `row` on.
     fn load<const N: usize>(columns: &KernelColumns<N>, channel: usize, row: usize) -> Self;

@@ -2,7 +2,7 @@
 //! from polarizing vertices, of which there are few enough not to need columns.
 
 use crate::math::{F32s, LANES, Vector};
-use crate::polarization::kernel::SpheroidBlock;
+use crate::polarization::kernel::{Kernel, SpheroidBlock};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
 use crate::scattering::emitter::state::EmittedState;
 use crate::scattering::vertex::{DenseKernels, Leaving, LightLanes};
@@ -50,13 +50,18 @@ impl<const N: usize> LightState<N> {
 
     /// Unpolarized light after an event whose axis is `x`.
     #[inline(always)]
-    pub fn first_event(kernels: &RowKernels<N>, x: Vector<f32>) -> Self {
+    pub fn first_event<K: Kernel<f32>>(kernels: &[K; N], x: Vector<f32>) -> Self {
         Self::of_wavelengths(x, |n| LightCarrier::first_event(kernels[n], x))
     }
 
     /// The light after an event whose axis is `x`, before which it travels along `k_in`.
     #[inline(always)]
-    pub fn scatter(&self, kernels: &RowKernels<N>, x: Vector<f32>, k_in: Vector<f32>) -> Self {
+    pub fn scatter<K: Kernel<f32>>(
+        &self,
+        kernels: &[K; N],
+        x: Vector<f32>,
+        k_in: Vector<f32>,
+    ) -> Self {
         let arrival = Arrival::between(self.x, x, k_in);
         Self::of_wavelengths(x, |n| self.at(n).scatter(&arrival, kernels[n]))
     }

@@ -7,7 +7,7 @@ use crate::scattering::surface::metallic_roughness::MetallicRoughness;
 use crate::scattering::surface::plastic::Plastic;
 use crate::scattering::surface::rough::tests::{Model, Numbers, Said, directions};
 use crate::scattering::surface::rough_conductor::RoughConductor;
-use crate::scene::world::InternalReflection;
+use crate::scene::world::{Coat, InternalReflection};
 
 /// Numbers along phi_d, theta_d and theta_h.
 const COUNTS: [usize; 3] = [25, 31, 41];
@@ -99,8 +99,15 @@ fn measured(bytes: Vec<u8>) -> Model {
 
 fn models() -> [Model; 3] {
     let metal = RoughConductor::of([0.9], [3.0], 0.4, Distribution::Ggx, true);
-    let plastic =
-        Plastic::of([0.5], 1.5, 1.0, 0.5, Distribution::Ggx, 1.0, InternalReflection::Nonlinear);
+    let coat = Coat {
+        ior: 1.5,
+        exterior_ior: 1.0,
+        alpha: 0.5,
+        distribution: Distribution::Ggx,
+        specular: 1.0,
+        internal_reflection: InternalReflection::Nonlinear,
+    };
+    let plastic = Plastic::of([0.5], coat);
     let mixed = MetallicRoughness::of([0.6], 0.3, 0.6, 1.5, 1.0);
     [Model::Metal(metal), Model::Plastic(plastic), Model::Mixed(mixed)]
 }

@@ -10,12 +10,24 @@ use crate::scattering::surface::rough::tests::{Model, Numbers, Said, directions,
 const ALL: [InternalReflection; 3] = InternalReflection::ALL;
 
 fn plastic(reflectance: f32, ior: f32, alpha: f32, within: InternalReflection) -> Model {
-    Model::Plastic(Plastic::of([reflectance], ior, 1.0, alpha, Distribution::Ggx, 1.0, within))
+    coated(reflectance, ior, alpha, 1.0, within)
+}
+
+fn coated(
+    reflectance: f32,
+    ior: f32,
+    alpha: f32,
+    specular: f32,
+    internal_reflection: InternalReflection,
+) -> Model {
+    let (exterior_ior, distribution) = (1.0, Distribution::Ggx);
+    let coat = Coat { ior, exterior_ior, alpha, distribution, specular, internal_reflection };
+    Model::Plastic(Plastic::of([reflectance], coat))
 }
 
 /// The base alone.
 fn base(reflectance: f32, ior: f32, alpha: f32, within: InternalReflection) -> Model {
-    Model::Plastic(Plastic::of([reflectance], ior, 1.0, alpha, Distribution::Ggx, 0.0, within))
+    coated(reflectance, ior, alpha, 0.0, within)
 }
 
 /// T_s and T_p by the cosines on both sides.

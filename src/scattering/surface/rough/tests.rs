@@ -15,7 +15,7 @@ use crate::scattering::surface::metallic_roughness::MetallicRoughness;
 use crate::scattering::surface::model::{Connecting, LaneRows, Surface};
 use crate::scattering::surface::plastic::Plastic;
 use crate::scattering::surface::rough_conductor::RoughConductor;
-use crate::scene::world::InternalReflection;
+use crate::scene::world::{Coat, InternalReflection};
 
 /// Numbers in [0, 1) that depend on nothing but their place.
 pub struct Numbers(pub u32);
@@ -109,10 +109,10 @@ impl Model {
         (alpha, distribution): (f32, Distribution),
         numbers: &mut Numbers,
     ) -> Self {
-        let within = InternalReflection::ALL[(numbers.next() * 3.0) as usize];
-        let specular = numbers.next();
-        let of = Plastic::of([reflectance], ior, 1.0, alpha, distribution, specular, within);
-        Self::Plastic(of)
+        let internal_reflection = InternalReflection::ALL[(numbers.next() * 3.0) as usize];
+        let (exterior_ior, specular) = (1.0, numbers.next());
+        let coat = Coat { ior, exterior_ior, alpha, distribution, specular, internal_reflection };
+        Self::Plastic(Plastic::of([reflectance], coat))
     }
 
     fn facing() -> Facing {

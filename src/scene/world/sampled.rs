@@ -1,0 +1,143 @@
+//! Materials at other wavelengths, and as paths see them.
+
+use super::{SurfaceModel, ThinFilm};
+use crate::polarization::{ALPHA_MIN, Distribution};
+use crate::spectrum::Role;
+
+impl<S> SurfaceModel<S> {
+    /// The model with `sample` of its spectra, each by the name of its key and by what it is.
+    ///
+    /// # Errors
+    /// Those of `sample`.
+    pub fn sampled<T, E>(
+        &self,
+        mut sample: impl FnMut(&S, &'static str, Role) -> Result<T, E>,
+    ) -> Result<SurfaceModel<T>, E> {
+        Ok(match self {
+            Self::Absorber => SurfaceModel::Absorber,
+            Self::Diffuse { reflectance } => {
+                let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
+                SurfaceModel::Diffuse { reflectance }
+            }
+            Self::Conductor { eta, k } => {
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
+                SurfaceModel::Conductor { eta, k }
+            }
+            &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
+                SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
+            }
+            Self::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            } => {
+                let indices = indices(&mut sample, [ior, exterior_ior], INDICES)?;
+                rough_dielectric(indices, (*alpha, *distribution, *multiple_scattering))
+            }
+            &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
+                let base_color = sample(base_color, "base_color", Role::Reflectance)?;
+                SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
+            }
+            &Self::Plastic { ref reflectance, coat } => {
+                let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
+                SurfaceModel::Plastic { reflectance, coat }
+            }
+            Self::Measured { table, places } => {
+                let places = sample(places, "wvls", Role::Index)?;
+                SurfaceModel::Measured { table: table.clone(), places }
+            }
+            &Self::Dielectric { ior, exterior_ior } => {
+                SurfaceModel::Dielectric { ior, exterior_ior }
+            }
+            Self::FilmedConductor { eta, k, film } => {
+                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
+                SurfaceModel::FilmedConductor { eta, k, film: film.sampled(&mut sample)? }
+            }
+            &Self::FilmedDielectric { ior, exterior_ior, ref film } => {
+                filmed_dielectric([ior, exterior_ior], film.sampled(&mut sample)?)
+            }
+            Self::DispersiveDielectric { ior, exterior_ior } => {
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
+                SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+            }
+            Self::ThinDielectric { ior, exterior_ior } => {
+                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
+                SurfaceModel::ThinDielectric { ior, exterior_ior }
+            }
+            &Self::Polarizer { axis_deg, extinction_ratio } => {
+                SurfaceModel::Polarizer { axis_deg, extinction_ratio }
+            }
+            &Self::Retarder { axis_deg, retardance_deg } => {
+                SurfaceModel::Retarder { axis_deg, retardance_deg }
+            }
+            Self::Sheet { axis_deg, action } => {
+                SurfaceModel::Sheet { axis_deg: *axis_deg, action: action.sampled(&mut sample)? }
+            }
+            Self::Null => SurfaceModel::Null,
+        })
+    }
+
+    /// What paths make of it: a boundary between equal indices of refraction is none to them, and
+    /// metal that is hardly rough is smooth.
+    pub fn simplified(self) -> Self
+    where
+        S: PartialEq,
+    {
+        match self {
+            Self::Dielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
+            Self::ThinDielectric { ior, exterior_ior } if ior == exterior_ior => Self::Null,
+            Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
+                Self::Conductor { eta, k }
+            }
+            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
+            Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
+                Self::DispersiveDielectric { ior, exterior_ior }
+            }
+            Self::Absorber
+            | Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
+            | Self::MetallicRoughness { .. }
+            | Self::Plastic { .. }
+            | Self::Measured { .. }
+            | Self::FilmedConductor { .. }
+            | Self::FilmedDielectric { .. }
+            | Self::Dielectric { .. }
+            | Self::DispersiveDielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Polarizer { .. }
+            | Self::Retarder { .. }
+            | Self::Sheet { .. }
+            | Self::Null => self,
+        }
+    }
+}
+
+/// Keys of indices of refraction behind and before.
+const INDICES: [&str; 2] = ["ior", "exterior_ior"];
+
+/// Samples two indices of refraction, or the parts of one, by the names of their keys.
+fn indices<S, T, E>(
+    sample: &mut impl FnMut(&S, &'static str, Role) -> Result<T, E>,
+    [first, second]: [&S; 2],
+    [one, other]: [&'static str; 2],
+) -> Result<[T; 2], E> {
+    Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
+/// Rough glass between two indices of refraction, behind and before, with these facets.
+fn rough_dielectric<T>(
+    [ior, exterior_ior]: [T; 2],
+    (alpha, distribution, multiple_scattering): (f32, Distribution, bool),
+) -> SurfaceModel<T> {
+    SurfaceModel::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+}
+
+/// Glass between two indices of refraction, behind and before, under a film.
+fn filmed_dielectric<T>([ior, exterior_ior]: [f32; 2], film: ThinFilm<T>) -> SurfaceModel<T> {
+    SurfaceModel::FilmedDielectric { ior, exterior_ior, film }
+}
