@@ -6,8 +6,9 @@ use crate::scene::baked;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, Measured,
-        MetallicRoughness, Plastic, RoughConductor, RoughDielectric, ThinDielectric,
+        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
+        FilmedDielectric, Measured, MetallicRoughness, Plastic, RoughConductor, RoughDielectric,
+        ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -15,6 +16,8 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         Conductor,
         Dielectric,
         DispersiveDielectric,
+        FilmedConductor,
+        FilmedDielectric,
         ThinDielectric,
         Diffuse,
         RoughConductor,
