@@ -115,6 +115,12 @@ impl Facets {
         Self { alpha: alpha.fast_max(least).fast_min(F32s::splat(1.0)), beckmann }
     }
 
+    /// Their roughness, from [`ALPHA_MIN`] to 1.
+    #[inline(always)]
+    pub fn alpha(&self) -> F32s {
+        self.alpha
+    }
+
     /// Light between the directions `given` and `drawn`, both away from the surface of the unit
     /// `normal`; the same for both orders of the two.
     #[inline(always)]

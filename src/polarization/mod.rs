@@ -38,7 +38,7 @@ mod physical;
 pub mod rayleigh;
 pub mod stokes;
 
-pub use albedo::Albedo;
+pub use albedo::{Albedo, CoatAlbedo};
 pub use analyzer::Analyzer;
 pub use carrier::{
     Arrival, Departure, LightCarrier, SensorColumn, SensorEvent, SensorMatrix, SensorRow,

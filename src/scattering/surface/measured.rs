@@ -168,7 +168,10 @@ impl<const N: usize> Glossy<N> for Measured<N> {
         let alpha = models.field(|model| model.table.lobe().alpha);
         let chance = models.field(|model| model.table.lobe().share);
         let facets = Facets::new(alpha, F32s::ZERO);
-        MeasuredLanes { models: models.each(), mixture: Mixture { facets, chance } }
+        MeasuredLanes {
+            models: models.each(),
+            mixture: Mixture { facets, chance, grazing: F32s::ZERO },
+        }
     }
 }
 

@@ -21,10 +21,12 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, peak};
+use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak};
 use crate::math::F32s;
-use crate::polarization::albedo::TERMS;
-use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
+use crate::polarization::albedo::{POWERS, TERMS};
+use crate::polarization::{
+    Albedo, CoatAlbedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel,
+};
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 
@@ -49,7 +51,7 @@ pub struct MetallicRoughness<const N: usize> {
     /// Reflectance of the base, over all of the material.
     color: [f32; N],
     /// What the coat reflects where there is no metal.
-    of_coat: Albedo,
+    of_coat: CoatAlbedo,
     /// What lossless facets reflect once.
     of_facets: Albedo,
     /// What the metal reflects, over all of the material.
@@ -61,7 +63,7 @@ impl<const N: usize> MetallicRoughness<N> {
     /// glTF's), the coat's index of refraction, and the share of what it reflects that is there.
     pub fn of(base_color: [f32; N], metallic: f32, alpha: f32, ior: f32, specular: f32) -> Self {
         let of_facets = Albedo::of_facets(Distribution::Ggx, alpha);
-        let of_coat = Albedo::of_coat(ior, alpha).scaled(specular);
+        let of_coat = CoatAlbedo::of(Distribution::Ggx, ior, alpha).scaled(specular);
         let k = base_color.map(fresnel::k_of_reflectance);
         let mut metal = Reflected::of([1.0; N], k, &of_facets, true);
         for values in [&mut metal.gain, &mut metal.single, &mut metal.multiple] {
@@ -111,8 +113,9 @@ pub struct MetallicRoughnesses<const N: usize> {
     k: [F32s; N],
     base: [F32s; N],
     gain: [F32s; N],
+    /// Of [`CoatAlbedo`].
+    of_coat: [F32s; POWERS],
     /// Of [`Albedo`].
-    of_coat: [F32s; TERMS],
     of_facets: [F32s; TERMS],
     /// Means over the wavelengths of what the base reflects, and the metal once and several times.
     color: F32s,
@@ -121,15 +124,20 @@ pub struct MetallicRoughnesses<const N: usize> {
 }
 
 impl<const N: usize> MetallicRoughnesses<N> {
+    /// What the coat lets through of light of the cosine, and what facets that reflect all leave
+    /// out.
+    #[inline(always)]
+    fn missing(&self, cos: F32s) -> [F32s; 2] {
+        let of_facets = Albedo::missing(&self.of_facets, cos);
+        [F32s::splat(1.0) - CoatAlbedo::at(of_facets, &self.of_coat, cos), of_facets]
+    }
+
     /// What is reflected otherwise than once by facets.
     #[inline(always)]
     fn depolarized(&self, reflection: &FacetReflection) -> [F32s; N] {
         let above = is_above(reflection);
-        let product = |terms: &[F32s; TERMS]| {
-            let [given, drawn] = reflection.cosines.map(|cos| missing(terms, cos));
-            above & (given * drawn)
-        };
-        let (through, several) = (product(&self.of_coat), product(&self.of_facets));
+        let [given, drawn] = reflection.cosines.map(|cos| self.missing(cos));
+        let [through, several] = [0, 1].map(|of| above & (given[of] * drawn[of]));
         let mut values = [F32s::splat(0.0); N];
         for (n, value) in values.iter_mut().enumerate() {
             *value = self.base[n].mul_add(through, self.gain[n] * several);
@@ -153,13 +161,15 @@ impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
     }
 
     #[inline(always)]
-    fn chance_of_facets(&self, cos: F32s) -> F32s {
+    fn chances(&self, cos: F32s) -> [F32s; 2] {
         let one = F32s::splat(1.0);
-        let of_coat = Albedo::at(&self.of_coat, cos);
-        let missing = missing(&self.of_facets, cos);
-        let facets = (one - self.metallic).mul_add(of_coat, self.single * (one - missing));
-        let others = self.color.mul_add(one - of_coat, self.multiple * missing);
-        facets / (facets + others).fast_max(F32s::splat(f32::MIN_POSITIVE))
+        let [through, missing] = self.missing(cos);
+        let once = self.single * (one - missing);
+        let facets = (one - self.metallic).mul_add(one - through, once);
+        let several = self.multiple * missing;
+        let others = self.color.mul_add(through, several);
+        let least = F32s::splat(f32::MIN_POSITIVE);
+        [facets / (facets + others).fast_max(least), several / others.fast_max(least)]
     }
 
     #[inline(always)]
@@ -220,7 +230,7 @@ impl<const N: usize> Glossy<N> for MetallicRoughness<N> {
             k: models.spectrum(|model| &model.k),
             base: models.spectrum(|model| &model.base),
             gain: models.spectrum(|model| &model.metal.gain),
-            of_coat: models.spectrum(|model| &model.of_coat.terms),
+            of_coat: models.spectrum(|model| &model.of_coat.reflected),
             of_facets: models.spectrum(|model| &model.of_facets.terms),
             color: mean(&models.spectrum(|model| &model.color)),
             single: mean(&models.spectrum(|model| &model.metal.single)),

@@ -25,18 +25,19 @@
 //! | nonlinear | r / (n^2 (1 - r (1 - m / n^2))) | 1 - E |
 //!
 //! Here F is Fresnel's reflectance, E what the facets reflect of light from a direction
-//! ([`Albedo`]), m the mean of t over the hemisphere, and 1 - m / n^2 what is reflected within, by
+//! ([`CoatAlbedo`]), m the mean of t over the hemisphere, and 1 - m / n^2 what is reflected within, by
 //! reciprocity. With E and r = 1, all light that the facets do not reflect comes out of the base.
 
 use std::f32::consts::FRAC_1_PI;
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetPlane, Rough, is_above, missing, peak};
+use super::rough::{FacetPlane, Rough, is_above, peak};
 use crate::math::{F32s, Real, Vector};
-use crate::polarization::albedo::{TERMS, mean_over_cosines};
+use crate::polarization::albedo::{POWERS, TERMS, mean_over_cosines};
 use crate::polarization::{
-    Albedo, Block, Dense, Distribution, FacetReflection, Facets, Rotation, Stokes, fresnel, s_axis,
+    Albedo, Block, CoatAlbedo, Dense, Distribution, FacetReflection, Facets, Rotation, Stokes,
+    fresnel, s_axis,
 };
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
@@ -63,7 +64,7 @@ pub struct Plastic<const N: usize> {
     /// 1 where Fresnel's equations say what gets through, 0 where the albedo of facets does.
     smooth: f32,
     /// What the whole facets reflect.
-    albedo: Albedo,
+    albedo: CoatAlbedo,
 }
 
 impl<const N: usize> Plastic<N> {
@@ -71,7 +72,7 @@ impl<const N: usize> Plastic<N> {
     pub fn of(reflectance: [f32; N], coat: Coat) -> Self {
         let Coat { exterior_ior, alpha, distribution, specular, internal_reflection, .. } = coat;
         let ior = coat.ior / exterior_ior;
-        let albedo = Albedo::of_dielectric(distribution, ior, alpha);
+        let albedo = CoatAlbedo::of(distribution, ior, alpha);
         let by_fresnel = |cos| F32s::ONE - fresnel::dielectric_reflectance(cos, F32s::splat(ior)).0;
         let (is_smooth, through) = match internal_reflection {
             InternalReflection::Lost => (true, mean_over_cosines(by_fresnel)),
@@ -118,17 +119,25 @@ pub struct Plastics<const N: usize> {
     specular: F32s,
     /// Mask of those through which light gets as Fresnel's equations say.
     smooth: F32s,
-    /// Of [`Albedo`].
-    terms: [F32s; TERMS],
+    /// Of [`CoatAlbedo`].
+    facets_terms: [F32s; TERMS],
+    reflected: [F32s; POWERS],
     /// Mean over the wavelengths of what the base reflects.
     share: F32s,
 }
 
 impl<const N: usize> Plastics<N> {
+    /// What the facets do not reflect of light of the cosine.
+    #[inline(always)]
+    fn missing(&self, cos: F32s) -> F32s {
+        let of_facets = Albedo::missing(&self.facets_terms, cos);
+        F32s::ONE - CoatAlbedo::at(of_facets, &self.reflected, cos)
+    }
+
     /// The share of light of the cosine that gets through the interface.
     #[inline(always)]
     fn through(&self, cos: F32s) -> F32s {
-        let mut through = missing(&self.terms, cos);
+        let mut through = self.missing(cos);
         if self.smooth.any() {
             let cos = cos.fast_max(F32s::ZERO);
             let (reflectance, _) = fresnel::dielectric_reflectance(cos, self.ior);
@@ -171,11 +180,11 @@ impl<const N: usize> Rough<N> for Plastics<N> {
     }
 
     #[inline(always)]
-    fn chance_of_facets(&self, cos: F32s) -> F32s {
-        let missing = missing(&self.terms, cos);
+    fn chances(&self, cos: F32s) -> [F32s; 2] {
+        let missing = self.missing(cos);
         let once = self.specular * (F32s::ONE - missing);
         let base = self.share * missing;
-        once / (once + base).fast_max(F32s::splat(f32::MIN_POSITIVE))
+        [once / (once + base).fast_max(F32s::splat(f32::MIN_POSITIVE)), F32s::ZERO]
     }
 
     #[inline(always)]
@@ -229,7 +238,8 @@ impl<const N: usize> Glossy<N> for Plastic<N> {
             ior: models.field(|model| model.ior),
             specular: models.field(|model| model.specular),
             smooth: models.field(|model| model.smooth).simd_gt(half),
-            terms: models.spectrum(|model| &model.albedo.terms),
+            facets_terms: models.spectrum(|model| &model.albedo.facets),
+            reflected: models.spectrum(|model| &model.albedo.reflected),
             share: mean(&models.spectrum(|model| &model.share)),
         }
     }

@@ -14,7 +14,7 @@ use super::facing::Facing;
 use super::glossy::Lobes;
 use super::model::Drawn;
 use crate::math::{F32s, Real, Vector, warp};
-use crate::polarization::albedo::{TERMS, mean_over_cosines};
+use crate::polarization::albedo::mean_over_cosines;
 use crate::polarization::{
     ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
 };
@@ -22,7 +22,7 @@ use crate::scattering::event::Elements;
 use crate::scattering::side::Side;
 
 /// Least share of what is missing, on the average, for which there is a lobe.
-pub const MISSING_MIN: f32 = 1e-4;
+pub const MISSING_MIN: f32 = 1e-5;
 /// Keeps denominators off zero.
 pub const TINY: f32 = 1e-30;
 /// Least density that is said of a drawn direction: of those below the surface, which carry
@@ -131,8 +131,8 @@ pub trait Rough<const N: usize> {
     fn facets(&self) -> &Facets;
 
     /// The probability of drawing by facets for a path that comes from a direction of the cosine
-    /// `cos`.
-    fn chance_of_facets(&self, cos: F32s) -> F32s;
+    /// `cos`, and the share of the rest that is like what they leave out: see [`Mixture`].
+    fn chances(&self, cos: F32s) -> [F32s; 2];
 
     /// The scattering function per steradian, where facets reflect so much; zero where directions
     /// are not both above the surface.
@@ -156,32 +156,41 @@ pub trait Rough<const N: usize> {
     }
 }
 
-/// Directions that are drawn by facets, with some chance, or else by the cosine.
+/// Directions that are drawn by facets, with some chance, or else by the cosine, or towards the
+/// cosines that facets leave out most of.
 #[derive(Clone, Copy)]
 pub struct Mixture {
     /// The facets.
     pub facets: Facets,
     /// The probability of drawing by them.
     pub chance: F32s,
+    /// The share of the rest that is drawn by [`Grazing`].
+    pub grazing: F32s,
 }
 
 impl Mixture {
     /// That of rough surfaces for paths that come from directions of the cosine `cos`.
     #[inline(always)]
     fn of<const N: usize>(rough: &impl Rough<N>, cos: F32s) -> Self {
-        Self { facets: *rough.facets(), chance: rough.chance_of_facets(cos) }
+        let [chance, grazing] = rough.chances(cos);
+        Self { facets: *rough.facets(), chance, grazing }
     }
 
     /// Density per steradian of [`Mixture::draw`]; see [`Lobes::pdf`].
     #[inline(always)]
     pub fn pdf(&self, normal: Vector<F32s>, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let of_facets = self.facets.pdf(normal, given, drawn);
-        let of_cosine = warp::cosine_pdf(drawn.dot(normal).fast_max(F32s::splat(0.0)));
-        self.chance.mul_add(of_facets - of_cosine, of_cosine)
+        let cos = drawn.dot(normal).fast_max(F32s::splat(0.0));
+        let mut others = warp::cosine_pdf(cos);
+        if self.grazes() {
+            let of_lobe = Grazing::of(&self.facets).pdf(cos);
+            others = self.grazing.mul_add(of_lobe - others, others);
+        }
+        self.chance.mul_add(of_facets - others, others)
     }
 
     /// Draws a direction, for a path that comes from `given` above the surface of the `normal`,
-    /// with its density. The first number chooses between facets and the cosine, too.
+    /// with its density. The first number chooses between facets and the others, too.
     #[inline(always)]
     pub fn draw(
         &self,
@@ -189,16 +198,66 @@ impl Mixture {
         given: Vector<F32s>,
         u: [F32s; 2],
     ) -> (Vector<F32s>, F32s) {
-        let (one, chance) = (F32s::splat(1.0), self.chance);
-        let by_facets = u[0].simd_lt(chance);
-        let less = u[0] / chance.fast_max(F32s::splat(TINY));
-        let more = (u[0] - chance) / (one - chance).fast_max(F32s::splat(TINY));
-        let below_one = F32s::splat(1.0 - f32::EPSILON / 2.0);
-        let again = [Real::select(by_facets, less, more).fast_min(below_one), u[1]];
-        let (of_cosine, _) = warp::cosine_hemisphere(normal, again);
-        let of_facets = self.facets.draw(normal, given, again);
+        let (by_facets, first) = choose(u[0], self.chance);
+        let of_facets = self.facets.draw(normal, given, [first, u[1]]);
+        let mut height = first;
+        if self.grazes() {
+            let (by_lobe, again) = choose(first, self.grazing);
+            let low = Grazing::of(&self.facets).cosine_number(again);
+            height = Real::select(by_lobe, low, again);
+        }
+        let (of_cosine, _) = warp::cosine_hemisphere(normal, [height, u[1]]);
         let direction = Vector::select(by_facets, of_facets, of_cosine);
         (direction, self.pdf(normal, given, direction).fast_max(F32s::splat(PDF_MIN)))
+    }
+
+    #[inline(always)]
+    fn grazes(&self) -> bool {
+        let one = F32s::splat(1.0);
+        (self.grazing.simd_gt(F32s::splat(0.0)) & self.chance.simd_lt(one)).any()
+    }
+}
+
+/// Whether a number in [0, 1) is below a chance, and the number that it is within its part.
+#[inline(always)]
+pub fn choose(number: F32s, chance: F32s) -> (F32s, F32s) {
+    let one = F32s::splat(1.0);
+    let below_one = F32s::splat(1.0 - f32::EPSILON / 2.0);
+    let is_below = number.simd_lt(chance);
+    let less = number / chance.fast_max(F32s::splat(TINY));
+    let more = (number - chance) / (one - chance).fast_max(F32s::splat(TINY));
+    (is_below, Real::select(is_below, less, more).fast_min(below_one))
+}
+
+/// Directions of the density `mu / (mu^2 + s^2)` over its integral, of cosines mu about a scale s:
+/// as what facets leave out, which goes with the square of the roughness over the cosine.
+pub struct Grazing {
+    scale2: F32s,
+    /// Twice the integral of the density.
+    integral: F32s,
+}
+
+impl Grazing {
+    /// About cosines like the roughness of these facets.
+    #[inline(always)]
+    pub fn of(facets: &Facets) -> Self {
+        let (one, scale) = (F32s::splat(1.0), facets.alpha() * F32s::splat(2.0));
+        let scale2 = scale * scale;
+        Self { scale2, integral: (one + one / scale2).ln() }
+    }
+
+    /// The density per steradian.
+    #[inline(always)]
+    pub fn pdf(&self, cos: F32s) -> F32s {
+        F32s::splat(FRAC_1_PI) * cos / (self.integral * cos.mul_add(cos, self.scale2))
+    }
+
+    /// The number by which [`warp::cosine_hemisphere`] draws what is drawn here by `u`.
+    #[inline(always)]
+    pub fn cosine_number(&self, u: F32s) -> F32s {
+        let one = F32s::splat(1.0);
+        let cos2 = self.scale2 * ((u * self.integral).exp() - one);
+        (one - cos2).fast_max(F32s::splat(0.0)).fast_min(F32s::splat(1.0 - f32::EPSILON / 2.0))
     }
 }
 
@@ -252,12 +311,6 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
 pub fn is_above(reflection: &FacetReflection) -> F32s {
     let [cos_given, cos_drawn] = reflection.cosines;
     cos_given.fast_min(cos_drawn).simd_gt(F32s::splat(0.0))
-}
-
-/// What facets of the albedo with these terms leave out of light of the cosine `cos`.
-#[inline(always)]
-pub fn missing(terms: &[F32s; TERMS], cos: F32s) -> F32s {
-    F32s::splat(1.0) - Albedo::at(terms, cos)
 }
 
 #[cfg(test)]

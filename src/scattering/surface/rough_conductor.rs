@@ -2,7 +2,7 @@
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, missing, peak};
+use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak};
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
@@ -73,7 +73,7 @@ impl<const N: usize> RoughConductors<N> {
     /// What is reflected several times, per gain.
     #[inline(always)]
     fn several(&self, reflection: &FacetReflection) -> F32s {
-        let [given, drawn] = reflection.cosines.map(|cos| missing(&self.terms, cos));
+        let [given, drawn] = reflection.cosines.map(|cos| Albedo::missing(&self.terms, cos));
         is_above(reflection) & (given * drawn)
     }
 }
@@ -87,11 +87,12 @@ impl<const N: usize> Rough<N> for RoughConductors<N> {
     }
 
     #[inline(always)]
-    fn chance_of_facets(&self, cos: F32s) -> F32s {
-        let missing = missing(&self.terms, cos);
+    fn chances(&self, cos: F32s) -> [F32s; 2] {
+        let missing = Albedo::missing(&self.terms, cos);
         let once = self.single * (F32s::splat(1.0) - missing);
         let several = self.multiple * missing;
-        once / (once + several).fast_max(F32s::splat(f32::MIN_POSITIVE))
+        let chance = once / (once + several).fast_max(F32s::splat(f32::MIN_POSITIVE));
+        [chance, F32s::splat(1.0)]
     }
 
     #[inline(always)]

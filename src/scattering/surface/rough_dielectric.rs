@@ -19,7 +19,7 @@ use std::f32::consts::FRAC_1_PI;
 use super::facing::Facing;
 use super::glossy::{Glossy, Lobes};
 use super::model::{Drawn, ModelLanes, Surface};
-use super::rough::{FacetLobe, MISSING_MIN, NARROW, PDF_MIN, TINY, missing};
+use super::rough::{FacetLobe, Grazing, MISSING_MIN, NARROW, PDF_MIN, choose};
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
@@ -188,7 +188,7 @@ impl<'a, const N: usize> Sided<'a, N> {
     /// What is missing of light that arrives on this side, and on the other, by the cosine.
     #[inline(always)]
     fn missing(&self, cos: F32s) -> [F32s; SIDES] {
-        let [front, back] = self.of.sides.each_ref().map(|side| missing(&side.terms, cos));
+        let [front, back] = self.of.sides.each_ref().map(|side| Albedo::missing(&side.terms, cos));
         [Real::select(self.front, front, back), Real::select(self.front, back, front)]
     }
 
@@ -301,11 +301,11 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let through = sided.pick(|side| side.through);
         let share =
             Real::select(cos.simd_gt(F32s::splat(0.0)), F32s::splat(1.0) - through, through);
-        let of_cosine = share * warp::cosine_pdf(cos.abs());
-        sided.chance_of_facets().mul_add(of_facets - of_cosine, of_cosine)
+        let of_lobe = share * Grazing::of(&self.facets).pdf(cos.abs());
+        sided.chance_of_facets().mul_add(of_facets - of_lobe, of_lobe)
     }
 
-    /// The first number chooses between facets and the cosine, too; the third one a wavelength, and
+    /// The first number chooses between facets and what they leave out, too; the third one a wavelength, and
     /// one of the sides.
     #[inline(always)]
     fn draw(
@@ -318,11 +318,8 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let one = F32s::splat(1.0);
         let sided = Sided::new(self, facing, given);
         let chance = sided.chance_of_facets();
-        let by_facets = first.simd_lt(chance);
-        let less = first / chance.fast_max(F32s::splat(TINY));
-        let more = (first - chance) / (one - chance).fast_max(F32s::splat(TINY));
-        let below_one = F32s::splat(1.0 - f32::EPSILON / 2.0);
-        let again = [Real::select(by_facets, less, more).fast_min(below_one), second];
+        let (by_facets, again) = choose(first, chance);
+        let again = [again, second];
         let (mut eta, mut decision) = (sided.eta(0), third);
         if !self.is_gray {
             let place = third * F32s::splat(N as f32);
@@ -339,7 +336,8 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let refracted = half * (cos_half / eta - cos_t) - given * (one / eta);
         let reflects = decision.simd_lt(reflectance);
         let of_facets = Vector::select(reflects, reflected, refracted);
-        let (cosine, _) = warp::cosine_hemisphere(sided.normal, again);
+        let lobe = [Grazing::of(&self.facets).cosine_number(again[0]), second];
+        let (cosine, _) = warp::cosine_hemisphere(sided.normal, lobe);
         let passes = decision.simd_lt(sided.pick(|side| side.through));
         let mirrored = sided.normal * (cosine.dot(sided.normal) * F32s::splat(-2.0)) + cosine;
         let of_cosine = Vector::select(passes, mirrored, cosine);

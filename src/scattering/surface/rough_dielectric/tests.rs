@@ -93,10 +93,14 @@ fn albedo(model: &Glass, cos: f32, numbers: &mut Numbers) -> [f64; 3] {
 
 #[test]
 fn all_light_leaves_if_multiple_scattering_is_there() {
+    /// Of the difference of two shares that are a half, of 8,000 directions each.
+    const COUNT: f64 = 0.0079;
     let mut numbers = Numbers(0);
     for distribution in Distribution::ALL {
-        for (ior, alpha) in [(1.5, 0.2), (1.5, 0.6), (1.5, 1.0), (2.4, 0.5), (0.7, 0.5)] {
-            for cos in [0.1, 0.4, 0.9, -0.1, -0.4, -0.9] {
+        for (ior, alpha) in
+            [(1.5, 0.01), (1.5, 0.2), (1.5, 0.6), (1.5, 1.0), (2.4, 0.5), (0.7, 0.5)]
+        {
+            for cos in [0.02, 0.1, 0.4, 0.9, -0.02, -0.1, -0.4, -0.9] {
                 let [all, once] = [true, false].map(|multiple| {
                     albedo(&glass(ior, alpha, distribution, multiple), cos, &mut numbers)
                 });
@@ -106,7 +110,8 @@ fn all_light_leaves_if_multiple_scattering_is_there() {
                 assert!((all - 1.0).abs() < 0.006 + 4.0 * error, "{ior} {alpha} {cos}: {all}");
                 let [once, error, through_once] = once;
                 assert!(once < 1.0 + 4.0 * error, "{ior} {alpha} {cos}: {once}");
-                assert!(through > through_once - 6.0 * error, "{ior} {alpha} {cos}: {through}");
+                // Both are counts, of a share of at most this error.
+                assert!(through > through_once - 6.0 * COUNT, "{ior} {alpha} {cos}: {through}");
             }
         }
     }
