@@ -9,6 +9,7 @@ pub mod gltf;
 pub mod luminaires;
 pub mod painted;
 pub mod polarized;
+pub mod projectors;
 pub mod random;
 pub mod rendering;
 pub mod rough;

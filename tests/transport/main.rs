@@ -31,6 +31,7 @@ mod painted;
 mod parts;
 mod plates;
 mod polarized_lamps;
+mod projectors;
 mod reconstruction;
 mod reference_images;
 mod skies;

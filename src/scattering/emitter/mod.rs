@@ -10,8 +10,8 @@ mod area;
 mod directional;
 mod environment;
 mod infinity;
-mod luminaire;
 mod panorama;
+mod patterned;
 mod point;
 mod sphere;
 mod spherical;
@@ -33,11 +33,12 @@ use glam::Vec3;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
-    Directional, EmitterModel, Environment, Extent, Luminaire, Panorama, Point, Sphere, Spot, Sun,
+    Directional, EmitterModel, Environment, Extent, Panorama, Patterned, Point, Sphere, Spot, Sun,
     Triangle, for_all_emitters,
 };
 
-use crate::scene::luminaire::Luminaire as Measured;
+use crate::scene::pattern::Pattern;
+use crate::spectrum::Carried;
 
 use super::Scene;
 
@@ -144,7 +145,9 @@ pub struct Source<'a, const N: usize> {
     /// Where everything is.
     pub shapes: &'a Shapes,
     /// What some emit by direction.
-    pub luminaires: &'a [Measured],
+    pub patterns: &'a [Pattern],
+    /// What the columns carry.
+    pub carried: &'a Carried<N>,
     /// What the light path is aimed at; if nothing, at the whole scene.
     pub aimed_at: Option<Bounds>,
 }
@@ -288,8 +291,9 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
-    let luminaires = &scene.optics.luminaires;
-    Source { row, radiance, probability, shapes: &scene.shapes, luminaires, aimed_at: None }
+    let (shapes, patterns, carried) =
+        (&*scene.shapes, &*scene.optics.patterns, &scene.optics.carried);
+    Source { row, radiance, probability, shapes, patterns, carried, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use hecs::{Entity, EntityRef};
 
 use super::incandescent::Incandescent;
-use super::light::Luminaire;
+use super::light::{Luminaire, Projection};
 use super::material::check_material;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
@@ -44,7 +44,7 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 14] = [
+const PARTS: [(&str, Has, &[Kind], bool); 15] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     (
@@ -54,6 +54,7 @@ const PARTS: [(&str, Has, &[Kind], bool); 14] = [
         false,
     ),
     ("Luminaire", has::<Luminaire>, &[Kind::Light], false),
+    ("Projection", has::<Projection>, &[Kind::Light], false),
     ("Incandescent", has::<Incandescent>, &[Kind::Material], false),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
@@ -184,6 +185,9 @@ impl World {
                 let light = part::<&Punctual>(entity)?;
                 if entity.has::<Luminaire>() {
                     Luminaire::check(Some(light.kind))?;
+                }
+                if let Some(projection) = entity.get::<&Projection>() {
+                    projection.check(Some(light.kind))?;
                 }
                 light.check()
             }

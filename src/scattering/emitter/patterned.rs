@@ -1,19 +1,19 @@
-//! Luminaires: points of intensities by direction, as they were measured. Light paths are drawn by
-//! these, and aimed at nothing else.
+//! Points of intensities by direction: luminaires and projectors. Light paths are drawn by these,
+//! and aimed at nothing else.
 
 use glam::Vec3;
 
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scattering::Scene;
 use crate::scene::baked::Shapes;
-use crate::scene::emitter::{EmitterModel, Luminaire};
+use crate::scene::emitter::{EmitterModel, Patterned};
 
 use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::point;
 use super::tree::Outline;
 use super::{EmissionSample, Emits, MetEmission, Source};
 
-impl Emits for Luminaire {
+impl Emits for Patterned {
     const DELTA: bool = true;
 
     fn record(&self, _: &Shapes, probability: f32) -> Own {
@@ -21,7 +21,7 @@ impl Emits for Luminaire {
         own([x, y, z, probability])
     }
 
-    /// As if the mean were everywhere: see [`Scene::weigh_luminaires`].
+    /// As if the mean were everywhere: see [`Scene::weigh_patterns`].
     #[inline(always)]
     fn choose<const N: usize>(
         (&[x, y, z, probability, ..], _): (&OwnLanes, &Tables),
@@ -39,7 +39,14 @@ impl Emits for Luminaire {
     }
 
     fn outline(&self, _: &Shapes) -> Outline {
-        Outline { even: 1.0, ..Outline::at(self.position) }
+        let (axis, edge) = self.cone;
+        match edge > -1.0 {
+            // As if the cone were full of it.
+            true => {
+                Outline { axis: axis * (2.0 / (1.0 - edge)), edge, ..Outline::at(self.position) }
+            }
+            false => Outline { even: 1.0, ..Outline::at(self.position) },
+        }
     }
 
     fn emit<const N: usize>(
@@ -48,11 +55,12 @@ impl Emits for Luminaire {
         _: [f32; 2],
         u_direction: [f32; 2],
     ) -> EmissionSample<N> {
-        let measured = &source.luminaires[self.row as usize];
-        let direction = measured.direction(u_direction);
-        let share = measured.share(direction);
-        let intensity = source.radiance.map(|mean| mean * share);
-        let density = measured.density(direction);
+        let pattern = &source.patterns[self.row as usize];
+        let direction = pattern.direction(u_direction);
+        let share = pattern.share(direction, source.carried);
+        let intensity = std::array::from_fn(|n| source.radiance[n] * share[n]);
+        // Where it is zero, which is rounding, nothing is emitted.
+        let density = pattern.density(direction).max(f32::MIN_POSITIVE);
         point::emit::<Self, N>(source, self.position, direction, intensity, density)
     }
 
@@ -66,24 +74,25 @@ impl Emits for Luminaire {
 }
 
 impl<const N: usize> Scene<N> {
-    /// Multiplies what arrives from eight emitters, if they are luminaires, by what these emit that
+    /// Multiplies what arrives from eight emitters, if these have patterns, by what they emit that
     /// way, and the densities of light paths by theirs.
     #[inline(never)]
-    pub fn weigh_luminaires(&self, chosen: &mut DirectLanes<N>, emitters: [usize; LANES]) {
+    pub fn weigh_patterns(&self, chosen: &mut DirectLanes<N>, emitters: [usize; LANES]) {
         let towards = chosen.direction.to_rows();
-        let (mut shares, mut densities) = ([1.0; LANES], [1.0; LANES]);
+        let (mut shares, mut densities) = ([[1.0; N]; LANES], [1.0; LANES]);
         for (lane, &emitter) in emitters.iter().enumerate() {
-            if let EmitterModel::Luminaire(Luminaire { row, .. }) =
+            if let EmitterModel::Patterned(Patterned { row, .. }) =
                 self.optics.emitters[emitter].model
             {
-                let measured = &self.optics.luminaires[row as usize];
+                let pattern = &self.optics.patterns[row as usize];
                 let direction = -Vec3::from(towards[lane]);
-                shares[lane] = measured.share(direction);
-                densities[lane] = measured.density(direction);
+                shares[lane] = pattern.share(direction, &self.optics.carried);
+                densities[lane] = pattern.density(direction);
             }
         }
-        let shares = F32s::from(lanes::each(|lane| shares[lane]));
-        chosen.radiance.iter_mut().for_each(|radiance| *radiance *= shares);
+        for (n, radiance) in chosen.radiance.iter_mut().enumerate() {
+            *radiance *= F32s::from(lanes::each(|lane| shares[lane][n]));
+        }
         chosen.emission_pdf *= F32s::from(densities);
     }
 }
