@@ -1,8 +1,8 @@
 //! Projectors: what a point throws through a picture.
 //!
-//! A wall that faces one shows its picture as it is: at a distance of 1 from the point, a texel of 1
-//! gives an irradiance of the light's intensity, all over. Between the middles of texels values are
-//! interpolated linearly, and stay those of the outermost beyond these.
+//! A wall that faces one shows its picture as it is: at a distance of 1 from the point, a texel of
+//! 1 gives an irradiance of the light's intensity, all over. Between the middles of texels values
+//! are interpolated linearly, and stay those of the outermost beyond these.
 //!
 //! Directions are drawn by the picture. What is interpolated is a sum of one tent for each texel,
 //! folded at the picture's edges: so a texel is drawn by its brightness, and a place in its tent.
@@ -38,8 +38,8 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// In a place whose axes are those of the columns; half the angle that the picture takes up from
-    /// left to right is in radians.
+    /// In a place whose axes are those of the columns; half the angle that the picture takes up
+    /// from left to right is in radians.
     pub fn new(Projection(picture): &Projection, axes: DMat3, half_angle: f64) -> Self {
         let halves = Projection::halves(picture, half_angle);
         let [width, height] = picture.texels().size();

@@ -108,10 +108,12 @@ pub trait Emits: Extent {
     /// not emit towards it, or cannot be met.
     fn met<const N: usize>(
         &self,
-        source: &Source<N>,
-        position: Vec3,
-        direction: Vec3,
-    ) -> Option<MetEmission<N>>;
+        _source: &Source<N>,
+        _position: Vec3,
+        _direction: Vec3,
+    ) -> Option<MetEmission<N>> {
+        None
+    }
 
     /// The largest coordinate of the emitter's primitive; zero without one.
     fn reach(&self, _shapes: &Shapes) -> f32 {
@@ -130,7 +132,9 @@ pub trait Emits: Extent {
 
     /// Points all over it, with its front's normals, zero if it has no surface; none if it is
     /// infinitely far away.
-    fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)>;
+    fn places(&self, _shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
+        Vec::new()
+    }
 }
 
 /// An emitter without its model, and the scene around it.

@@ -11,7 +11,7 @@ use crate::scene::emitter::{EmitterModel, Patterned};
 use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::point;
 use super::tree::Outline;
-use super::{EmissionSample, Emits, MetEmission, Source};
+use super::{EmissionSample, Emits, Source};
 
 impl Emits for Patterned {
     const DELTA: bool = true;
@@ -62,10 +62,6 @@ impl Emits for Patterned {
         // Where it is zero, which is rounding, nothing is emitted.
         let density = pattern.density(direction).max(f32::MIN_POSITIVE);
         point::emit::<Self, N>(source, self.position, direction, intensity, density)
-    }
-
-    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
-        None
     }
 
     fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {

@@ -11,7 +11,8 @@
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
-//! | | measured, [`Projection`] if it throws a picture, [`EmittedStokes`] if its light is polarized |
+//! | | measured, [`Projection`] if it throws a picture, |
+//! | | [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Raster`] if its pixels are unlike others, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
