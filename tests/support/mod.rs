@@ -7,6 +7,7 @@ pub mod fields;
 pub mod filters;
 pub mod gltf;
 pub mod luminaires;
+pub mod odd_lights;
 pub mod painted;
 pub mod polarized;
 pub mod projectors;

@@ -9,6 +9,7 @@ use hecs::{Entity, EntityRef};
 use super::incandescent::Incandescent;
 use super::light::{Luminaire, Projection};
 use super::material::check_material;
+use super::pattern;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
     Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides,
@@ -183,12 +184,7 @@ impl World {
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
                 let light = part::<&Punctual>(entity)?;
-                if entity.has::<Luminaire>() {
-                    Luminaire::check(Some(light.kind))?;
-                }
-                if let Some(projection) = entity.get::<&Projection>() {
-                    projection.check(Some(light.kind))?;
-                }
+                pattern::check(entity, light.kind)?;
                 light.check()
             }
             Kind::Camera => {

@@ -39,6 +39,7 @@ mod medium;
 mod mesh;
 mod parameter;
 mod particles;
+mod pattern;
 mod phase_matrix;
 mod photometry;
 mod plastic;
