@@ -88,6 +88,7 @@ pub fn load(
     path: PathBuf,
     view: (Option<String>, String, Option<f64>),
     allow_outside: bool,
+    define: Vec<(String, String)>,
     changes: &Bound<PyDict>,
 ) -> PyResult<Scene> {
     let (camera, light, time) = view;
@@ -102,7 +103,7 @@ pub fn load(
     }
     let edits = edits(changes)?;
     let read = move || {
-        let file = Arc::new(SceneFile::read(&path, allow_outside)?);
+        let file = Arc::new(SceneFile::read_with(&path, allow_outside, &define)?);
         let file = EditedFile::new(file).edit(edits)?;
         let placed = PlacedWorld::new(file.world(&view)?)?;
         Ok(Scene { placed, source: Some(Source { file, view }), users: Arc::default() })

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::glam::{DQuat, DVec3};
 use sunstone::hecs::Entity;
-use sunstone::world::{ClearSky, EmittedStokes, Filling, Lens, Punctual, Skin};
+use sunstone::world::{ClearSky, EmittedStokes, Filling, Lens, Photometry, Punctual, Skin};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
@@ -119,10 +119,28 @@ impl World {
                 return Err(keys.refuse("kind", &problem, LIGHTS));
             }
         };
+        let (ies, picture) = match kind.as_str() {
+            "point" => (keys.take::<Vec<u8>>("ies")?, None),
+            "spot" => (None, keys.take::<Vec<u8>>("picture")?),
+            _ => (None, None),
+        };
+        let measured = ies.map(|file| {
+            let text = String::from_utf8_lossy(&file);
+            let read = Photometry::from_ies(&text);
+            read.map_err(|fault| keys.refuse("ies", &fault.to_string(), ""))
+        });
+        let measured = measured.transpose()?;
         let stokes = keys.stokes("stokes")?;
         let place = looking(&keys)?;
         keys.finish(&format!("a light of kind \"{kind}\""))?;
-        let entity = self.world()?.add_light(name, light, place).map_err(of_any)?;
+        let world = self.world()?;
+        let entity = world.add_light(name, light, place).map_err(of_any)?;
+        if let Some(measured) = measured {
+            world.set_luminaire(entity, measured).map_err(of_any)?;
+        }
+        if let Some(picture) = picture {
+            world.set_projection(entity, &picture).map_err(of_any)?;
+        }
         self.polarize(entity, stokes)
     }
 

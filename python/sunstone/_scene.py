@@ -28,6 +28,7 @@ def load(
     camera: str | None = None,
     light: Light = "auto",
     time: float | None = None,
+    define: Mapping[str, str | float | bool] | None = None,
 ) -> Scene:
     """Loads a scene: glTF 2.0, .gltf or .glb, or of Mitsuba 3, .xml.
 
@@ -39,6 +40,7 @@ def load(
         light: what shines where nothing in the scene does: "auto", a neutral sky, or "none". What
             has been put in is told by `Scene.notes`, and in the metadata of images.
         time: seconds into the animations of the file; by default nothing moves.
+        define: of .xml: values of its parameters, in place of their defaults, by their names.
 
     Raises:
         OSError: if the file cannot be read.
@@ -49,10 +51,18 @@ def load(
         SceneWarning: of what is not rendered as it was described.
     """
     view = _View(camera, light, None if time is None else float(time))
-    scene = Scene._loaded(os.path.abspath(path), os.fspath(path), view, allow_outside, {})
+    file = _File(os.fspath(path), view, allow_outside, _texts(define or {}))
+    scene = Scene._loaded(os.path.abspath(path), file, {})
     for text in scene.warnings:
         warnings.warn(text, SceneWarning, stacklevel=2)
     return scene
+
+
+def _texts(define: Mapping[str, str | float | bool]) -> tuple[tuple[str, str], ...]:
+    """Parameters and their values as .xml files write them."""
+    words = {True: "true", False: "false"}
+    values = ((name, plain(value, f"define, {name}")) for name, value in define.items())
+    return tuple((name, words[it] if isinstance(it, bool) else str(it)) for name, it in values)
 
 
 class _View(NamedTuple):
@@ -69,6 +79,8 @@ class _File(NamedTuple):
     path: str
     view: _View
     allow_outside: bool
+    #: Parameters of an .xml file, and their values.
+    define: tuple[tuple[str, str], ...] = ()
 
 
 class _State(NamedTuple):
@@ -124,11 +136,9 @@ class Scene(Editable):
         return scene
 
     @classmethod
-    def _loaded(
-        cls, whole: str, path: str, view: _View, allow_outside: bool, edits: dict[str, Any]
-    ) -> Scene:
-        native = _sunstone.load(path, view, allow_outside, edits)
-        return cls._of(native, _File(whole, view, allow_outside))
+    def _loaded(cls, whole: str, file: _File, edits: dict[str, Any]) -> Scene:
+        native = _sunstone.load(*file, edits)
+        return cls._of(native, file._replace(path=whole))
 
     @property
     def _native(self) -> _sunstone.Scene:
@@ -371,7 +381,7 @@ def _loaded_again(
 ) -> Scene:
     """A scene out of a pickle, if its files still hold what they held."""
     file = _File(*source)
-    scene = Scene._loaded(file.path, file.path, _View(*file.view), file.allow_outside, edits)
+    scene = Scene._loaded(file.path, file._replace(view=_View(*file.view)), edits)
     now = _checksums(scene._native, file.path).values()
     for path, before, found in zip(checksums, checksums.values(), now):
         if before != found:

@@ -116,6 +116,7 @@ def load(
     path: str,
     view: tuple[str | None, str, float | None],
     allow_outside: bool,
+    define: tuple[tuple[str, str], ...],
     changes: dict[str, Any],
 ) -> Scene: ...
 def keys_of(kind: str) -> list[str]: ...

@@ -330,6 +330,8 @@ class World(Editable):
         inner: float | None = None,
         outer: float | None = None,
         angular_diameter: float | None = None,
+        ies: bytes | None = None,
+        picture: bytes | None = None,
         stokes: Stokes | None = None,
         position: Vector | None = None,
         direction: Vector | None = None,
@@ -347,6 +349,11 @@ class World(Editable):
             outer: of "spot": half angle of the cone in radians, at most pi/2.
             angular_diameter: of "directional": the angle in radians that it takes up, 0.0093 for
                 the sun; a direction by default.
+            ies: of "point": the bytes of a file of IES LM-63, type C. The intensity is what one
+                candela of that stands for; its axis is where the light shines.
+            picture: of "spot": the bytes of a picture that it throws, of PNG, JPEG, WebP, OpenEXR
+                or Radiance HDR. From left to right that takes up twice `outer`, which may be up to
+                1.55; a facing wall at a distance of 1 m gets the intensity times the texel.
             stokes: how its light is polarized; unpolarized by default. x is its x axis.
             position: where it is, in meters.
             direction: where it shines.
@@ -362,6 +369,8 @@ class World(Editable):
                 inner=inner,
                 outer=outer,
                 angular_diameter=angular_diameter,
+                ies=ies,
+                picture=picture,
                 stokes=stokes,
                 position=position,
                 direction=direction,

@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::elementary;
 use super::lanes::F32s;
+use super::warp;
 
 /// A real number, or eight of them side by side.
 ///
@@ -35,8 +36,9 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// e to the power of it.
     fn exp(self) -> Self;
-    /// Sine and cosine of an angle in radians.
-    fn sin_cos(self) -> (Self, Self);
+    /// Sine and cosine of an angle in turns: of many, no digits are lost but those that are not
+    /// there.
+    fn sin_cos_turns(self) -> (Self, Self);
     /// The angle of the point that has `x` to the right and `self` upwards, from -pi to pi.
     fn atan2(self, x: Self) -> Self;
     /// Where `self < other`.
@@ -91,8 +93,8 @@ macro_rules! scalar_real {
                 elementary::exp(self)
             }
             #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                elementary::sin_cos(self)
+            fn sin_cos_turns(self) -> (Self, Self) {
+                elementary::sin_cos((self - self.round()) * (std::f64::consts::TAU as $float))
             }
             #[inline(always)]
             fn atan2(self, x: Self) -> Self {
@@ -148,8 +150,8 @@ impl Real for F32s {
         F32s::exp(self)
     }
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        F32s::sin_cos(self)
+    fn sin_cos_turns(self) -> (Self, Self) {
+        warp::sin_cos_turns(self - self.floor())
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {

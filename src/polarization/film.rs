@@ -184,13 +184,13 @@ impl<F: Real> Delay<F> {
     /// Of a film, its `g`, and the squares of the `q` of both polarizations.
     #[inline(always)]
     fn of(film: &Film<F>, g: Complex<F>, q_squared: [F; 2]) -> Self {
-        let turn = F::splat(4.0 * std::f64::consts::PI) * film.waves;
-        let (phase, decay) = (turn * g.re, -(turn * g.im));
+        let (twice, radians) = (film.waves + film.waves, F::splat(std::f64::consts::TAU));
+        let (turns, decay) = (twice * g.re, -(radians * twice * g.im));
         let norm = (-(decay + decay)).exp();
         let ratio = q_squared[0].max(q_squared[1]) * norm;
         let share = (F::splat(5.0 * (DAMPED + 0.2)) - F::splat(5.0) * ratio).min(F::one());
-        let damping = (phase * film.spread * share).max(F::zero());
-        let (sin, cos) = phase.sin_cos();
+        let damping = (radians * turns * film.spread * share).max(F::zero());
+        let (sin, cos) = turns.sin_cos_turns();
         let x = Complex { re: cos, im: -sin };
         let damped = x.scaled((-(decay + damping)).exp());
         Self { damped, norm, is_sharp: F::lt(damping, F::splat(f64::from(f32::MIN_POSITIVE))) }

@@ -55,7 +55,7 @@ pub fn names_of_emitters<const N: usize>(
         match model {
             EmitterModel::Triangle(it) => of_primitive(it.primitive),
             EmitterModel::Sphere(it) => of_primitive(it.primitive),
-            EmitterModel::Point(_) | EmitterModel::Luminaire(_) | EmitterModel::Spot(_) => {
+            EmitterModel::Point(_) | EmitterModel::Patterned(_) | EmitterModel::Spot(_) => {
                 lamps.next().map(|name| (surfaces.len() + row, name))
             }
             EmitterModel::Directional(_)

@@ -205,7 +205,7 @@ impl Spectra {
         let densities = wavelengths.map(|nm| self.density.at(f64::from(nm)));
         let emitters = Emitters {
             rows: Arc::clone(&base.optics.emitters),
-            luminaires: Arc::clone(&base.optics.luminaires),
+            patterns: Arc::clone(&base.optics.patterns),
             emitter_of_primitive: Arc::clone(&base.optics.emitter_of_primitive),
             skies: base.optics.skies.clone(),
         };

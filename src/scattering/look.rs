@@ -342,9 +342,9 @@ impl Aim {
             EmitterModel::Triangle(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Sphere(it) => to_surface(!it.two_sided, it.area),
             EmitterModel::Point(_) => to_point(),
-            EmitterModel::Luminaire(it) => {
-                let measured = &scene.optics.luminaires[it.row as usize];
-                to_point().filter(|aim| measured.share(-aim.direction.normalize()) > 0.0)
+            EmitterModel::Patterned(it) => {
+                let pattern = &scene.optics.patterns[it.row as usize];
+                to_point().filter(|aim| pattern.density(-aim.direction.normalize()) > 0.0)
             }
             EmitterModel::Spot(it) => {
                 to_point().filter(|aim| -aim.direction.normalize().dot(it.direction) > it.cos_outer)

@@ -12,8 +12,8 @@ use super::corners::Corners;
 use super::emitted::EmittedStates;
 use super::emitter::Emitter;
 use super::instanced::Instanced;
-use super::luminaire::Luminaire;
 use super::painting::Painting;
+use super::pattern::Pattern;
 use super::world::{Raster, SurfaceModel};
 use crate::polarization::Analyzer;
 use crate::spectrum::Carried;
@@ -111,8 +111,8 @@ pub struct Optics<const N: usize> {
     pub lamps: Vec<[f32; N]>,
     /// How what lamps emit is polarized.
     pub states: EmittedStates<N>,
-    /// What emits as it was measured.
-    pub luminaires: Arc<Vec<Luminaire>>,
+    /// What some of them emit by direction.
+    pub patterns: Arc<Vec<Pattern>>,
     /// For every triangle and sphere, its row in `emitters`, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The rows in `emitters` of what is infinitely far away and can be seen: suns and environment.

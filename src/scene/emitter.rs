@@ -14,7 +14,7 @@ pub use super::panorama::Panorama;
 macro_rules! for_all_emitters {
     ($then:ident) => {
         $then! {
-            Triangle, Sphere, Point, Luminaire, Spot, Directional, Sun, Environment, Panorama
+            Triangle, Sphere, Point, Patterned, Spot, Directional, Sun, Environment, Panorama
         }
     };
 }
@@ -78,11 +78,13 @@ pub struct Point {
 
 /// A point of radiant intensities by direction, in W/sr on the average.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Luminaire {
+pub struct Patterned {
     /// Where it is.
     pub position: Vec3,
-    /// Row in the scene's luminaires.
+    /// Row in the scene's patterns.
     pub row: u32,
+    /// The axis of a cone that holds all its light, unit length, and the cosine at its edge.
+    pub cone: (Vec3, f32),
 }
 
 /// A point with a cone, of a radiant intensity on the axis in W/sr.
@@ -216,7 +218,7 @@ impl Extent for Point {
     }
 }
 
-impl Extent for Luminaire {
+impl Extent for Patterned {
     const FINITE: bool = true;
 
     fn size(&self, _: &Shapes) -> f64 {

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::pattern::turn_of;
 use super::world::Photometry;
 use crate::math::elementary::{acos, atan2, cos, sin};
 
@@ -29,13 +30,9 @@ pub struct Luminaire {
 impl Luminaire {
     /// In a place whose axes are those of the columns.
     pub fn new(photometry: &Photometry, axes: DMat3) -> Self {
-        let axes = axes
-            * DMat3::from_diagonal(DVec3::from(
-                [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.length().recip()),
-            ));
         let mut luminaire = Self {
             photometry: photometry.clone(),
-            to_node: axes.inverse(),
+            to_node: turn_of(axes).transpose(),
             mean: photometry.mean(),
             chances: Vec::new(),
         };
@@ -127,6 +124,6 @@ impl Luminaire {
         };
         let radius = (1.0 - cosine * cosine).max(0.0).sqrt();
         let local = DVec3::new(radius * cos(turn), radius * sin(turn), -cosine);
-        (self.to_node.inverse() * local).normalize().as_vec3()
+        (self.to_node.transpose() * local).normalize().as_vec3()
     }
 }

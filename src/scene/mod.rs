@@ -18,6 +18,8 @@ pub mod luminaire;
 mod mitsuba;
 pub mod painting;
 pub mod panorama;
+pub mod pattern;
+mod projector;
 mod view;
 pub mod warnings;
 pub mod world;

@@ -420,7 +420,7 @@ impl RowSums {
 
 /// What counts of a texel where directions are drawn: the mean of the three, so that no channel
 /// is much brighter than that.
-fn brightness([red, green, blue, _]: [f32; 4]) -> f64 {
+pub(super) fn brightness([red, green, blue, _]: [f32; 4]) -> f64 {
     (f64::from(red) + f64::from(green) + f64::from(blue)) / 3.0
 }
 

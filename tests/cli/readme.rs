@@ -9,7 +9,7 @@ const PROGRAM: &str = "cargo run --release -- ";
 /// Other commands that the README may print; they are not run here.
 const OTHERS: [&str; 9] = [
     "cargo build --release",
-    "cargo test --release",
+    "cargo test --profile checks",
     "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release",
     ".ci/run",
     ".ci/view/run",

@@ -32,18 +32,18 @@ fn files_have_luminaires() {
     let world = load_json(&with(node, &profile)).unwrap();
     has_all(&world.describe(), &["node 3", "EXT_lights_ies", "measured"]);
     let optics = bake(&world, &Carried::RGB).unwrap().optics;
-    assert_eq!(optics.luminaires.len(), 1);
+    assert_eq!(optics.patterns.len(), 1);
     // The mean of 10 (1 - theta / 90) over half the directions, by hand: 5 (1 - 2 / pi).
     let mean = 5.0 * (1.0 - 2.0 / std::f64::consts::PI) as f32;
-    assert!((optics.luminaires[0].mean() as f32 / mean - 1.0).abs() < 1e-6);
+    assert!((optics.patterns[0].mean() as f32 / mean - 1.0).abs() < 1e-6);
     let lamp = optics.lamps.iter().rev().find(|lamp| lamp[0] > 0.0).unwrap();
     for (found, share) in lamp.iter().zip([1.0, 0.5, 0.25]) {
         assert!((found / (0.1 * share * mean) - 1.0).abs() < 1e-5, "{found} of {mean}");
     }
     let plain = load_json(&with(json!({"light": 0}), &profile)).unwrap();
-    assert_eq!(bake(&plain, &Carried::RGB).unwrap().optics.luminaires.len(), 1);
+    assert_eq!(bake(&plain, &Carried::RGB).unwrap().optics.patterns.len(), 1);
     let dark = load_json(&with(json!({"light": 0, "multiplier": 0}), &profile)).unwrap();
-    assert!(bake(&dark, &Carried::RGB).unwrap().optics.luminaires.is_empty());
+    assert!(bake(&dark, &Carried::RGB).unwrap().optics.patterns.is_empty());
 }
 
 #[test]

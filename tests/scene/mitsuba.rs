@@ -436,7 +436,7 @@ fn lights_shine_where_mitsuba_has_them_shine() {
             EmitterModel::Environment(_) => assert_eq!(radiance, [1.0; 3]),
             EmitterModel::Triangle(_)
             | EmitterModel::Sphere(_)
-            | EmitterModel::Luminaire(_)
+            | EmitterModel::Patterned(_)
             | EmitterModel::Sun(_)
             | EmitterModel::Panorama(_) => panic!("none was asked for"),
         }

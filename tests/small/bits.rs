@@ -8,8 +8,8 @@
 //! compare after each step:
 //!
 //! ```sh
-//! BLESS=1 cargo test --release --test small -- --ignored bits
-//! cargo test --release --test small -- --ignored bits
+//! BLESS=1 cargo test --profile checks --test small -- --ignored bits
+//! cargo test --profile checks --test small -- --ignored bits
 //! ```
 //!
 //! Debug builds give the same bits.

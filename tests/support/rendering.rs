@@ -165,7 +165,7 @@ pub fn path_finds_everything<const N: usize>(scene: &Scene<N>) -> bool {
             EmitterModel::Environment(_) => continue,
             EmitterModel::Panorama(sky) if sky.spread() > f64::from(CHANCE_MIN) => continue,
             EmitterModel::Point(_)
-            | EmitterModel::Luminaire(_)
+            | EmitterModel::Patterned(_)
             | EmitterModel::Spot(_)
             | EmitterModel::Directional(_)
             | EmitterModel::Sun(_)

@@ -11,7 +11,7 @@ use super::gltf::{Document, Flock};
 pub type Named = (&'static str, fn() -> World);
 
 /// All of them.
-pub const SCENES: [Named; 47] = [
+pub const SCENES: [Named; 48] = [
     ("one-sided panel, pinhole", one_sided_panel),
     ("two-sided panel, lens", two_sided_panel),
     ("sphere light, orthographic", sphere_light),
@@ -59,6 +59,7 @@ pub const SCENES: [Named; 47] = [
     ("polarized panes behind sheets", super::polarized::panes_behind_sheets),
     ("hot metals and glass", super::polarized::hot_metals),
     ("luminaires in thin air", super::luminaires::in_thin_air),
+    ("projectors in thin air", super::projectors::in_thin_air),
 ];
 
 /// In which boundaries contradict each other.

@@ -228,7 +228,7 @@ fn measure(model: &EmitterModel, shapes: &Shapes, (ball, radius): (Vec3, f64)) -
             let mean = sum / points.len() as f64;
             points.iter().all(is_before).then_some(f64::from(it.area) * mean)
         }
-        EmitterModel::Luminaire(_) | EmitterModel::Spot(_) | EmitterModel::Sphere(_) => None,
+        EmitterModel::Patterned(_) | EmitterModel::Spot(_) | EmitterModel::Sphere(_) => None,
     }
 }
 

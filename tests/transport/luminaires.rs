@@ -255,5 +255,5 @@ fn files_that_are_not_so_are_refused() {
     document.orthographic(Vec3::Z, Vec3::ZERO, 1.0);
     let world = document.load("point");
     assert!(world.describe().contains("measured"), "{}", world.describe());
-    assert_eq!(bake(&world, &Carried::RGB).unwrap().optics.luminaires.len(), 1);
+    assert_eq!(bake(&world, &Carried::RGB).unwrap().optics.patterns.len(), 1);
 }

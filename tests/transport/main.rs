@@ -1,7 +1,7 @@
 //! Light's way through scenes: renders against laws, tables, reference images and each other.
 //!
-//! One program, as the renderer is compiled into each. Its parts: `cargo test --release --test
-//! transport furnace`.
+//! One program, as the renderer is compiled into each. Its parts: `cargo test --profile checks
+//! --test transport furnace`.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -32,6 +32,7 @@ mod painted;
 mod parts;
 mod plates;
 mod polarized_lamps;
+mod projectors;
 mod reconstruction;
 mod reference_images;
 mod sheets;

@@ -51,7 +51,7 @@ impl Tables {
             EmitterModel::Triangle(_)
             | EmitterModel::Sphere(_)
             | EmitterModel::Point(_)
-            | EmitterModel::Luminaire(_)
+            | EmitterModel::Patterned(_)
             | EmitterModel::Spot(_)
             | EmitterModel::Directional(_)
             | EmitterModel::Sun(_)

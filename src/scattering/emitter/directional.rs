@@ -9,7 +9,7 @@ use crate::scene::emitter::Directional;
 use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::infinity::{self, disk_pdf};
 use super::tree::Outline;
-use super::{EmissionSample, Emits, MetEmission, Source};
+use super::{EmissionSample, Emits, Source};
 
 impl Emits for Directional {
     const DELTA: bool = true;
@@ -49,13 +49,5 @@ impl Emits for Directional {
         _: [f32; 2],
     ) -> EmissionSample<N> {
         infinity::emit::<Self, N>(source, (self.direction, 1.0), u_position)
-    }
-
-    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
-        None
-    }
-
-    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
-        Vec::new()
     }
 }

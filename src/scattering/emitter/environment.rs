@@ -85,8 +85,4 @@ impl Emits for Environment {
             normal: Vec3::ZERO,
         })
     }
-
-    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
-        Vec::new()
-    }
 }

@@ -10,8 +10,8 @@ mod area;
 mod directional;
 mod environment;
 mod infinity;
-mod luminaire;
 mod panorama;
+mod patterned;
 mod point;
 mod sphere;
 mod spherical;
@@ -33,11 +33,12 @@ use glam::Vec3;
 use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, NONE, Shapes};
 use crate::scene::emitter::{
-    Directional, EmitterModel, Environment, Extent, Luminaire, Panorama, Point, Sphere, Spot, Sun,
+    Directional, EmitterModel, Environment, Extent, Panorama, Patterned, Point, Sphere, Spot, Sun,
     Triangle, for_all_emitters,
 };
 
-use crate::scene::luminaire::Luminaire as Measured;
+use crate::scene::pattern::Pattern;
+use crate::spectrum::Carried;
 
 use super::Scene;
 
@@ -107,10 +108,12 @@ pub trait Emits: Extent {
     /// not emit towards it, or cannot be met.
     fn met<const N: usize>(
         &self,
-        source: &Source<N>,
-        position: Vec3,
-        direction: Vec3,
-    ) -> Option<MetEmission<N>>;
+        _source: &Source<N>,
+        _position: Vec3,
+        _direction: Vec3,
+    ) -> Option<MetEmission<N>> {
+        None
+    }
 
     /// The largest coordinate of the emitter's primitive; zero without one.
     fn reach(&self, _shapes: &Shapes) -> f32 {
@@ -129,7 +132,9 @@ pub trait Emits: Extent {
 
     /// Points all over it, with its front's normals, zero if it has no surface; none if it is
     /// infinitely far away.
-    fn places(&self, shapes: &Shapes) -> Vec<(Vec3, Vec3)>;
+    fn places(&self, _shapes: &Shapes) -> Vec<(Vec3, Vec3)> {
+        Vec::new()
+    }
 }
 
 /// An emitter without its model, and the scene around it.
@@ -144,7 +149,9 @@ pub struct Source<'a, const N: usize> {
     /// Where everything is.
     pub shapes: &'a Shapes,
     /// What some emit by direction.
-    pub luminaires: &'a [Measured],
+    pub patterns: &'a [Pattern],
+    /// What the columns carry.
+    pub carried: &'a Carried<N>,
     /// What the light path is aimed at; if nothing, at the whole scene.
     pub aimed_at: Option<Bounds>,
 }
@@ -288,8 +295,9 @@ pub fn chance_of_choice<const N: usize>(scene: &Scene<N>, row: usize, from: &Van
 fn source<const N: usize>(scene: &Scene<N>, row: usize) -> Source<'_, N> {
     let emitter = &scene.optics.emitters[row];
     let (radiance, probability) = (scene.optics.radiance_of(row), emitter.probability);
-    let luminaires = &scene.optics.luminaires;
-    Source { row, radiance, probability, shapes: &scene.shapes, luminaires, aimed_at: None }
+    let (shapes, patterns, carried) =
+        (&*scene.shapes, &*scene.optics.patterns, &scene.optics.carried);
+    Source { row, radiance, probability, shapes, patterns, carried, aimed_at: None }
 }
 
 /// What is made from the list of all models: their kinds, and the functions of [`Emits`] for

@@ -80,10 +80,6 @@ impl Emits for Panorama {
             normal: Vec3::ZERO,
         })
     }
-
-    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
-        Vec::new()
-    }
 }
 
 /// Eight directions, with their densities per steradian.

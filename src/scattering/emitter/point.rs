@@ -13,7 +13,7 @@ use super::aim::GAIN_MIN_OF_POINTS;
 use super::area::COSINE_MIN;
 use super::direct::{DirectLanes, Own, OwnLanes, Tables, finite, own, reachable};
 use super::tree::Outline;
-use super::{EmissionSample, Emits, MetEmission, Source};
+use super::{EmissionSample, Emits, Source};
 
 /// Cosine at the edge of the cone that holds all directions.
 const ALL: f32 = -1.0;
@@ -57,10 +57,6 @@ impl Emits for Point {
     ) -> EmissionSample<N> {
         let direction = direction_of_path(source, self.position, (Vec3::Z, ALL), u_direction);
         emit::<Self, N>(source, self.position, direction, source.radiance, cone_pdf(ALL))
-    }
-
-    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
-        None
     }
 
     fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {

@@ -11,7 +11,7 @@ use crate::scene::emitter::Spot;
 use super::direct::{DirectLanes, Own, OwnLanes, Tables, own};
 use super::point::{self, cone_about, cone_pdf, direction_of_path};
 use super::tree::Outline;
-use super::{EmissionSample, Emits, MetEmission, Source};
+use super::{EmissionSample, Emits, Source};
 
 impl Emits for Spot {
     const DELTA: bool = true;
@@ -76,10 +76,6 @@ impl Emits for Spot {
             intensity,
             cone_pdf(self.cos_outer),
         )
-    }
-
-    fn met<const N: usize>(&self, _: &Source<N>, _: Vec3, _: Vec3) -> Option<MetEmission<N>> {
-        None
     }
 
     fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {

@@ -96,8 +96,4 @@ impl Emits for Sun {
             normal: Vec3::ZERO,
         })
     }
-
-    fn places(&self, _: &Shapes) -> Vec<(Vec3, Vec3)> {
-        Vec::new()
-    }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::beside::Passable;
 use super::outside_table;
@@ -14,9 +14,11 @@ use crate::scene::emitter::{self, Emitter, EmitterModel};
 use crate::scene::error::SceneError;
 use crate::scene::luminaire::Luminaire;
 use crate::scene::painting::mean_share;
+use crate::scene::pattern::Pattern;
+use crate::scene::projector::Projector;
 use crate::scene::world::{
-    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Punctual,
-    PunctualKind, Sides, Textures, Transform, World, incandescent_share,
+    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Projection,
+    Punctual, PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -29,17 +31,20 @@ pub struct Emitters {
     /// Everything that emits.
     pub rows: Arc<Vec<Emitter>>,
     /// What some of them emit by direction.
-    pub luminaires: Arc<Vec<Luminaire>>,
+    pub patterns: Arc<Vec<Pattern>>,
     /// For every triangle and sphere its row, or [`NONE`].
     pub emitter_of_primitive: Arc<Vec<u32>>,
     /// The rows of what is infinitely far away and can be seen.
     pub skies: Range<u32>,
 }
 
+/// What a light emits by direction.
+type OfLight<'a> = (Option<&'a world::Luminaire>, Option<&'a Projection>);
+
 /// That table in the making.
 struct Table {
     rows: Vec<Emitter>,
-    luminaires: Vec<Luminaire>,
+    patterns: Vec<Pattern>,
     emitter_of_primitive: Vec<u32>,
     /// Power of each row in W, averaged over the wavelengths.
     powers: Vec<f64>,
@@ -163,15 +168,19 @@ pub fn lamps(world: &World) -> Vec<Lamp> {
     });
     // Air among other bodies.
     lamps.push(lamp("air", black(), None));
-    type OfLight<'a> = (Option<&'a world::Luminaire>, Option<&'a EmittedStokes>);
-    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>);
-    lamps.extend(world.in_order::<Light, _>(|(name, place, light, (luminaire, stokes))| {
+    type Light<'a> =
+        (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>, Option<&'a EmittedStokes>);
+    lamps.extend(world.in_order::<Light, _>(|(name, place, light, of_light, stokes)| {
         // Suns are said to have an irradiance, and are seen by their radiance.
         let faced = match light.kind {
             PunctualKind::Sun { diameter } => emitter::Sun::new(Vec3::Z, diameter).faced(),
             PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Directional => 1.0,
         };
-        let mean = luminaire.map_or(1.0, |luminaire| luminaire.0.mean());
+        let mean = match of_light {
+            (Some(luminaire), _) => luminaire.0.mean(),
+            (None, Some(projection)) => projection.mean_of(light.kind),
+            (None, None) => 1.0,
+        };
         let intensity = light.intensity.clone().scaled((mean / faced) as f32);
         lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
     }));
@@ -256,25 +265,29 @@ pub fn emitters(
 ) -> Result<Emitters, SceneError> {
     let mut table = Table {
         rows: Vec::new(),
-        luminaires: Vec::new(),
+        patterns: Vec::new(),
         emitter_of_primitive: Vec::new(),
         powers: Vec::new(),
     };
     let lamp = table.add_primitives(world, shapes, brightness);
     let passable = Passable::at(&positions(world, shapes.origin), shapes);
-    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, Option<&'a world::Luminaire>);
-    let lights = world.in_order::<Light, _>(|(_, place, light, luminaire)| {
+    type Light<'a> = (&'a Name, &'a Transform, &'a Punctual, OfLight<'a>);
+    let lights = world.in_order::<Light, _>(|(_, place, light, of_light)| {
         let place = place.about(shapes.origin);
-        let measured = luminaire.map(|luminaire| Luminaire::new(&luminaire.0, place.matrix3));
-        (punctual(light.kind, &place, &passable), measured)
+        let pattern = pattern(light.kind, place.matrix3, of_light);
+        (punctual(light.kind, &place, &passable), pattern)
     });
     let (mut skies, lamp_of_skies) = (Vec::new(), lamp + lights.len() as u32);
-    for ((model, measured), lamp) in lights.into_iter().zip(lamp..) {
-        let model = match (model, measured) {
-            (EmitterModel::Point(point), Some(measured)) => {
-                let row = table.luminaires.len() as u32;
-                table.luminaires.push(measured);
-                emitter::Luminaire { position: point.position, row }.into()
+    for ((model, pattern), lamp) in lights.into_iter().zip(lamp..) {
+        let model = match (model, pattern) {
+            (
+                EmitterModel::Point(emitter::Point { position })
+                | EmitterModel::Spot(emitter::Spot { position, .. }),
+                Some(pattern),
+            ) => {
+                let (row, cone) = (table.patterns.len() as u32, pattern.cone());
+                table.patterns.push(pattern);
+                emitter::Patterned { position, row, cone }.into()
             }
             (model, _) => model,
         };
@@ -296,10 +309,21 @@ pub fn emitters(
     table.set_probabilities()?;
     Ok(Emitters {
         rows: Arc::new(table.rows),
-        luminaires: Arc::new(table.luminaires),
+        patterns: Arc::new(table.patterns),
         emitter_of_primitive: Arc::new(table.emitter_of_primitive),
         skies,
     })
+}
+
+/// What a light emits by direction, if it says so, by the axes of its place.
+fn pattern(kind: PunctualKind, axes: DMat3, of_light: OfLight) -> Option<Pattern> {
+    match (of_light, kind) {
+        ((Some(luminaire), _), _) => Some(Pattern::Measured(Luminaire::new(&luminaire.0, axes))),
+        ((None, Some(projection)), PunctualKind::Spot { outer, .. }) => {
+            Some(Pattern::Projected(Projector::new(projection, axes, outer)))
+        }
+        ((None, _), _) => None,
+    }
 }
 
 fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> EmitterModel {

@@ -256,14 +256,14 @@ fn with_emitters<const N: usize>(
     lamps: Vec<[f32; N]>,
     (emitters, carried): (Emitters, &Carried<N>),
 ) -> Optics<N> {
-    let Emitters { rows: emitters, luminaires, emitter_of_primitive, skies } = emitters;
+    let Emitters { rows: emitters, patterns, emitter_of_primitive, skies } = emitters;
     Optics {
         materials,
         media,
         emitters,
         lamps,
         states: EmittedStates::default(),
-        luminaires,
+        patterns,
         emitter_of_primitive,
         skies,
         carried: *carried,

@@ -6,10 +6,11 @@ use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
 use super::Import;
+use super::document::Document;
 use super::extension::{Body, LIGHT};
 use super::luminaires::luminaire_of;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Name, Punctual, PunctualKind, Transform};
+use crate::scene::world::{Name, Projection, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
@@ -43,6 +44,7 @@ impl Import<'_> {
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
         let stokes = body.stokes("stokes")?;
         let luminaire = luminaire_of(&body, document)?;
+        let projection = projection_of(&body, document)?;
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
@@ -50,15 +52,16 @@ impl Import<'_> {
         } else {
             let put = self.world.put_light(Name(label.clone()), light, place);
             put.and_then(|light| {
-                let put = luminaire.map_or(Ok(()), |it| self.world.put_luminaire(light, it));
-                put.and_then(|()| match stokes {
+                luminaire.map_or(Ok(()), |it| self.world.put_luminaire(light, it))?;
+                projection.map_or(Ok(()), |it| self.world.put_projection(light, it))?;
+                match stokes {
                     Some(stokes) => self.world.put_stokes(light, stokes),
                     None => Ok(()),
-                })
+                }
             })
         };
         put.map_err(|fault| match fault.field.as_str() {
-            "ies" => SceneError::at(&body.field("ies"), fault.of("")),
+            "ies" | "picture" => SceneError::at(&body.field(&fault.field), fault.of("")),
             "intensity" => {
                 let color = if body.has("emission") { "emission" } else { "color" };
                 SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))
@@ -70,6 +73,12 @@ impl Import<'_> {
             _ => SceneError::at(&label, fault),
         })
     }
+}
+
+/// The picture that a light throws.
+fn projection_of(body: &Body, document: &Document) -> Result<Option<Projection>, SceneError> {
+    let Some(uri) = body.word("picture")? else { return Ok(None) };
+    Ok(Some(Projection(document.picture_around(uri, &body.field("picture"))?)))
 }
 
 fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {

@@ -22,8 +22,8 @@ use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Coat, Emission, EmittedStokes,
     Environment, Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium,
-    Mesh, Name, Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
-    Window, World,
+    Mesh, Name, Phase, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures,
+    Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -126,8 +126,12 @@ impl Writer {
         }
         findings.note(check_backdrops(world));
         self.shapes(world);
-        for (name, _) in world.in_order::<(&Name, &Luminaire), _>(|(name, _)| (name.clone(), ())) {
-            let problem = "luminaires are not written";
+        type Patterns<'a> = (&'a Name, Option<&'a Luminaire>, Option<&'a Projection>);
+        let patterns = world.in_order::<Patterns, _>(|(name, measured, thrown)| {
+            (measured.is_some() || thrown.is_some()).then(|| name.clone())
+        });
+        for name in patterns.into_iter().flatten() {
+            let problem = "luminaires and projectors are not written";
             let error = SceneError::new(&name.0, problem, "keep the scene's own file");
             findings.note::<()>(Err(error));
         }

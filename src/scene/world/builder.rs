@@ -11,8 +11,8 @@ use super::incandescent::Incandescent;
 use super::material::check_material;
 use super::{
     Asked, Backdrop, BackdropSource, Ball, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    FillsScene, Film, Geometry, Lens, Luminaire, MadeOf, Material, Medium, Mesh, Name, Order,
-    Photometry, Picture, Punctual, Raster, Resolution, Skin, Textures, Transform, World,
+    FillsScene, Film, Geometry, Lens, MadeOf, Material, Medium, Mesh, Name, Order, Picture,
+    Punctual, Raster, Resolution, Skin, Textures, Transform, World,
 };
 use crate::math::Fault;
 use crate::polarization::Analyzer;
@@ -115,21 +115,6 @@ impl World {
     ) -> Result<(), SceneError> {
         let name = self.entities.get::<&Name>(emitter).map_or(String::new(), |it| it.0.clone());
         self.put_stokes(emitter, stokes).map_err(|fault| SceneError::at(&name, fault))
-    }
-
-    /// Has a point light of this world emit as a luminaire that was measured: its intensity in W/sr
-    /// is what one candela of that stands for.
-    ///
-    /// # Errors
-    /// When it is no point.
-    pub fn set_luminaire(
-        &mut self,
-        light: Entity,
-        photometry: Photometry,
-    ) -> Result<(), SceneError> {
-        let name = self.entities.get::<&Name>(light).map_or(String::new(), |it| it.0.clone());
-        let put = self.put_luminaire(light, Luminaire(Arc::new(photometry)));
-        put.map_err(|fault| SceneError::at(&name, fault))
     }
 
     /// Has a material of this world emit by its heat ([`Incandescent`]): its emission is what a
@@ -485,18 +470,6 @@ impl World {
     ) -> Result<Entity, Fault> {
         environment.check()?;
         Ok(self.spawn(name, (environment,)))
-    }
-
-    /// Has a point emit as a luminaire.
-    pub(in crate::scene) fn put_luminaire(
-        &mut self,
-        light: Entity,
-        luminaire: Luminaire,
-    ) -> Result<(), Fault> {
-        let kind = self.entities.get::<&Punctual>(light).ok().map(|light| light.kind);
-        Luminaire::check(kind)?;
-        self.insert(light, luminaire);
-        Ok(())
     }
 
     /// Has a material emit by its heat.

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use hecs::{Entity, EntityRef};
 
 use super::incandescent::Incandescent;
-use super::light::Luminaire;
+use super::light::{Luminaire, Projection};
 use super::material::check_material;
+use super::pattern;
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, Filling, FillsScene, Geometry,
     Lens, MEDIA_MAX, MadeOf, Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides,
@@ -44,7 +45,7 @@ const KINDS: [(Kind, &str, Has); 7] = [
 ];
 
 /// The other components: whose they are, and whether these cannot be without.
-const PARTS: [(&str, Has, &[Kind], bool); 14] = [
+const PARTS: [(&str, Has, &[Kind], bool); 15] = [
     ("Sides", has::<Sides>, &[Kind::Material], true),
     ("Emission", has::<Emission>, &[Kind::Material], false),
     (
@@ -54,6 +55,7 @@ const PARTS: [(&str, Has, &[Kind], bool); 14] = [
         false,
     ),
     ("Luminaire", has::<Luminaire>, &[Kind::Light], false),
+    ("Projection", has::<Projection>, &[Kind::Light], false),
     ("Incandescent", has::<Incandescent>, &[Kind::Material], false),
     ("Textures", has::<Textures>, &[Kind::Material], false),
     ("FillsScene", has::<FillsScene>, &[Kind::Medium], false),
@@ -182,9 +184,7 @@ impl World {
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
                 let light = part::<&Punctual>(entity)?;
-                if entity.has::<Luminaire>() {
-                    Luminaire::check(Some(light.kind))?;
-                }
+                pattern::check(entity, light.kind)?;
                 light.check()
             }
             Kind::Camera => {

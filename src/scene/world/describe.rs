@@ -7,7 +7,7 @@ use glam::DVec3;
 use hecs::Entity;
 
 use super::incandescent::Incandescent;
-use super::light::Luminaire;
+use super::light::{Luminaire, Projection};
 use super::{
     Action, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes, Environment,
     Filling, FillsScene, Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster,
@@ -255,13 +255,18 @@ fn state(stokes: Option<&EmittedStokes>) -> String {
 }
 
 fn write_lights(world: &World, text: &mut String) -> fmt::Result {
-    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Option<&'a Luminaire>);
-    let lights = world.in_order::<Light, _>(|(name, light, stokes, luminaire)| {
+    type Pattern<'a> = (Option<&'a Luminaire>, Option<&'a Projection>);
+    type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, Pattern<'a>);
+    let lights = world.in_order::<Light, _>(|(name, light, stokes, (luminaire, projection))| {
         let measured = luminaire.map_or_else(String::new, |it| {
             format!(", measured, {:.3} cd on the average", it.0.mean())
         });
+        let thrown = projection.map_or_else(String::new, |Projection(picture)| {
+            let [width, height] = picture.texels().size();
+            format!(", throws a picture of {width} x {height}")
+        });
         let (intensity, state) = (spectrum(&light.intensity), state(stokes));
-        format!("  {}: {:?}, intensity {intensity}{measured}{state}", name.0, light.kind)
+        format!("  {}: {:?}, intensity {intensity}{measured}{thrown}{state}", name.0, light.kind)
     });
     type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
     let skies = world.in_order::<Sky, _>(|(name, sky, stokes)| {

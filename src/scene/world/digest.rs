@@ -10,7 +10,7 @@ use hecs::{Component, Entity};
 use crate::polarization::Analyzer;
 
 use super::incandescent::Incandescent;
-use super::light::Luminaire;
+use super::light::{Luminaire, Projection};
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
     Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides, Textures, Transform, Window,
@@ -35,7 +35,7 @@ macro_rules! columns {
 columns! {
     Name, Bsdf, Sides, Emission, Textures, Medium, FillsScene, Ball, Transform, MadeOf, Boundary,
     Punctual, Lens, Resolution, Raster, Analyzer, Window, Environment, EmittedStokes,
-    Incandescent, Luminaire,
+    Incandescent, Luminaire, Projection,
 }
 
 impl World {

@@ -11,8 +11,10 @@ use super::texture::Picture;
 
 use super::Photometry;
 
+use crate::image::texels::Coding;
+use crate::math::elementary::tan;
 use crate::math::{Fault, Range};
-use crate::scene::panorama::Panorama;
+use crate::scene::panorama::{Panorama, brightness};
 use crate::spectrum::Spectrum;
 
 /// A light without extent, along the -z axis of its transform.
@@ -30,6 +32,20 @@ pub struct Punctual {
 /// counter-clockwise about z from its x axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Luminaire(pub Arc<Photometry>);
+
+/// The picture that a spot throws: from left to right it takes up twice the spot's outer angle, and
+/// from top to bottom what its shape makes of that. On a wall at a distance of 1 that faces it, the
+/// irradiance is the spot's intensity times the texel, all over. It throws along the -z axis of its
+/// transform; right in the picture is x, and up is y.
+#[derive(Clone, Debug)]
+pub struct Projection(pub Arc<Picture>);
+
+impl PartialEq for Projection {
+    /// Pictures are the same if their files are.
+    fn eq(&self, other: &Self) -> bool {
+        self.0.checksum == other.0.checksum
+    }
+}
 
 /// Shapes of punctual lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +119,60 @@ impl Luminaire {
         }
     }
 }
+
+impl Projection {
+    /// Tangents of half the angles that a picture takes up, by the first of these.
+    pub(in crate::scene) fn halves(picture: &Picture, half_angle: f64) -> [f64; 2] {
+        let [width, height] = picture.texels().size().map(f64::from);
+        let half = tan(half_angle);
+        [half, half * height / width]
+    }
+
+    /// The mean intensity over all directions, relative to that on the axis through a texel of 1:
+    /// that of the picture on the wall at a distance of 1.
+    pub(in crate::scene) fn mean(picture: &Picture, half_angle: f64) -> f64 {
+        let [x, y] = Self::halves(picture, half_angle);
+        brightness(picture.mean(Coding::Srgb)) * x * y / PI
+    }
+
+    /// The mean of what a light throws.
+    pub(in crate::scene) fn mean_of(&self, kind: PunctualKind) -> f64 {
+        match kind {
+            PunctualKind::Spot { outer, .. } => Self::mean(&self.0, outer),
+            PunctualKind::Point | PunctualKind::Directional | PunctualKind::Sun { .. } => 1.0,
+        }
+    }
+
+    /// Refuses lights of another kind than spots, and pictures that cannot be thrown.
+    pub(super) fn check(&self, kind: Option<PunctualKind>) -> Result<(), Fault> {
+        let fault = |problem: String, remedy: &str| Err(Fault::new("picture", problem, remedy));
+        let outer = match kind {
+            Some(PunctualKind::Spot { outer, .. }) => outer,
+            Some(PunctualKind::Point | PunctualKind::Directional | PunctualKind::Sun { .. })
+            | None => {
+                let problem = "is what spots throw, and this is none";
+                return fault(problem.into(), "make the light a spot");
+            }
+        };
+        if !(HALF_ANGLE_MIN..=HALF_ANGLE_MAX).contains(&outer) {
+            let problem = format!("is thrown into an outer angle of {outer} radians");
+            return fault(problem, "make that 0.00001 to 1.55 (88.8 degrees)");
+        }
+        if self.0.is_polarized() {
+            let problem = "is polarized itself, which projectors do not show";
+            return fault(problem.into(), "use one without Stokes vectors; the light has `stokes`");
+        }
+        match Self::mean(&self.0, outer) {
+            0.0 => fault("is black all over".into(), "use another, or remove the light"),
+            mean if mean.is_finite() && mean <= f64::from(f32::MAX) => Ok(()),
+            _ => fault("is too bright".into(), "scale it down, and the intensity up"),
+        }
+    }
+}
+
+/// The least and the largest half angle that a picture takes up, in radians.
+const HALF_ANGLE_MIN: f64 = 1e-5;
+const HALF_ANGLE_MAX: f64 = 1.55;
 
 impl PunctualKind {
     fn check(&self) -> Result<(), Fault> {

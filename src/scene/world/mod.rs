@@ -11,7 +11,8 @@
 //! | sphere | those of all shapes, [`Ball`] |
 //! | all shapes | [`Order`], [`Name`], [`Transform`], [`MadeOf`], [`Boundary`] |
 //! | punctual light | [`Order`], [`Name`], [`Transform`], [`Punctual`], [`Luminaire`] if it is |
-//! | | measured, [`EmittedStokes`] if its light is polarized |
+//! | | measured, [`Projection`] if it throws a picture, |
+//! | | [`EmittedStokes`] if its light is polarized |
 //! | camera | [`Order`], [`Name`], [`Transform`], [`Lens`], [`Resolution`] if it asks for one, |
 //! | | [`Raster`] if its pixels are unlike others, |
 //! | | [`Analyzer`](crate::Analyzer) if it has one, [`Window`] if it has to show so much |
@@ -39,6 +40,7 @@ mod medium;
 mod mesh;
 mod parameter;
 mod particles;
+mod pattern;
 mod phase_matrix;
 mod photometry;
 mod plastic;
@@ -66,7 +68,8 @@ pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::incandescent::Incandescent;
 pub(super) use self::incandescent::share as incandescent_share;
 pub use self::light::{
-    Backdrop, BackdropSource, Environment, Luminaire, Punctual, PunctualKind, SUN_DIAMETER,
+    Backdrop, BackdropSource, Environment, Luminaire, Projection, Punctual, PunctualKind,
+    SUN_DIAMETER,
 };
 pub(crate) use self::material::tabulated;
 pub use self::material::{Bsdf, Emission, Material, Passage, Sides, SurfaceModel};

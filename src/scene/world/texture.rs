@@ -166,7 +166,7 @@ impl Picture {
     }
 
     /// The mean of all texels.
-    fn mean(&self, coding: Coding) -> [f32; 4] {
+    pub(in crate::scene) fn mean(&self, coding: Coding) -> [f32; 4] {
         *self.means[coding as usize].get_or_init(|| {
             let [width, height] = self.texels.size();
             let mut sum = [0.0_f64; 4];

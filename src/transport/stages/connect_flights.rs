@@ -91,8 +91,8 @@ fn place<const N: usize>(
     let position = piece.origin + piece.direction * distance;
     let mut lamp =
         scene.direct.sample(&scene.optics.lamps, (emitters, chance), position, [F32s::ZERO; 2]);
-    if !scene.optics.luminaires.is_empty() {
-        scene.weigh_luminaires(&mut lamp, emitters);
+    if !scene.optics.patterns.is_empty() {
+        scene.weigh_patterns(&mut lamp, emitters);
     }
     let rows = position.to_rows();
     let of_vertex = F32s::from(lanes::each(|lane| {

@@ -61,8 +61,8 @@ fn connect<const N: usize, C: SensorSide<N>>(
             let at = (chosen.point, chosen.direction);
             scene.tint_lanes(&mut chosen.radiance, emitters, at);
         }
-        if !scene.optics.luminaires.is_empty() {
-            scene.weigh_luminaires(&mut chosen, emitters);
+        if !scene.optics.patterns.is_empty() {
+            scene.weigh_patterns(&mut chosen, emitters);
         }
         if scene.has_incandescent_lamps() {
             let to = (chosen.normal, chosen.direction);
