@@ -4,10 +4,9 @@
 //! It is integrated for a grid of roughnesses, where that is asked for. What is missing of it lies
 //! about cosines like the roughness, so it is kept as a polynomial in `x = (1 + s) mu / (mu + s)`
 //! where the scale s goes with the roughness. It is off by 0.0025 at most of GGX' mirrors, mostly
-//! by 0.0005; by 0.0035 of Beckmann's, whose facets are not hidden at all from some angle on; and by
-//! 0.005 of glass from within. Coats reflect what facets leave of a polynomial in the root of the
-//! cosine, off by 0.009 at most, within a degree of the surface.
-//! What is built on it reflects as much less or more, and is as reciprocal as ever: the mean over
+//! by 0.0005; by 0.0035 of Beckmann's, whose facets are not hidden at all from some angle on; and
+//! by 0.005 of glass from within. Coats reflect what facets leave of a polynomial in the root of
+//! the cosine, off by 0.009 at most, within a degree of the surface. What is built on it reflects as much less or more, and is as reciprocal as ever: the mean over
 //! the hemisphere is that of the very polynomial.
 //!
 //! Kulla and Conty 2017 ("Revisiting physically based shading at Imageworks") make of such an

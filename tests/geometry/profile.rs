@@ -1,4 +1,5 @@
-//! How long a ray takes: `cargo test --profile checks --test geometry -- --ignored --nocapture profile`.
+//! How long a ray takes:
+//! `cargo test --profile checks --test geometry -- --ignored --nocapture profile`.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -60,7 +60,7 @@ fn found<F: Real>([before, eta, k, behind, behind_k, waves, deg]: [f64; 7]) -> F
 
 fn compare(
     of: impl Fn([f64; 7]) -> Filmed<f64>,
-    tolerance: f64,
+    tolerance: impl Fn(&[f64; 7]) -> f64,
     skips: impl Fn(&[f64; 7]) -> bool,
 ) -> f64 {
     let mut worst = 0.0_f64;
@@ -73,16 +73,31 @@ fn compare(
         }
         for (found, expected) in all.iter().zip(expected) {
             let error = (found - expected).abs();
-            assert!(error < tolerance, "{media:?}: {all:?} is not {expected:?}, {error:e}");
+            assert!(error < tolerance(&media), "{media:?}: {all:?} is not {expected:?}, {error:e}");
             worst = worst.max(error);
         }
     }
     worst
 }
 
+/// How much the elements change with the last digit that `f32` has of the thickness: films between
+/// strong mirrors are that sharp.
+fn resonance(media: &[f64; 7]) -> f64 {
+    let of = |media: [f64; 7]| {
+        let Filmed { reflectance, reflection, transmittance, transmission, .. } =
+            found::<f64>(media);
+        [elements(reflectance, reflection), elements(transmittance, transmission)]
+    };
+    let mut thicker = *media;
+    thicker[5] *= 1.0 + f64::from(f32::EPSILON);
+    let (of_this, of_that) = (of(*media), of(thicker));
+    let pairs = of_this.iter().flatten().zip(of_that.iter().flatten());
+    pairs.map(|(this, that)| (this - that).abs()).fold(0.0, f64::max)
+}
+
 #[test]
 fn films_are_those_of_the_table() {
-    let double = compare(found::<f64>, TOLERANCE_F64, |_| false);
+    let double = compare(found::<f64>, |_| TOLERANCE_F64, |_| false);
     let single = |media| {
         let Filmed { reflectance, reflection, transmittance, transmission, cos_t } =
             found::<F32s>(media);
@@ -96,7 +111,7 @@ fn films_are_those_of_the_table() {
             cos_t: number(cos_t),
         }
     };
-    let single = compare(single, TOLERANCE_F32, |_| false);
+    let single = compare(single, |media| TOLERANCE_F32 + resonance(media), |_| false);
     println!("films: largest errors {double:e} and {single:e}");
 }
 

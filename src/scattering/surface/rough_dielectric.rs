@@ -305,8 +305,8 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         sided.chance_of_facets().mul_add(of_facets - of_lobe, of_lobe)
     }
 
-    /// The first number chooses between facets and what they leave out, too; the third one a wavelength, and
-    /// one of the sides.
+    /// The first number chooses between facets and what they leave out, too; the third one a
+    /// wavelength, and one of the sides.
     #[inline(always)]
     fn draw(
         &self,
