@@ -305,7 +305,7 @@ fn integrators_agree_on_small_scenes() {
     check(small_scenes(), [REPLICATES, ITERATIONS / 4]);
 }
 
-/// In 640 cells and images of each pair one exceeds the limit in 1 of 40,000 cases.
+/// Some 6,500 independent numbers: noise exceeds the limit in 1 of 4,000 cases.
 #[test]
 #[ignore = "minutes"]
 fn integrators_agree_on_odd_lights() {
