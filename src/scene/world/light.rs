@@ -105,10 +105,15 @@ impl Luminaire {
 }
 
 impl PunctualKind {
+    /// Whether a sun may have a diameter in radians.
+    pub(in crate::scene) fn is_diameter(diameter: f64) -> bool {
+        (DIAMETER_MIN..PI).contains(&diameter)
+    }
+
     fn check(&self) -> Result<(), Fault> {
         match *self {
             Self::Point | Self::Directional => Ok(()),
-            Self::Sun { diameter } if (DIAMETER_MIN..PI).contains(&diameter) => Ok(()),
+            Self::Sun { diameter } if Self::is_diameter(diameter) => Ok(()),
             Self::Sun { diameter } => {
                 let problem = format!("is {diameter} radians");
                 let remedy =
