@@ -229,7 +229,7 @@ pub struct RenderArguments {
     /// of --samples-per-iteration
     #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub iterations: Option<u32>,
-    /// Stop after this many seconds, with what is done by then
+    /// Stop after this many seconds, with what is done by then: one iteration at least
     #[arg(long, value_name = "SECONDS", help_heading = SAMPLES)]
     pub time_limit: Option<f64>,
     /// Render one of N parts of the image, by its samples, into a .part file; `sunstone merge`

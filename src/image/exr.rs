@@ -236,8 +236,8 @@ fn attributes(image: &dyn Rows, path: &Path) -> Result<LayerAttributes, OutputEr
     Ok(attributes)
 }
 
-/// Refuses what would make the decoder ask for absurd amounts of memory.
-fn check_header(bytes: &[u8]) -> Result<(), String> {
+/// The headers of a file, unless they would make the decoder ask for absurd amounts of memory.
+pub(super) fn check_header(bytes: &[u8]) -> Result<MetaData, String> {
     let meta = MetaData::read_from_buffered(BufReader::new(bytes), false)
         .map_err(|error| error.to_string())?;
     let decoded_max = bytes.len().saturating_mul(EXPANSION_MAX).max(DECODED_BYTES_FREE);
@@ -251,7 +251,7 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     if decoded > decoded_max {
         return Err("the header promises far more pixels than the file can hold".to_owned());
     }
-    Ok(())
+    Ok(meta)
 }
 
 fn assemble(layer: &FileLayer<AnyChannels<FlatSamples>>) -> Result<StokesImage, String> {

@@ -6,14 +6,23 @@ use std::fmt;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
+use ::exr::meta::header::Header;
 use ::exr::prelude as exr_files;
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::{StokesImage, exr, rgbe};
 use crate::math::elementary::pow;
+use crate::math::text::listed;
 
 /// Most columns and rows of a picture.
 const SIDE_MAX: u32 = 1 << 15;
+/// The colors of an OpenEXR file.
+const RGB: [&str; 3] = ["R", "G", "B"];
+/// The channels of polarized environments.
+pub const STOKES_WANTED: &str = "a polarized environment has S0.R, S0.G and S0.B to S3.R, S3.G and \
+                                 S3.B, one that is not R, G and B, or Y";
+/// How to mend an OpenEXR file that is damaged.
+const EXR_AGAIN: &str = "it may be cut off or damaged: write it again";
 /// Most memory that the reading of one may take.
 const BYTES_MAX: u64 = 1 << 32;
 
@@ -59,7 +68,13 @@ const OPENEXR: &[u8] = b"\x76\x2f\x31\x01";
 const RADIANCE: &[u8] = b"#?R";
 
 /// Formats that are known by name and not read, with the bytes that they start with.
-const UNREAD: [(&[u8], &str); 6] = [
+const UNREAD: [(&[u8], &str); 12] = [
+    (b"II*\0", "TIFF"),
+    (b"MM\0*", "TIFF"),
+    (b"8BPS", "Photoshop"),
+    (b"\0\0\0\x0cJXL ", "JPEG XL"),
+    (b"\xff\x0a", "JPEG XL"),
+    (b"\0\0\0\x0cjP  ", "JPEG 2000"),
     (b"\xabKTX 20", "KTX2, which is mostly Basis Universal"),
     (b"\xabKTX 11", "KTX"),
     (b"sB", "Basis Universal"),
@@ -82,16 +97,18 @@ impl Texels {
             return Ok(Self::of_colors(picture.width, picture.pixels));
         }
         if bytes.starts_with(OPENEXR) {
-            return Self::decode_exr(bytes)
-                .map_err(|error| told(format!("is an OpenEXR file that cannot be read: {error}")));
+            return Self::decode_exr(bytes);
         }
         let format = match image::guess_format(bytes) {
             Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
             _ if bytes.is_empty() => return Err(told("is empty".to_owned())),
             _ => {
                 let known = UNREAD.iter().find(|(start, _)| bytes.starts_with(start));
-                let name = known.map_or("of a format that is not known", |(_, name)| name);
-                return Err(told(format!("is {name}, which is not read")));
+                let problem = match known {
+                    Some((_, name)) => format!("is {name}, which is not read"),
+                    None => "is of a format that is not known".to_owned(),
+                };
+                return Err(told(problem));
             }
         };
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -100,12 +117,7 @@ impl Texels {
         limits.max_image_height = Some(SIDE_MAX);
         limits.max_alloc = Some(BYTES_MAX);
         reader.limits(limits);
-        let image = reader.decode().map_err(|error| {
-            let name = format.extensions_str().first().copied().unwrap_or("picture");
-            let problem = format!("is a {} that cannot be read: {error}", name.to_uppercase());
-            [problem, "save it again, 32768 pixels wide and high at most".to_owned()]
-        })?;
-        Ok(Self::of_image(image))
+        reader.decode().map(Self::of_image).map_err(|error| undecoded(format, &error))
     }
 
     fn of_image(image: DynamicImage) -> Self {
@@ -135,48 +147,100 @@ impl Texels {
     /// written.
     ///
     /// # Errors
-    /// When they cannot be read.
-    pub fn stokes_vectors(bytes: &[u8]) -> Result<Option<StokesImage>, String> {
-        Self::has_stokes_vectors(bytes).then(|| exr::decode(bytes)).transpose()
-    }
-
-    fn has_stokes_vectors(bytes: &[u8]) -> bool {
+    /// When they cannot be read: what is wrong, and the way to mend it.
+    pub fn stokes_vectors(bytes: &[u8]) -> Result<Option<StokesImage>, [String; 2]> {
         if !bytes.starts_with(OPENEXR) {
-            return false;
+            return Ok(None);
         }
-        let Ok(meta) = exr_files::MetaData::read_from_buffered(Cursor::new(bytes), false) else {
-            return false;
-        };
-        let channels = meta.headers.iter().flat_map(|header| &header.channels.list);
-        channels.map(|channel| channel.name.to_string()).any(|name| {
+        // What is wrong with the header is told by who reads the file as a picture.
+        let names = exr::check_header(bytes).map(|meta| names_of(&meta.headers));
+        let names = names.unwrap_or_default().concat();
+        let is_of_polarization = |name: &String| {
             let name = name.rsplit_once('.').map_or(name.as_str(), |(layer, _)| layer);
             ["S1", "S2", "S3"].contains(&name)
+        };
+        if !names.iter().any(is_of_polarization) {
+            return Ok(None);
+        }
+        exr::decode(bytes).map(Some).map_err(|error| {
+            let wanted = (0..4).flat_map(|s| RGB.map(|color| format!("S{s}.{color}")));
+            let missing: Vec<String> = wanted.filter(|name| !names.contains(name)).collect();
+            let (problem, remedy) = match missing.len() {
+                0 => (format!("cannot be read: {error}"), EXR_AGAIN),
+                12 => (format!("has the channels {}", listed(&names)), STOKES_WANTED),
+                _ => (format!("lacks {}", listed(&missing)), STOKES_WANTED),
+            };
+            [format!("is an OpenEXR file of Stokes vectors that {problem}"), remedy.to_owned()]
         })
     }
 
-    fn decode_exr(bytes: &[u8]) -> Result<Self, exr_files::Error> {
+    /// Red, green and blue, or a gray `Y`, with or without alpha, of the first part that has them.
+    fn decode_exr(bytes: &[u8]) -> Result<Self, [String; 2]> {
+        let unread = |error: String| {
+            [format!("is an OpenEXR file that cannot be read: {error}"), EXR_AGAIN.to_owned()]
+        };
+        let meta = exr::check_header(bytes).map_err(unread)?;
+        let parts = names_of(&meta.headers);
+        let has = |part: &[String], name: &str| part.iter().any(|own| own == name);
+        // A `Y` beside chroma is not all of a color.
+        let is_gray = |part: &Vec<String>| has(part, "Y") && !has(part, "RY") && !has(part, "BY");
+        let read = if parts.iter().any(|part| RGB.iter().all(|color| has(part, color))) {
+            Self::decode_exr_of_colors(bytes)
+        } else if parts.iter().any(is_gray) {
+            Self::decode_exr_of_gray(bytes)
+        } else {
+            let problem =
+                format!("is an OpenEXR file with the channels {}", listed(parts.concat()));
+            let remedy = "save it with the channels R, G and B, or with one, Y; A may be beside \
+                          them";
+            return Err([problem, remedy.to_owned()]);
+        };
+        read.map_err(|error| unread(error.to_string()))
+    }
+
+    /// Room for the linear texels of a picture.
+    fn blank(size: exr_files::Vec2<usize>, channels: usize) -> Self {
+        let values = Values::Floats(vec![0.0; channels * size.width() * size.height()]);
+        Self { width: size.width() as u32, height: size.height() as u32, channels, values }
+    }
+
+    /// Puts as many of some linear values into a place as its texel has.
+    fn put(&mut self, place: exr_files::Vec2<usize>, texel: &[f32]) {
+        let count = self.channels;
+        let at = count * (place.y() * self.width as usize + place.x());
+        if let Values::Floats(values) = &mut self.values {
+            values[at..at + count].copy_from_slice(&texel[..count]);
+        }
+    }
+
+    fn decode_exr_of_colors(bytes: &[u8]) -> Result<Self, exr_files::Error> {
         use exr_files::{ReadChannels, ReadLayers};
         let image = exr_files::read()
             .no_deep_data()
             .largest_resolution_level()
             .rgba_channels(
-                |size, (_, _, _, alpha)| {
-                    let channels = if alpha.is_some() { 4 } else { 3 };
-                    Self {
-                        width: size.width() as u32,
-                        height: size.height() as u32,
-                        channels,
-                        values: Values::Floats(vec![0.0; channels * size.width() * size.height()]),
-                    }
-                },
+                |size, (_, _, _, alpha)| Self::blank(size, if alpha.is_some() { 4 } else { 3 }),
                 |texels, place, (red, green, blue, alpha): (f32, f32, f32, f32)| {
-                    let count = texels.channels;
-                    let at = count * (place.y() * texels.width as usize + place.x());
-                    if let Values::Floats(values) = &mut texels.values {
-                        let texel = [red, green, blue, alpha];
-                        values[at..at + count].copy_from_slice(&texel[..count]);
-                    }
+                    texels.put(place, &[red, green, blue, alpha]);
                 },
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))?;
+        Ok(image.layer_data.channel_data.pixels)
+    }
+
+    fn decode_exr_of_gray(bytes: &[u8]) -> Result<Self, exr_files::Error> {
+        use exr_files::{ReadChannels, ReadLayers, ReadSpecificChannel};
+        let image = exr_files::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .specific_channels()
+            .required("Y")
+            .optional("A", 1.0)
+            .collect_pixels(
+                |size, (_, alpha)| Self::blank(size, if alpha.is_some() { 2 } else { 1 }),
+                |texels, place, (gray, alpha): (f32, f32)| texels.put(place, &[gray, alpha]),
             )
             .first_valid_layer()
             .all_attributes()
@@ -220,13 +284,50 @@ impl Texels {
         }
     }
 
-    /// The first value that is not finite, or below zero: a column and a row.
-    pub fn find_unusable(&self) -> Option<[usize; 2]> {
+    /// The first value that is no amount of light, in words: what it is, in which column and row.
+    pub fn find_unusable(&self) -> Option<String> {
         let Values::Floats(values) = &self.values else { return None };
-        let at = values.iter().position(|value| !(value.is_finite() && *value >= 0.0))?;
+        let (at, what) =
+            values.iter().enumerate().find_map(|(at, value)| Some((at, flaw(*value)?)))?;
         let texel = at / self.channels;
-        Some([texel % self.width as usize, texel / self.width as usize])
+        let [column, row] = [texel % self.width as usize, texel / self.width as usize];
+        Some(format!("has {what} in column {column}, row {row}"))
     }
+}
+
+/// What is wrong with an amount of light, if anything is.
+pub fn flaw(value: f32) -> Option<&'static str> {
+    match value {
+        _ if value.is_nan() => Some("a value that is not a number"),
+        _ if value.is_infinite() => Some("an infinite value"),
+        _ if value < 0.0 => Some("a negative value"),
+        _ => None,
+    }
+}
+
+/// The channels of every part of an OpenEXR file.
+fn names_of(headers: &[Header]) -> Vec<Vec<String>> {
+    let of_part = |header: &Header| {
+        header.channels.list.iter().map(|channel| channel.name.to_string()).collect()
+    };
+    headers.iter().map(of_part).collect()
+}
+
+/// Why a PNG, JPEG or WebP cannot be read, and the way to mend it.
+fn undecoded(format: ImageFormat, error: &ImageError) -> [String; 2] {
+    let name = match format {
+        ImageFormat::Png => "PNG",
+        ImageFormat::Jpeg => "JPEG",
+        _ => "WebP",
+    };
+    // Words of others may go over several lines.
+    let error_text = error.to_string();
+    let words: Vec<&str> = error_text.split_whitespace().collect();
+    let remedy = match error {
+        ImageError::Limits(_) => format!("save it {SIDE_MAX} pixels wide and high at most"),
+        _ => "it may be cut off or damaged: save it again".to_owned(),
+    };
+    [format!("is a {name} that cannot be read: {}", words.join(" ")), remedy]
 }
 
 /// What bytes of sRGB stand for.

@@ -32,13 +32,15 @@ impl Range {
     }
 
     /// Refuses a number that is not in the range, or not finite as an `f32`. `field` is what
-    /// errors call it.
+    /// errors call it. Numbers are what their digits say: 0.01 as an `f32` is at least 0.01, though
+    /// its bits are a little less.
     ///
     /// # Errors
     /// With the number and the name of the range.
     pub fn check<T: Copy + Display + Into<f64>>(self, field: &str, number: T) -> Result<(), Fault> {
         let value: f64 = number.into();
-        if (value as f32).is_finite() && (self.contains)(value) {
+        let as_written = || number.to_string().parse().is_ok_and(self.contains);
+        if (value as f32).is_finite() && ((self.contains)(value) || as_written()) {
             return Ok(());
         }
         Err(Fault::new(field, format!("{number} must be {}", self.text), ""))
@@ -103,6 +105,16 @@ mod tests {
             assert!(range.check("x", 1.0).is_ok());
             assert!(range.check("x", f64::NAN).is_err());
         }
+        // The nearest `f32` to 0.01 is less, and that to 0.7 too; that to 0.1 is more.
+        let bounded = Range::new("from 0.01 to 0.1", |x| (0.01..=0.1).contains(&x));
+        assert!(f64::from(0.01_f32) < 0.01 && f64::from(0.1_f32) > 0.1);
+        for number in [0.01_f32, 0.05, 0.1] {
+            assert!(bounded.check("x", number).is_ok(), "{number}");
+        }
+        for number in [0.01_f32.next_down(), 0.1_f32.next_up(), f32::NAN, -0.05] {
+            assert!(bounded.check("x", number).is_err(), "{number}");
+        }
+        assert!(bounded.check("x", f64::from(0.01_f32)).is_err(), "as an f64 it is less");
         assert!(
             Range::FRACTION.check("x", 0.0).is_err() && Range::FRACTION.check("x", 1.0).is_ok()
         );

@@ -74,14 +74,30 @@ impl Warnings {
 impl Kind {
     fn sentence(self) -> String {
         let Self { place, text, others, sum, .. } = self;
-        let others = match others {
-            0 => String::new(),
-            others => format!(" and {}", counted(others, ["other", "others"])),
-        };
+        let others = counted_others(others);
+        if sum.is_none() && is_predicate(&text) && !place.is_empty() {
+            let others = if others.is_empty() { others } else { format!(" ({others})") };
+            return format!("{place}{others} {text}");
+        }
+        let others = if others.is_empty() { others } else { format!(" {others}") };
         let colon = if place.is_empty() { "" } else { ": " };
         let things = sum.map_or_else(String::new, |(things, sum)| counted(sum, things) + " ");
         format!("{place}{others}{colon}{things}{text}")
     }
+}
+
+/// How many places there are after the first, in words; nothing if there are none.
+fn counted_others(others: usize) -> String {
+    match others {
+        0 => String::new(),
+        others => format!("and {}", counted(others, ["other", "others"])),
+    }
+}
+
+/// Whether what is said about a place goes on with the sentence that its name begins.
+fn is_predicate(text: &str) -> bool {
+    const VERBS: [&str; 6] = ["is", "has", "names", "goes", "falls", "brings"];
+    text.split(' ').next().is_some_and(|word| VERBS.contains(&word))
 }
 
 #[cfg(test)]
@@ -100,11 +116,18 @@ mod tests {
             warnings.add_counted(&place, 1, ["triangle", "triangles"], "without area dropped");
         }
         warnings.add_like("alpha", "material 0 \"\x1b\"", "alpha 0.5 is ignored");
+        warnings.add("material 3", "is unlit");
+        warnings.add("material 5", "is unlit");
+        warnings.add("node 1", "has no name");
+        warnings.add("", "is nowhere");
         let expected = [
             "animations are ignored",
             "mesh 0 and 39998 others: 40000 triangles without area dropped",
             "mesh 0: vertex colors are ignored",
             "material 0 \"\\u{1b}\": alpha 0.5 is ignored",
+            "material 3 (and 1 other) is unlit",
+            "node 1 has no name",
+            "is nowhere",
         ];
         assert_eq!(warnings.sentences(), expected);
     }

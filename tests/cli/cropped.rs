@@ -91,6 +91,7 @@ fn what_no_film_is_like_is_refused() {
     let scene = scene("cornell");
     for (more, words) in [
         (["--filter", "bell"], "invalid value 'bell' for '--filter <NAME>'"),
+        (["--filter-radius", "0.009"], "--filter-radius 0.009 must be from 0.01 to 32 pixels"),
         (["--filter-radius", "0"], "--filter-radius 0 must be from 0.01 to 32 pixels"),
         (["--filter-radius", "nan"], "--filter-radius NaN must be from 0.01 to 32 pixels"),
         (["--pixel-aspect", "0"], "--pixel-aspect 0 must be from 0.01 to 100"),

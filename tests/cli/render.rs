@@ -236,3 +236,39 @@ fn threads_change_nothing() {
     assert!(one == render("three.exr", "3", "7"), "the image depends on the number of threads");
     assert!(one != render("seed.exr", "1", "8"), "the image does not depend on the seed");
 }
+
+/// What errors call the ends of ranges is within them, though the nearest single precision to 0.01
+/// is less.
+#[test]
+fn the_ends_of_ranges_are_within() {
+    let here = folder("render-ends");
+    let scene = scene("cornell");
+    for (option, value) in [
+        ("--filter-radius", "0.01"),
+        ("--filter-radius", "32"),
+        ("--pixel-aspect", "0.01"),
+        ("--pixel-aspect", "100"),
+    ] {
+        let arguments = ["render", &scene, "-o", "a.exr", "--width", "8", "--height", "8"];
+        sunstone(&here, &[&arguments[..], &["--spp", "1", option, value]].concat()).done();
+        let light: f32 = image::load(&here.join("a.exr")).unwrap().plane(0, 0).iter().sum();
+        assert!(light.is_finite(), "{option} {value}");
+    }
+}
+
+/// The shortest time is enough for one iteration, so that there is an image.
+#[test]
+fn no_time_is_one_iteration() {
+    let here = folder("render-no-time");
+    let scene = scene("cornell");
+    for (integrator, samples) in [("path", "1 sample a pixel"), ("ppm", "4 samples a pixel")] {
+        let arguments = ["render", &scene, "-o", "a.exr", "--time-limit", "0", "--width", "8"];
+        let more = ["--height", "8", "--integrator", integrator, "--spp", "64"];
+        let run = sunstone(&here, &[&arguments[..], &more].concat()).done();
+        assert!(run.stderr.contains(samples), "{}", run.stderr);
+        let light: f32 = image::load(&here.join("a.exr")).unwrap().plane(0, 0).iter().sum();
+        assert!(light > 0.0, "{integrator}: {light}");
+    }
+    let refused = ["render", &scene, "-o", "a.exr", "--time-limit", "-1"];
+    assert!(sunstone(&here, &refused).stderr.contains("must be a number of seconds, not -1"));
+}

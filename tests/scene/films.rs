@@ -67,6 +67,7 @@ fn gltf_says_how_pixels_see() {
             json!({"filter": "bell"}),
             "film.filter: is no filter\n  help: filters are box, tent, gaussian,",
         ),
+        (json!({"filter_radius": 0.0099}), "filter_radius: 0.0099 must be from 0.01 to 32 pixels"),
         (json!({"filter_radius": 0}), "filter_radius: 0 must be from 0.01 to 32 pixels"),
         (json!({"filter": "box", "filter_radius": 40}), "40 must be from 0.01 to 32 pixels"),
         (json!({"pixel_aspect": -1}), "pixel_aspect: -1 must be from 0.01 to 100"),

@@ -46,6 +46,23 @@ fn files_have_luminaires() {
     assert!(bake(&dark, &Carried::RGB).unwrap().optics.patterns.is_empty());
 }
 
+/// They are rendered all the same.
+#[test]
+fn doubts_are_told_with_the_place() {
+    let said = |from: &str, to: &str| {
+        let file = FILE.replacen(from, to, 1);
+        let profile = json!({"uri": data_uri(file.as_bytes())});
+        load_json(&with(json!({"light": 0}), &profile)).unwrap().warnings().join("\n")
+    };
+    assert_eq!(said("", ""), "");
+    let place = "node 3 \"lamp\", EXT_lights_ies";
+    has_all(
+        &said("10 0\n", "10 0 5\n"),
+        &[place, "EXT_lights_ies goes on behind its last candela"],
+    );
+    has_all(&said("NONE", "tilt.dat"), &[place, "names a file for TILT"]);
+}
+
 #[test]
 fn broken_ones_are_refused() {
     let sound = json!({"uri": data_uri(FILE.as_bytes())});

@@ -17,6 +17,7 @@ mod mended;
 mod mitsuba;
 mod mitsuba_errors;
 mod moving;
+mod pictures;
 mod plastic;
 mod reference;
 mod refused;

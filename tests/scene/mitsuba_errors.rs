@@ -256,3 +256,32 @@ fn meshes_of_all_formats_are_read_and_damaged_ones_refused() {
         fs::remove_file(&path).unwrap();
     }
 }
+
+#[test]
+fn numbers_out_of_range_are_told_in_the_units_of_the_file() {
+    let cases = [
+        (
+            "<shape type='cube'><bsdf type='roughconductor'><float name='alpha' value='-1'/></bsdf>\
+             </shape>",
+            "(roughconductor), alpha: -1 must be within [0, 1]\n  help: give one number from 0",
+        ),
+        (
+            "<shape type='cube'><bsdf type='roughplastic'><float name='alpha' value='3'/></bsdf>\
+             </shape>",
+            "(roughplastic), alpha: 3 must be within [0, 1]\n  help: give one number from 0",
+        ),
+        (
+            "<shape type='cube'><bsdf type='roughdielectric'><texture type='bitmap' name='alpha'>\
+             <string name='filename' value='a.png'/></texture></bsdf></shape>",
+            "(roughdielectric), alpha: must be one number\n  help: give one number from 0",
+        ),
+        (
+            "<emitter type='spot'><float name='cutoff_angle' value='91'/></emitter>",
+            "the beam_width 68.25 and the cutoff_angle 91 do not fit\n  help: degrees",
+        ),
+    ];
+    for (body, expected) in cases {
+        let error = refused(&scene(body));
+        assert!(error.contains(expected), "{body}\n{error}\nis not\n{expected}");
+    }
+}

@@ -136,6 +136,14 @@ fn plain_materials_that_are_none() {
             &["material 0", "partial metallicFactor", "SUNSTONE_polarization"],
         ),
         (
+            |d| {
+                let transmission = json!({"transmissionFactor": 1.0});
+                let extensions = json!({"KHR_materials_transmission": transmission});
+                plain(d, json!({"metallicFactor": 0.0, "roughnessFactor": 0.3}), extensions);
+            },
+            &["material 0", "rough pane", "thicknessFactor greater than 0", "roughnessFactor to 0"],
+        ),
+        (
             |d| plain(d, json!({}), json!({"KHR_materials_ior": {"ior": 0.0}})),
             &["material 0", "KHR_materials_ior.ior", "from 1 to 10"],
         ),

@@ -132,15 +132,15 @@ fn what_is_wrong_is_told_by_name() {
         (json!({"uri": good, "radiance": {"illuminant": "D65"}}), "environment.radiance: is a sp"),
         (
             json!({"uri": broken(|x, y| [if x == 2 && y == 1 { f32::NAN } else { 1.0 }; 3])}),
-            "environment.uri: has a negative or infinite value in column 2, row 1",
+            "environment.uri: has a value that is not a number in column 2, row 1",
         ),
         (
             json!({"uri": broken(|x, _| [if x == 3 { -1.0 } else { 1.0 }; 3])}),
-            "has a negative or infinite value in column 3, row 0",
+            "has a negative value in column 3, row 0",
         ),
         (
             json!({"uri": broken(|x, _| [if x == 1 { f32::INFINITY } else { 1.0 }; 3])}),
-            "has a negative or infinite value in column 1, row 0",
+            "has an infinite value in column 1, row 0",
         ),
     ];
     for (environment, expected) in cases {
@@ -150,7 +150,7 @@ fn what_is_wrong_is_told_by_name() {
     let cube = data_uri(&openexr(4, 3, |_, _| [1.0; 3]));
     let world = load_json(&under(&json!({"uri": cube}))).unwrap();
     let warnings = world.warnings().concat();
-    assert!(warnings.contains("environment.uri: is not twice as wide as high"), "{warnings}");
+    assert!(warnings.contains("environment.uri is not twice as wide as high"), "{warnings}");
 }
 
 fn with_sun(body: &Value, kind: &str) -> Value {
@@ -174,13 +174,17 @@ fn directional_lights_with_an_angle_are_suns() {
     let expected = 1.0 / (PI * radius.sin().powi(2));
     let [radiance, ..] = scene.optics.radiance_of(0).map(f64::from);
     assert!((radiance / expected - 1.0).abs() < 1e-5, "{radiance}, {expected}");
+    for ends in [0.0006, 179.999] {
+        let body = json!({"angular_diameter_deg": ends});
+        assert!(load_json(&with_sun(&body, "directional")).is_ok(), "{ends} is said to be fine");
+    }
     let zero = load_json(&with_sun(&json!({"angular_diameter_deg": 0}), "directional"));
     let scene = baked(&zero.unwrap());
     assert!(matches!(scene.optics.emitters[0].model, EmitterModel::Directional(_)));
     for (body, kind, expected) in [
-        (json!({"angular_diameter_deg": -1}), "directional", "angular_diameter_deg: is -0.01"),
-        (json!({"angular_diameter_deg": 180}), "directional", "angular_diameter_deg: is 3.14"),
-        (json!({"angular_diameter_deg": 1e-5}), "directional", "angular_diameter_deg: is 0.0000"),
+        (json!({"angular_diameter_deg": -1}), "directional", "diameter_deg: is -1 degrees"),
+        (json!({"angular_diameter_deg": 180}), "directional", "diameter_deg: is 180 degrees"),
+        (json!({"angular_diameter_deg": 5e-4}), "directional", "from 0.0006 to less than 180"),
         (json!({"angular_diameter_deg": "a"}), "directional", "is not a number"),
         (json!({"angular_diameter_deg": 1}), "point", "angular_diameter_deg: is for directional"),
     ] {

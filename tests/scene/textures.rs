@@ -26,7 +26,7 @@ fn encoded(format: ImageFormat) -> Vec<u8> {
 }
 
 /// The good document, whose square has two sets of coordinates and colors, painted by a picture.
-fn painted() -> Value {
+pub fn painted() -> Value {
     let mut document = good();
     let mut bytes = square_bytes();
     let first = [[0.0_f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
@@ -193,7 +193,11 @@ fn what_is_wrong_with_pictures_is_said_with_a_remedy() {
                 let attributes = d["meshes"][0]["primitives"][0]["attributes"].as_object_mut();
                 attributes.unwrap().remove("TEXCOORD_0");
             },
-            &["TEXCOORD_0", "unwrap the mesh"],
+            &[
+                "mesh 0 \"square\", primitive 0, TEXCOORD_0: is missing",
+                "material 0 \"painted\"",
+                "unwrap the mesh",
+            ],
         ),
         (|d| d["images"] = json!([{}]), &["image 0", "neither `uri` nor `bufferView`"]),
     ];

@@ -214,6 +214,46 @@ fn an_even_luminaire_is_a_point() {
 }
 
 #[test]
+fn what_of_files_is_doubtful_is_told() {
+    let good = file(&[0.0, 90.0], &[0.0, 360.0], &[1.0, 2.0, 1.0, 2.0]);
+    let doubts = |from: &str, to: &str| {
+        let read = Photometry::from_ies(&good.replacen(from, to, 1)).unwrap();
+        read.doubts().join("; ")
+    };
+    for (from, to) in [
+        ("", ""),
+        ("TILT=NONE", "TILT=INCLUDE\n1 2 0 90 1 1"),
+        ("0 360\r\n1 2\r\n1 2", "0 360\r\n1 2\r\n1 2.001"),
+        ("0 360\r\n1 2\r\n1 2", "0 180\r\n1 2\r\n7 5"),
+    ] {
+        assert_eq!(doubts(from, to), "", "{to}");
+    }
+    for (from, to, words) in [
+        ("TILT=NONE", "TILT=lamp.tlt", "names a file for TILT"),
+        ("TILT=NONE", "TILT=", "names a file for TILT"),
+        ("TILT=NONE", "TILT=INCLUDE\n1 2 0 90 1 0.9", "has factors of TILT"),
+        ("1 2\r\n1 2\r\n", "1 2\r\n1 2\r\n3\r\n", "goes on behind its last candela value"),
+        ("1 2\r\n1 2\r\n", "1 2\r\n1 2\r\nEND\r\n", "goes on behind its last candela value"),
+        ("1 2\r\n1 2\r\n", "1 2\r\n1 3\r\n", "360 degrees than at 0"),
+    ] {
+        let found = doubts(from, to);
+        assert!(found.contains(words) && !found.contains(';'), "{to}: {found}");
+    }
+    let mut world = World::new("lights");
+    let lamp = world.add_light("lamp", Punctual::point(1.0), DVec3::Y).unwrap();
+    let seam = Photometry::from_ies(&good.replacen("1 2\r\n1 2\r\n", "1 2\r\n1 3\r\n", 1));
+    world.set_luminaire(lamp, seam.unwrap()).unwrap();
+    let said = world.warnings().join("\n");
+    assert!(said.contains("light `lamp`, ies has other intensities"), "{said}");
+    // One angle spans nothing, whatever is at it.
+    for only in [0.0, 45.0, 180.0] {
+        let fault = Photometry::from_ies(&file(&[only], &[0.0], &[10.0])).unwrap_err();
+        assert_eq!(fault.field, "vertical angles", "{fault}");
+        assert!(fault.problem.contains("alone"), "{fault}");
+    }
+}
+
+#[test]
 fn files_that_are_not_so_are_refused() {
     let good = file(&[0.0, 90.0], &[0.0, 90.0], &[1.0, 2.0, 3.0, 4.0]);
     let with = |from: &str, to: &str| Photometry::from_ies(&good.replacen(from, to, 1));

@@ -45,6 +45,9 @@ impl Import<'_> {
         let stokes = body.stokes("stokes")?;
         let luminaire = luminaire_of(&body, document)?;
         let projection = projection_of(&body, document)?;
+        if let Some(luminaire) = &luminaire {
+            self.doubt(luminaire, &body.field("ies"));
+        }
         let intensity = color.scaled(light.intensity * unit(&body)?);
         let light = Punctual { kind, intensity };
         let put = if light.intensity.values().iter().all(|value| *value == 0.0) {
@@ -65,10 +68,6 @@ impl Import<'_> {
             "intensity" => {
                 let color = if body.has("emission") { "emission" } else { "color" };
                 SceneError::at(&label, fault.of(format!("intensity times {color}, in watts")))
-            }
-            "angular_diameter" => {
-                let field = body.field("angular_diameter_deg");
-                SceneError::at(&field, fault.of(""))
             }
             _ => SceneError::at(&label, fault),
         })
@@ -109,7 +108,14 @@ fn wide(kind: PunctualKind, body: &Body) -> Result<PunctualKind, SceneError> {
     match kind {
         // Which is what zero says.
         PunctualKind::Directional if degrees == 0.0 => Ok(kind),
-        PunctualKind::Directional => Ok(PunctualKind::Sun { diameter: degrees.to_radians() }),
+        PunctualKind::Directional if PunctualKind::is_diameter(degrees.to_radians()) => {
+            Ok(PunctualKind::Sun { diameter: degrees.to_radians() })
+        }
+        PunctualKind::Directional => {
+            let problem = format!("is {degrees} degrees");
+            let remedy = "from 0.0006 to less than 180; 0, or without it, is a direction";
+            Err(SceneError::new(body.field(KEY), problem, remedy))
+        }
         PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Sun { .. } => {
             let problem = "is for directional lights";
             Err(SceneError::new(body.field(KEY), problem, "remove it, or use such a light"))

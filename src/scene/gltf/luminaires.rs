@@ -36,6 +36,11 @@ fn read(bytes: &[u8], field: &str) -> Result<Luminaire, SceneError> {
 }
 
 impl Import<'_> {
+    /// Says what is doubtful about the file of a luminaire.
+    pub fn doubt(&mut self, Luminaire(photometry): &Luminaire, place: &str) {
+        photometry.doubts().iter().for_each(|doubt| self.warnings.add(place, doubt));
+    }
+
     /// Adds the luminaire of a node, if the extension has one there.
     pub fn add_luminaire(
         &mut self,
@@ -56,6 +61,7 @@ impl Import<'_> {
             return Err(SceneError::new(format!("{label}, light"), problem, "export it again"));
         };
         let luminaire = read(&self.document.image_bytes(profile, &label)?, &label)?;
+        self.doubt(&luminaire, &label);
         let number = |value: &Value, by_default: f64| {
             if value.is_null() { Some(by_default) } else { value.as_f64() }
         };

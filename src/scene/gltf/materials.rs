@@ -275,7 +275,7 @@ impl Import<'_> {
         (value, is_solid): (&Value, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
-        const ADVICE: &str = "use factors of 0 or 1, or SUNSTONE_polarization with a `bsdf`";
+        const ADVICE: &str = "set it to 0 or 1, or use SUNSTONE_polarization with a `bsdf`";
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
         let transmission = material.extensions.as_ref().and_then(|e| e.transmission.as_ref());
@@ -287,7 +287,7 @@ impl Import<'_> {
                 .check("pbrMetallicRoughness", factor)
                 .map_err(|fault| SceneError::at(label, fault))?;
         }
-        let refuse = |problem: &str| Err(SceneError::new(label, problem, ADVICE));
+        let refuse = |problem: &str, remedy: &str| Err(SceneError::new(label, problem, remedy));
         let is_smooth = roughness * roughness < ALPHA_MIN;
         let of = |key: &str| !value["pbrMetallicRoughness"][key].is_null();
         let is_painted = of("baseColorTexture") || of("metallicRoughnessTexture");
@@ -303,13 +303,15 @@ impl Import<'_> {
                 specular: self.specular(value, label)?,
             }
         } else if transmission < 1.0 {
-            return refuse("mixes transmission and reflection by a partial factor");
+            return refuse("mixes transmission and reflection by a partial factor", ADVICE);
         } else if metallic > 0.0 {
-            return refuse("mixes metal and glass by a partial metallicFactor");
+            return refuse("mixes metal and glass by a partial metallicFactor", ADVICE);
         } else if !is_smooth && !is_solid {
             return refuse(
                 "is a rough pane without a thickness, which is not supported yet: smooth ones and \
                  solids (KHR_materials_volume) are",
+                "add KHR_materials_volume with a thicknessFactor greater than 0, or set \
+                 roughnessFactor to 0",
             );
         } else {
             if color != [1.0; 3] {

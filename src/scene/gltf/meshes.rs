@@ -88,7 +88,10 @@ impl Import<'_> {
                 let name = Name(format!("{}{instance}, {part}", node.label()));
                 let mesh = Mesh(Arc::clone(&geometry));
                 let put = self.world.put_mesh(name, mesh, skin, *place);
-                findings.note(put.map_err(|fault| node.place(fault)));
+                findings.note(put.map_err(|fault| match fault.field.starts_with("TEXCOORD_") {
+                    true => SceneError::at(&part, fault),
+                    false => node.place(fault),
+                }));
             }
         }
         findings.result()

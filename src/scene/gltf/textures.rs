@@ -134,11 +134,28 @@ impl Import<'_> {
         let info = &material["normalTexture"];
         let relief = self.texture(&slot(info, "normalTexture", Coding::Linear));
         if let Some(texture) = findings.note(relief).flatten() {
+            self.doubt_normals(&texture, label);
             let scale = info["scale"].as_f64().unwrap_or(1.0) as f32;
             textures.relief = Some(Relief { texture, scale });
         }
         findings.result()?;
         Ok(textures)
+    }
+
+    /// Says that a normal map is none, where it is so.
+    fn doubt_normals(&mut self, texture: &Texture, label: &str) {
+        let astray = texture.picture.normals_astray();
+        if astray == 0 {
+            return;
+        }
+        let [width, height] = texture.picture.texels().size().map(u64::from);
+        let text = format!(
+            "has texels without a normal, or with one that points into the surface ({astray} of \
+             {}): what they show is bent to the front; is it a normal map?",
+            width * height
+        );
+        let place = format!("{label}, normalTexture");
+        self.warnings.add_like("normals astray", &place, &text);
     }
 
     /// The holes of a material, if it has any.

@@ -181,8 +181,8 @@ fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
     };
     // How facets are drawn changes no image.
     fields.boolean("sample_visible")?;
-    let alpha = match (number(fields, "alpha_u")?, number(fields, "alpha_v")?) {
-        (None, None) => number(fields, "alpha")?.unwrap_or(0.1),
+    let alpha = match (alpha(fields, "alpha_u")?, alpha(fields, "alpha_v")?) {
+        (None, None) => alpha(fields, "alpha")?.unwrap_or(0.1),
         (Some(along), Some(across)) if along == across => along,
         (_, _) => {
             let problem = "facets that differ along u and v are not supported";
@@ -237,6 +237,20 @@ fn plastic_of(
             internal_reflection,
         },
     })
+}
+
+/// A roughness of facets, if there is one.
+fn alpha(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
+    const REMEDY: &str =
+        "give one number from 0, smooth, to 1; rough surfaces are the same all over";
+    let alpha =
+        number(fields, name).map_err(|error| fields.wrong(name, error.problem(), REMEDY))?;
+    match alpha {
+        Some(alpha) if !(0.0..=1.0).contains(&alpha) => {
+            Err(fields.wrong(name, format!("{alpha} must be within [0, 1]"), REMEDY))
+        }
+        alpha => Ok(alpha),
+    }
 }
 
 /// A number, if there is one.

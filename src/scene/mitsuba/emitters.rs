@@ -174,10 +174,14 @@ fn spot(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
     if fields.has("texture") {
         return Err(fields.wrong("texture", "is not supported", "remove it"));
     }
+    if !(0.0 <= beam && beam <= cutoff && 0.0 < cutoff && cutoff <= 90.0) {
+        let problem = format!("the beam_width {beam} and the cutoff_angle {cutoff} do not fit");
+        let remedy = "degrees: 0 <= beam_width <= cutoff_angle <= 90";
+        return Err(fields.wrong("cutoff_angle", problem, remedy));
+    }
     let place = fields.transform("to_world")?;
     let kind = PunctualKind::Spot { inner: beam.to_radians(), outer: cutoff.to_radians() };
     let light = Punctual { kind, intensity };
-    light.check().map_err(|fault| fields.fault(fault.of("cutoff_angle"), &[]))?;
     if beam < cutoff {
         let text = "falls off from the beam to the cutoff with the square of the cosine's share, \
                     as in glTF, and not with the angle's";

@@ -237,7 +237,9 @@ impl World {
         let sets = [&geometry.texture_coordinates, &geometry.texture_coordinates_1];
         let missing = textures.textures().find(|texture| sets[texture.set].is_empty());
         if let Some(texture) = missing {
-            let problem = format!("its material has a texture by TEXCOORD_{}", texture.set);
+            let name = self.entities.get::<&Name>(material);
+            let name = name.map_or_else(|_| "its material".to_owned(), |name| name.0.clone());
+            let problem = format!("is missing, and a texture of {name} goes by it");
             let remedy = "unwrap the mesh, or give the texture a set that it has";
             return Err(Fault::new(format!("TEXCOORD_{}", texture.set), problem, remedy));
         }

@@ -175,10 +175,15 @@ const HALF_ANGLE_MIN: f64 = 1e-5;
 const HALF_ANGLE_MAX: f64 = 1.55;
 
 impl PunctualKind {
+    /// Whether a sun may have a diameter in radians.
+    pub(in crate::scene) fn is_diameter(diameter: f64) -> bool {
+        (DIAMETER_MIN..PI).contains(&diameter)
+    }
+
     fn check(&self) -> Result<(), Fault> {
         match *self {
             Self::Point | Self::Directional => Ok(()),
-            Self::Sun { diameter } if (DIAMETER_MIN..PI).contains(&diameter) => Ok(()),
+            Self::Sun { diameter } if Self::is_diameter(diameter) => Ok(()),
             Self::Sun { diameter } => {
                 let problem = format!("is {diameter} radians");
                 let remedy =

@@ -21,8 +21,11 @@ impl World {
         photometry: Photometry,
     ) -> Result<(), SceneError> {
         let name = self.entities.get::<&Name>(light).map_or(String::new(), |it| it.0.clone());
+        let doubts = photometry.doubts().to_vec();
         let put = self.put_luminaire(light, Luminaire(Arc::new(photometry)));
-        put.map_err(|fault| SceneError::at(&name, fault))
+        put.map_err(|fault| SceneError::at(&name, fault))?;
+        self.warnings.extend(doubts.into_iter().map(|doubt| format!("{name}, ies {doubt}")));
+        Ok(())
     }
 
     /// Has a spot of this world throw a picture ([`Projection`]), of the bytes of an OpenEXR,

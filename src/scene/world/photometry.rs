@@ -21,7 +21,12 @@ pub struct Photometry {
     horizontal_deg: Vec<f64>,
     /// In candela, for all vertical angles of the first horizontal one, and so on.
     candela: Vec<f64>,
+    /// What of the file is not as it says.
+    doubts: Vec<&'static str>,
 }
+
+/// Most that the intensities in one plane may differ, relative to the largest of the file.
+const SEAM_MAX: f64 = 1e-3;
 
 /// The numbers of a file, one after the other.
 struct Numbers<'a> {
@@ -52,11 +57,32 @@ impl Numbers<'_> {
     fn list(&mut self, count: usize, what: &str) -> Result<Vec<f64>, Fault> {
         (0..count).map(|_| self.next(what)).collect()
     }
+
+    /// Reads what stands for TILT; what of it does not count is said.
+    fn tilt(&mut self, tilt: &str) -> Result<Option<&'static str>, Fault> {
+        match tilt {
+            "NONE" => return Ok(None),
+            "INCLUDE" => {}
+            _ => {
+                let doubt = "names a file for TILT, which is not read: its lamps emit as they were \
+                             measured, however they hang";
+                return Ok(Some(doubt));
+            }
+        }
+        self.next("TILT")?;
+        let count = self.count("TILT")?;
+        self.list(count, "TILT")?;
+        let factors = self.list(count, "TILT")?;
+        let doubt = "has factors of TILT, which are not read: its lamps emit as they were \
+                     measured, however they hang";
+        Ok(factors.iter().any(|factor| *factor != 1.0).then_some(doubt))
+    }
 }
 
 impl Photometry {
     /// Reads a file of IES LM-63 (1986 to 2019) of type C: intensities times its multiplier and the
-    /// factor of its ballast. What a lamp does when it is tilted does not count.
+    /// factor of its ballast. What a lamp does when it is tilted does not count; that, and what
+    /// else is doubtful, is in [`Photometry::doubts`].
     ///
     /// # Errors
     /// With the part of the file that is not so, as the field of the fault.
@@ -69,11 +95,7 @@ impl Photometry {
         let separators = |letter: char| letter.is_whitespace() || letter == ',';
         let words = lines.flat_map(move |line| line.split(separators));
         let mut numbers = Numbers { left: Box::new(words.filter(|word| !word.is_empty())) };
-        if tilt.trim() == "INCLUDE" {
-            numbers.next("TILT")?;
-            let count = numbers.count("TILT")?;
-            numbers.list(2 * count, "TILT")?;
-        }
+        let mut doubts: Vec<&str> = numbers.tilt(tilt.trim())?.into_iter().collect();
         numbers.list(2, "lamps")?;
         let multiplier = numbers.next("multiplier")?;
         let vertical = numbers.count("number of vertical angles")?;
@@ -95,15 +117,43 @@ impl Photometry {
         let factor = multiplier * ballast;
         let candela = numbers.list(vertical * horizontal, "candela values")?;
         let candela = candela.into_iter().map(|value| value * factor).collect();
-        let read = Self { vertical_deg, horizontal_deg, candela };
+        if numbers.left.next().is_some() {
+            doubts.push("goes on behind its last candela value: what follows is not read");
+        }
+        let mut read = Self { vertical_deg, horizontal_deg, candela, doubts };
         read.check()?;
+        if read.has_seam() {
+            let doubt = "has other intensities at a horizontal angle of 360 degrees than at 0, \
+                         which is the same plane: they jump there";
+            read.doubts.push(doubt);
+        }
         Ok(read)
+    }
+
+    /// What of the file counts for nothing, or contradicts itself, as sentences about the file.
+    pub fn doubts(&self) -> &[&'static str] {
+        &self.doubts
+    }
+
+    /// Whether the first plane and the last are one, and differ.
+    fn has_seam(&self) -> bool {
+        let rows = self.vertical_deg.len();
+        let last = self.candela.len() - rows;
+        let pairs = self.candela[..rows].iter().zip(&self.candela[last..]);
+        let largest = self.candela.iter().copied().fold(0.0, f64::max);
+        self.horizontal_deg.ends_with(&[360.0])
+            && pairs.into_iter().any(|(a, b)| (a - b).abs() > SEAM_MAX * largest)
     }
 
     fn check(&self) -> Result<(), Fault> {
         let increase = |angles: &[f64]| angles.is_sorted_by(|a, b| a < b);
         let ends = |angles: &[f64]| [angles[0], angles[angles.len() - 1]];
         let [first, last] = ends(&self.vertical_deg);
+        if let [only] = self.vertical_deg[..] {
+            let problem = format!("are {only} alone, between which and nothing lies no direction");
+            let remedy = "give two at least: 0 and 180 emit everywhere";
+            return Err(Fault::new("vertical angles", problem, remedy));
+        }
         if !increase(&self.vertical_deg) || first < 0.0 || last > 180.0 {
             let problem = "do not increase within 0 to 180 degrees";
             return Err(Fault::new("vertical angles", problem, REMEDY));

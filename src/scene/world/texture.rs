@@ -10,7 +10,7 @@ use glam::Vec2;
 
 use super::{Bsdf, Parameter};
 use crate::image::StokesImage;
-use crate::image::texels::{Coding, Texels};
+use crate::image::texels::{Coding, STOKES_WANTED, Texels, flaw};
 use crate::math::{Fault, Range};
 use crate::scene::error::SceneError;
 use crate::scene::panorama::Directions;
@@ -72,6 +72,8 @@ pub struct Picture {
     /// The mean of all texels, by coding.
     means: [OnceLock<[f32; 4]>; 2],
     least_alpha: OnceLock<f32>,
+    /// Texels that are no normals to the front.
+    normals_astray: OnceLock<usize>,
     /// How the light of each texel is polarized, if it is.
     states: Option<Vec<States>>,
     /// How directions are drawn, if it shows what is around.
@@ -93,6 +95,7 @@ impl Picture {
             states: None,
             means: Default::default(),
             least_alpha: OnceLock::new(),
+            normals_astray: OnceLock::new(),
             directions: OnceLock::new(),
         }
     }
@@ -101,8 +104,7 @@ impl Picture {
     pub(in crate::scene) fn decoded(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
         let texels = Texels::decode(bytes)
             .map_err(|[problem, remedy]| SceneError::new(label, problem, remedy))?;
-        if let Some([column, row]) = texels.find_unusable() {
-            let problem = format!("has a negative or infinite value in column {column}, row {row}");
+        if let Some(problem) = texels.find_unusable() {
             return Err(SceneError::new(label, problem, "clean the picture up"));
         }
         Ok(Self::new(texels, half_hash(bytes)))
@@ -110,10 +112,8 @@ impl Picture {
 
     /// The same of what is around a scene, which may be polarized.
     pub(in crate::scene) fn around(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
-        let found = Texels::stokes_vectors(bytes).map_err(|error| {
-            let problem = format!("is an OpenEXR file with Stokes vectors, but {error}");
-            SceneError::new(label, problem, "write it again")
-        })?;
+        let found = Texels::stokes_vectors(bytes)
+            .map_err(|[problem, remedy]| SceneError::new(label, problem, remedy))?;
         match found {
             Some(image) => polarized(&image, bytes, label),
             None => Self::decoded(bytes, label),
@@ -160,6 +160,22 @@ impl Picture {
         })
     }
 
+    /// Of the texels of a map of normals, how many have none, or one that points into the surface.
+    pub fn normals_astray(&self) -> usize {
+        /// Of a length below this, a direction is mostly rounding.
+        const LENGTH_MIN: f32 = 0.1;
+        *self.normals_astray.get_or_init(|| {
+            let [width, height] = self.texels.size();
+            let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+            let is_astray = |(column, row): &(u32, u32)| {
+                let [x, y, z, _] = self.texels.at(*column, *row, Coding::Linear);
+                let normal = 2.0 * glam::Vec3::new(x, y, z) - 1.0;
+                normal.z <= 0.0 || normal.length() < LENGTH_MIN
+            };
+            places.filter(is_astray).count()
+        })
+    }
+
     /// How directions are drawn by it where it shows what is around.
     pub fn directions(&self) -> &Directions {
         self.directions.get_or_init(|| Directions::new(self))
@@ -193,7 +209,10 @@ fn polarized(image: &StokesImage, bytes: &[u8], label: &str) -> Result<Picture, 
     let refuse = |problem: String, remedy: &str| SceneError::new(label, problem, remedy);
     if image.color != Color::Rgb {
         let problem = format!("holds Stokes vectors of {}", image.color);
-        return Err(refuse(problem, "environments have those of R, G and B: S0.R to S3.B"));
+        return Err(refuse(problem, STOKES_WANTED));
+    }
+    if let Some(problem) = find_unusable(image) {
+        return Err(refuse(problem, "clean the picture up"));
     }
     let count = image.width * image.height;
     let value = |component: usize, channel: usize, texel: usize| {
@@ -217,17 +236,27 @@ fn polarized(image: &StokesImage, bytes: &[u8], label: &str) -> Result<Picture, 
         };
         states.push([red, green, blue]);
     }
-    let picture = Picture::of_states((image.width, colors), states, half_hash(bytes));
-    match picture.texels.find_unusable() {
-        None => Ok(picture),
-        Some([column, row]) => {
-            let problem = format!("has a negative or infinite value in column {column}, row {row}");
-            Err(refuse(problem, "clean the picture up"))
-        }
-    }
+    Ok(Picture::of_states((image.width, colors), states, half_hash(bytes)))
 }
 
-/// S1, S2 and S3 over S0; none if they are more than that.
+/// The first value of Stokes vectors that is not finite, or below zero where it is one of S0, in
+/// words.
+fn find_unusable(image: &StokesImage) -> Option<String> {
+    for (plane, values) in image.planes.iter().enumerate() {
+        let (component, color) = (plane / 3, ["R", "G", "B"][plane % 3]);
+        for (texel, value) in values.iter().enumerate() {
+            let size = if component == 0 { *value } else { value.abs() };
+            if let Some(what) = flaw(size) {
+                let (column, row) = (texel % image.width, texel / image.width);
+                let place = format!("S{component}.{color}, column {column}, row {row}");
+                return Some(format!("has {what} in {place}"));
+            }
+        }
+    }
+    None
+}
+
+/// S1, S2 and S3 over S0, all of them finite; none if they are more than that.
 fn shares(s0: f32, state: [f32; 3]) -> Option<[f32; 3]> {
     let most = state.into_iter().fold(0.0, |most: f32, value| most.max(value.abs()));
     if most == 0.0 {
@@ -239,7 +268,6 @@ fn shares(s0: f32, state: [f32; 3]) -> Option<[f32; 3]> {
     match degree {
         _ if degree <= 1.0 => Some(shares),
         _ if degree <= 1.0 + DEGREE_TOLERANCE => Some(shares.map(|share| share / degree)),
-        // Or not a number.
         _ => None,
     }
 }
