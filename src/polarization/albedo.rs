@@ -15,8 +15,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::math::elementary::{exp, ln};
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, Vector, lanes, warp};
 
+use super::cloth::cloth;
 use super::fresnel;
 use super::microfacet::{Distribution, Facets};
 
@@ -77,15 +78,27 @@ impl Albedo {
         Self { terms: self.terms.map(|term| share * term), mean: share * self.mean }
     }
 
+    /// Of cloth of white threads ([`super::cloth`]). It may be more than one towards grazing.
+    pub fn of_cloth(alpha: f32) -> Self {
+        static OF_CLOTH: Table = Table::new(Distribution::Ggx, Of::Cloth);
+        OF_CLOTH.at(alpha.max(super::cloth::ALPHA_MIN))
+    }
+
     /// At eight cosines, 0 to 1, by the terms there; within [0, 1].
     #[inline(always)]
     pub fn at(terms: &[F32s; TERMS], cos: F32s) -> F32s {
+        Self::unbounded(terms, cos).fast_min(F32s::splat(1.0))
+    }
+
+    /// The same of what may be more than one.
+    #[inline(always)]
+    pub fn unbounded(terms: &[F32s; TERMS], cos: F32s) -> F32s {
         let root = cos.fast_max(F32s::splat(0.0)).sqrt();
         let mut sum = terms[TERMS - 1];
         for &term in terms[..TERMS - 1].iter().rev() {
             sum = sum.mul_add(root, term);
         }
-        sum.fast_max(F32s::splat(0.0)).fast_min(F32s::splat(1.0))
+        sum.fast_max(F32s::splat(0.0))
     }
 
     fn of_terms(terms: [f32; TERMS]) -> Self {
@@ -117,6 +130,8 @@ enum Of {
     Coat { ior: f32 },
     /// A dielectric of this index of refraction, of which what is let through counts, too.
     Glass { ior: f32 },
+    /// Cloth of white threads, of any distribution.
+    Cloth,
 }
 
 /// Tells tables apart.
@@ -144,6 +159,8 @@ impl Table {
         }
         let (passes, ior) = match of {
             Of::Mirrors => (false, 0.0),
+            // Of no index of refraction.
+            Of::Cloth => (false, -1.0),
             Of::Coat { ior } => (false, ior),
             Of::Glass { ior } => (true, ior),
         };
@@ -215,6 +232,9 @@ fn vandermonde_inverse() -> [[f64; TERMS]; TERMS] {
 /// The share of light of the cosine `cos` that facets reflect, or let through: its mean over the
 /// directions that are drawn.
 fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
+    if let Of::Cloth = of {
+        return of_cloth(alpha, cos);
+    }
     let none = F32s::splat(0.0);
     let is_beckmann = distribution == Distribution::Beckmann;
     let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
@@ -233,7 +253,7 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
             let pdf = facets.pdf(normal, given, drawn);
             let reflection = facets.reflect(normal, given, drawn);
             let reflectance = match of {
-                Of::Mirrors => F32s::splat(1.0),
+                Of::Mirrors | Of::Cloth => F32s::splat(1.0),
                 Of::Coat { ior } | Of::Glass { ior } => {
                     fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
                 }
@@ -247,6 +267,30 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
         }
     }
     sum / (HEIGHTS * TURNS) as f64
+}
+
+/// The share of light of the cosine `cos` that cloth of white threads reflects: its mean over the
+/// directions, more of them towards grazing.
+fn of_cloth(alpha: f32, cos: f64) -> f64 {
+    const STEPS: usize = 64;
+    let normal = Vector::splat([0.0, 0.0, 1.0]);
+    let sin = (1.0 - cos * cos).sqrt();
+    let given = Vector::splat([sin as f32, 0.0, cos as f32]);
+    let alpha = F32s::splat(alpha);
+    let mut sum = 0.0;
+    for height in 0..STEPS {
+        let root = (height as f32 + 0.5) / STEPS as f32;
+        let (height, weight) = (F32s::splat(root * root), F32s::splat(2.0 * root));
+        let across = (F32s::splat(1.0) - height * height).sqrt();
+        for turn in (0..STEPS).step_by(LANES) {
+            let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / STEPS as f32);
+            let (sine, cosine) = warp::sin_cos_turns(F32s::from(turns));
+            let drawn = Vector::new(across * cosine, across * sine, height);
+            let value = cloth(alpha, normal, given, drawn);
+            sum += f64::from((weight * height * value).reduce_add());
+        }
+    }
+    2.0 * std::f64::consts::PI * sum / (STEPS * STEPS) as f64
 }
 
 /// The share of light that goes through facets that are drawn by `u`.

@@ -15,6 +15,7 @@ mod dispersive_dielectric;
 mod element;
 mod facing;
 mod glossy;
+mod layered;
 mod metallic_roughness;
 pub mod model;
 mod null;
@@ -36,6 +37,7 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use layered::Layered;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
 use plastic::Plastic;
@@ -78,6 +80,7 @@ macro_rules! surface_models {
                     rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
+                Layered { layers } => layered: Layered<N>,
                 Plastic {
                     reflectance, ior, exterior_ior, alpha, distribution, specular,
                     internal_reflection

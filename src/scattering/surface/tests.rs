@@ -5,8 +5,8 @@ use super::*;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, MetallicRoughness, Plastic,
-        RoughConductor, RoughDielectric, ThinDielectric,
+        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, Layered, MetallicRoughness,
+        Plastic, RoughConductor, RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -19,6 +19,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         RoughConductor,
         RoughDielectric,
         MetallicRoughness,
+        Layered,
         Plastic,
     ];
     assert_eq!(met, expected.map(Met::Surface));

@@ -11,6 +11,9 @@
 //! - metallic 0, transmission 1: a dielectric of KHR_materials_ior, 1.5 if not given; thin-walled
 //!   and smooth, unless KHR_materials_volume gives it a thickness: then a solid, smooth or rough,
 //!   whose attenuation is absorption;
+//! - other transmission, rough panes, KHR_materials_clearcoat, KHR_materials_sheen,
+//!   KHR_materials_diffuse_transmission, and colors and textures of KHR_materials_specular: layers,
+//!   see [`super::layers`];
 //! - no material: Lambertian of reflectance 0.8.
 
 use gltf::json;
@@ -19,6 +22,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::extension::{Body, MATERIAL};
+use super::layers::{has_painted_wall, says_more};
 use super::spectra::Part;
 use super::volume::Volume;
 use crate::math::Range;
@@ -26,8 +30,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, EmittedStokes, InternalReflection, Material, Name, Sides, Skin,
-    tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, InternalReflection, Layers, Material, Name, Sides,
+    Skin, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -39,8 +43,6 @@ const DEFAULT_REFLECTANCE: f32 = 0.8;
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
 const KHR_DISPERSION: &str = "KHR_materials_dispersion";
-/// How glTF states what a coat reflects.
-const KHR_SPECULAR: &str = "KHR_materials_specular";
 /// How glTF states what looks the same in any light.
 pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 /// How glTF once stated colors of gloss.
@@ -120,7 +122,9 @@ impl Import<'_> {
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
-                let sides = Sides { two_sided: material.double_sided };
+                // Of what light goes through, both sides are seen.
+                let is_open = matches!(&bsdf, Bsdf::Layered { layers } if layers.transmits());
+                let sides = Sides { two_sided: material.double_sided || is_open };
                 (label, Material { bsdf, sides, emission })
             }
             None => {
@@ -257,79 +261,77 @@ impl Import<'_> {
         (value, is_solid): (&Value, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
-        const ADVICE: &str = "use factors of 0 or 1, or SUNSTONE_polarization with a `bsdf`";
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
-        let transmission = material.extensions.as_ref().and_then(|e| e.transmission.as_ref());
-        let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
         let [red, green, blue, _] = pbr.base_color_factor.0;
         let color = [red, green, blue];
-        for factor in [red, green, blue, metallic, roughness, transmission] {
+        for factor in [red, green, blue, metallic, roughness] {
             Range::UNIT
                 .check("pbrMetallicRoughness", factor)
                 .map_err(|fault| SceneError::at(label, fault))?;
         }
-        let refuse = |problem: &str| Err(SceneError::new(label, problem, ADVICE));
         let is_smooth = roughness * roughness < ALPHA_MIN;
         let of = |key: &str| !value["pbrMetallicRoughness"][key].is_null();
         let is_painted = of("baseColorTexture") || of("metallicRoughnessTexture");
-        let bsdf = if metallic == 1.0 && is_smooth && !is_painted {
+        let mut layers = Layers {
+            ior: khr_ior(material),
+            ..Layers::plain(Spectrum::Rgb(color), metallic, roughness * roughness)
+        };
+        self.read_layers(&mut layers, value, label)?;
+        let is_metal = metallic == 1.0 && !of("metallicRoughnessTexture");
+        let is_wall = layers.transmission > 0.0 && !is_metal;
+        let is_glass = metallic == 0.0
+            && layers.transmission == 1.0
+            && !has_painted_wall(value)
+            && (is_solid || is_smooth && !of("metallicRoughnessTexture"));
+        let bsdf = if is_glass {
+            if says_more(value, &layers) {
+                let text = "coats, cloth and colors of facets are ignored on glass";
+                self.warnings.add_like("layers of glass", label, text);
+            }
+            self.glass(&layers, (is_solid, of("metallicRoughnessTexture")), label)
+        } else if is_wall || says_more(value, &layers) {
+            if is_wall && is_solid {
+                let text = "is glass by a share: light goes through it without being refracted";
+                self.warnings.add_like("glass by a share", label, text);
+            }
+            Bsdf::Layered { layers }
+        } else if metallic == 1.0 && is_smooth && !is_painted {
             let k = Spectrum::Rgb(color.map(k_of_reflectance));
             Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
-        } else if transmission == 0.0 || metallic == 1.0 {
-            Bsdf::MetallicRoughness {
-                base_color: Spectrum::Rgb(color),
-                metallic,
-                alpha: roughness * roughness,
-                ior: khr_ior(material),
-                specular: self.specular(value, label)?,
-            }
-        } else if transmission < 1.0 {
-            return refuse("mixes transmission and reflection by a partial factor");
-        } else if metallic > 0.0 {
-            return refuse("mixes metal and glass by a partial metallicFactor");
-        } else if !is_smooth && !is_solid {
-            return refuse(
-                "is a rough pane without a thickness, which is not supported yet: smooth ones and \
-                 solids (KHR_materials_volume) are",
-            );
         } else {
-            if color != [1.0; 3] {
-                self.warnings.add(label, "the color of the glass is ignored");
-            }
-            match khr_ior(material) {
-                ior if !is_smooth || of("metallicRoughnessTexture") => Bsdf::RoughDielectric {
-                    ior: Spectrum::Constant(ior),
-                    exterior_ior: Spectrum::Constant(1.0),
-                    alpha: roughness * roughness,
-                    distribution: Distribution::Ggx,
-                    multiple_scattering: true,
-                },
-                ior if is_solid => Bsdf::dielectric(ior),
-                ior => Bsdf::thin_dielectric(ior),
-            }
+            let Layers { base_color, metallic, alpha, ior, specular, .. } = layers;
+            Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular }
         };
         bsdf.check().map_err(|fault| match fault.field.as_str() {
             "ior" => SceneError::at(label, fault.of(KHR_IOR)),
-            "specular" => SceneError::at(label, fault.of(format!("{KHR_SPECULAR}.specularFactor"))),
             _ => SceneError::at(label, fault),
         })?;
         Ok(bsdf)
     }
 
-    /// The share of what a coat reflects that KHR_materials_specular leaves.
-    fn specular(&mut self, value: &Value, label: &str) -> Result<f32, SceneError> {
-        let specular = &value["extensions"][KHR_SPECULAR];
-        let color = specular["specularColorFactor"].as_array();
-        if color.is_some_and(|color| color.iter().any(|channel| channel.as_f64() != Some(1.0))) {
-            self.warnings.add(label, "the color of the coat is ignored");
+    /// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
+    fn glass(
+        &mut self,
+        layers: &Layers<Spectrum>,
+        (is_solid, is_painted): (bool, bool),
+        label: &str,
+    ) -> Bsdf {
+        if layers.base_color != Spectrum::Rgb([1.0; 3]) {
+            self.warnings.add(label, "the color of the glass is ignored");
         }
-        match &specular["specularFactor"] {
-            Value::Null => Ok(1.0),
-            factor => factor.as_f64().map(|factor| factor as f32).ok_or_else(|| {
-                let field = format!("{label}, {KHR_SPECULAR}.specularFactor");
-                SceneError::new(field, "must be a number", "within [0, 1]")
-            }),
+        match *layers {
+            Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {
+                Bsdf::RoughDielectric {
+                    ior: Spectrum::Constant(ior),
+                    exterior_ior: Spectrum::Constant(1.0),
+                    alpha,
+                    distribution: Distribution::Ggx,
+                    multiple_scattering: true,
+                }
+            }
+            Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
+            Layers { ior, .. } => Bsdf::thin_dielectric(ior),
         }
     }
 }
@@ -396,6 +398,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::DispersiveDielectric { .. }

@@ -15,6 +15,7 @@ mod extension;
 pub(super) mod files;
 mod hierarchy;
 mod instances;
+mod layers;
 mod lights;
 mod luminaires;
 mod materials;

@@ -244,6 +244,7 @@ impl Import<'_> {
             | Bsdf::RoughConductor { .. }
             | Bsdf::RoughDielectric { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Dielectric { .. }
             | Bsdf::DispersiveDielectric { .. }
@@ -374,6 +375,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. })
             if is_same =>
         {
@@ -384,6 +386,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Polarizer { .. }
         | Bsdf::Retarder { .. } => return None,

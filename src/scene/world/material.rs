@@ -3,7 +3,7 @@
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
-use crate::scene::world::InternalReflection;
+use crate::scene::world::{InternalReflection, Layers};
 use crate::spectrum::{D_NM, Role, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
@@ -70,6 +70,11 @@ pub enum SurfaceModel<S> {
         ior: f32,
         /// Share of what the coat would reflect that is there, within [0, 1].
         specular: f32,
+    },
+    /// The same with more about it: walls that light goes through, a clear coat, cloth.
+    Layered {
+        /// What it consists of.
+        layers: Layers<S>,
     },
     /// Plastic: a base that depolarizes, under a dielectric interface of facets that light goes
     /// through polarized on its way in and out.
@@ -236,6 +241,7 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::Polarizer { .. }
@@ -260,6 +266,7 @@ impl Bsdf {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }
@@ -300,6 +307,7 @@ impl Bsdf {
                 COAT_IOR.check("ior", *ior)?;
                 Range::UNIT.check("specular", *specular)
             }
+            Self::Layered { layers } => layers.check(),
             Self::Plastic { reflectance, ior, exterior_ior, alpha, specular, .. } => {
                 reflectance.check("reflectance", Range::UNIT)?;
                 let [within, outside] = [*ior, *exterior_ior].map(Spectrum::Constant);
@@ -428,6 +436,7 @@ impl<S> SurfaceModel<S> {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
                 SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
             }
+            Self::Layered { layers } => SurfaceModel::Layered { layers: layers.sampled(sample)? },
             &Self::Plastic {
                 ref reflectance,
                 ior,
@@ -488,6 +497,7 @@ impl<S> SurfaceModel<S> {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
@@ -501,11 +511,13 @@ impl<S> SurfaceModel<S> {
     /// Where light that goes through gets to.
     pub fn passage(&self) -> Passage {
         match self {
+            Self::Layered { layers } if layers.transmits() => Passage::Sheet,
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. } => Passage::Closed,
             Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
