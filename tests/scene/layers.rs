@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 use sunstone::internals::scene::world::{Layers, SurfaceModel};
+use sunstone::internals::scene::{World, Written, load};
 
-use crate::common::good;
+use crate::common::{good, load_json, scratch};
 use crate::errors::refused;
 use crate::meaning::{baked, warnings};
 
@@ -147,4 +148,33 @@ fn factors_that_are_none_are_refused() {
             &["sheenColorFactor", "sheenRoughnessFactor", "within [0, 1]"],
         ),
     ]);
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let extensions = json!({
+        "KHR_materials_ior": {"ior": 1.25},
+        "KHR_materials_transmission": {"transmissionFactor": 0.5},
+        "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.25,
+            "diffuseTransmissionColorFactor": [1.0, 0.5, 0.25]},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+        "KHR_materials_sheen":
+            {"sheenColorFactor": [0.5, 0.25, 0.125], "sheenRoughnessFactor": 0.5},
+        "KHR_materials_specular":
+            {"specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 1.0]},
+    });
+    let document = with(json!({"metallicFactor": 0.5, "roughnessFactor": 0.5}), extensions);
+    let world = load_json(&document).unwrap();
+    let written = Written::of(&world).unwrap_or_else(|error| panic!("{error}"));
+    let path = scratch("layers.gltf");
+    written.save(&path).unwrap();
+    let again = load(&path).unwrap_or_else(|error| panic!("{error}"));
+    std::fs::remove_file(&path).unwrap();
+    let told = |world: &World| {
+        let text = world.describe();
+        let line = text.lines().find(|line| line.contains("layers")).map(str::to_owned);
+        line.expect("it is there")
+    };
+    assert_eq!(told(&world), told(&again));
+    assert!(told(&world).contains("clear coat of share 0.5"), "{}", told(&world));
 }

@@ -388,7 +388,7 @@ impl<const N: usize> Lobes<N> for Layereds<N> {
         for (mask, chance) in by.iter_mut().zip(chances) {
             *mask = is_left & first.simd_lt(chance);
             again = Real::select(*mask, first / chance.fast_max(F32s::splat(TINY)), again);
-            is_left = is_left & !*mask;
+            is_left &= !*mask;
             first -= chance;
         }
         let [by_coat, by_base, by_passing, by_up, by_down] = by;

@@ -1,14 +1,14 @@
 //! What plain glTF says of materials beyond metallic-roughness: each a number or a color, times a
 //! texture.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::Import;
 use super::textures::Slot;
 use crate::image::texels::Coding;
 use crate::math::Range;
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Layers, Paint, Parameter, Reads};
+use crate::scene::world::{Bsdf, Layers, Paint, Parameter, Reads};
 use crate::spectrum::Spectrum;
 
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
@@ -218,13 +218,14 @@ impl Import<'_> {
         findings.result()
     }
 
-    /// The textures of layers.
+    /// The textures of layers; none of other models.
     pub fn paint_layers(
         &mut self,
-        layers: &Layers<Spectrum>,
+        bsdf: &Bsdf,
         material: &Value,
         label: &str,
     ) -> Result<Vec<(Parameter, Paint)>, SceneError> {
+        let Bsdf::Layered { layers } = bsdf else { return Ok(Vec::new()) };
         let mut findings = Findings::default();
         let mut painted = Vec::new();
         let mut layers = layers.clone();
@@ -247,6 +248,28 @@ impl Import<'_> {
         }
         findings.result().map(|()| painted)
     }
+}
+
+/// Writes layers as glTF's own extensions into a material; `color` says what is red, green and blue
+/// of a spectrum.
+pub fn write_layers(
+    layers: &Layers<Spectrum>,
+    material: &mut Value,
+    mut color: impl FnMut(&Spectrum) -> [f32; 3],
+) {
+    let [red, green, blue] = color(&layers.base_color);
+    material["pbrMetallicRoughness"] = json!({"baseColorFactor": [red, green, blue, 1.0],
+        "metallicFactor": layers.metallic, "roughnessFactor": layers.alpha.sqrt()});
+    let mut layers = layers.clone();
+    let mut extensions = json!({"KHR_materials_ior": {"ior": layers.ior}});
+    for of in &LAYERS {
+        extensions[of.extension][of.factor] = match of.at {
+            At::Number(field) => json!(*field(&mut layers)),
+            At::Root(field) => json!(field(&mut layers).sqrt()),
+            At::Color(field) => json!(color(field(&mut layers))),
+        };
+    }
+    material["extensions"] = extensions;
 }
 
 /// A number, or what stands for it.

@@ -128,10 +128,8 @@ impl Import<'_> {
             }
             textures.parameters.extend(paints);
         }
-        if let Bsdf::Layered { layers } = bsdf {
-            let painted = findings.note(self.paint_layers(layers, material, label));
-            textures.parameters.extend(painted.into_iter().flatten());
-        }
+        let layers = findings.note(self.paint_layers(bsdf, material, label));
+        textures.parameters.extend(layers.into_iter().flatten());
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
         let glow = findings.note(glow).flatten();

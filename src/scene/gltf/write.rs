@@ -12,6 +12,7 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
+use super::layers::write_layers;
 use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
@@ -20,9 +21,8 @@ use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Geometry, Incandescent, Layers, Lens, Luminaire, MadeOf, Medium, Mesh,
-    Name, Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window,
-    World,
+    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
+    Phase, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -285,7 +285,7 @@ impl Writer {
         }
         if let Bsdf::Layered { layers } = bsdf {
             body = json!({});
-            self.layers(name, layers, &mut material);
+            write_layers(layers, &mut material, |of| self.base_color(name, of));
         }
         if let Some(Emission { radiance }) = emission {
             body["emission"] = self.spectrum(name, radiance);
@@ -373,27 +373,6 @@ impl Writer {
                 RGB_WAVELENGTHS_NM.map(|nm| color.at(nm).unwrap_or(0.0))
             }
         }
-    }
-
-    /// Layers, as glTF's own extensions.
-    fn layers(&mut self, name: &Name, layers: &Layers<Spectrum>, material: &mut Value) {
-        let mut color = |of: &Spectrum| self.base_color(name, of);
-        let [red, green, blue] = color(&layers.base_color);
-        material["pbrMetallicRoughness"] = json!({"baseColorFactor": [red, green, blue, 1.0],
-            "metallicFactor": layers.metallic, "roughnessFactor": layers.alpha.sqrt()});
-        material["extensions"] = json!({
-            "KHR_materials_ior": {"ior": layers.ior},
-            "KHR_materials_specular": {"specularFactor": layers.specular,
-                "specularColorFactor": color(&layers.specular_color)},
-            "KHR_materials_transmission": {"transmissionFactor": layers.transmission},
-            "KHR_materials_diffuse_transmission": {
-                "diffuseTransmissionFactor": layers.diffuse_transmission,
-                "diffuseTransmissionColorFactor": color(&layers.diffuse_transmission_color)},
-            "KHR_materials_clearcoat": {"clearcoatFactor": layers.coat,
-                "clearcoatRoughnessFactor": layers.coat_alpha.sqrt()},
-            "KHR_materials_sheen": {"sheenColorFactor": color(&layers.cloth_color),
-                "sheenRoughnessFactor": layers.cloth_alpha.sqrt()},
-        });
     }
 
     fn medium(&mut self, name: &Name, medium: &Medium) -> Result<Value, SceneError> {

@@ -40,8 +40,8 @@ pub struct Layers<S> {
     pub cloth_alpha: f32,
 }
 
-/// Indices of refraction of facets.
-const IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
+/// Indices of refraction of facets of coats.
+pub(super) const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
 impl<S> Layers<S> {
     /// Whether light goes through.
@@ -113,7 +113,7 @@ impl Layers<Spectrum> {
         specular_color.check("specular_color", Range::UNIT)?;
         diffuse_transmission_color.check("diffuse_transmission_color", Range::UNIT)?;
         self.cloth_color.check("cloth_color", Range::UNIT)?;
-        IOR.check("ior", self.ior)?;
+        COAT_IOR.check("ior", self.ior)?;
         for (field, share) in [
             ("metallic", self.metallic),
             ("alpha", self.alpha),

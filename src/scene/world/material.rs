@@ -1,5 +1,6 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::layers::COAT_IOR;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
@@ -367,9 +368,6 @@ fn rough_dielectric<T>(
 ) -> SurfaceModel<T> {
     SurfaceModel::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
 }
-
-/// Indices of refraction of coats.
-const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
 /// Refuses indices of refraction on two sides that are none, or whose ratio is no number.
 fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {

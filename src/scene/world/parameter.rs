@@ -12,8 +12,8 @@ pub enum Parameter {
     BaseColor,
     /// `metallic` of [`SurfaceModel::MetallicRoughness`] and of layers.
     Metallic,
-    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`], [`SurfaceModel::RoughDielectric`]
-    /// and layers: what glTF calls roughness.
+    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`],
+    /// [`SurfaceModel::RoughDielectric`] and layers: what glTF calls roughness.
     Roughness,
     /// `specular` of [`Layers`](super::Layers).
     Specular,
