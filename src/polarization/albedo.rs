@@ -6,8 +6,9 @@
 //! where the scale s goes with the roughness. It is off by 0.0025 at most of GGX' mirrors, mostly
 //! by 0.0005; by 0.0035 of Beckmann's, whose facets are not hidden at all from some angle on; and
 //! by 0.005 of glass from within. Coats reflect what facets leave of a polynomial in the root of
-//! the cosine, off by 0.009 at most, within a degree of the surface. What is built on it reflects as much less or more, and is as reciprocal as ever: the mean over
-//! the hemisphere is that of the very polynomial.
+//! the cosine, off by 0.009 at most, within a degree of the surface. What is built on it
+//! reflects as much less or more, and is as reciprocal as ever: the mean over the hemisphere is
+//! that of the very polynomial.
 //!
 //! Kulla and Conty 2017 ("Revisiting physically based shading at Imageworks") make of such an
 //! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
@@ -18,8 +19,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::math::elementary::{exp, ln};
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, Vector, lanes, warp};
 
+use super::cloth::cloth;
 use super::fresnel;
 use super::microfacet::{ALPHA_MIN, Distribution, Facets};
 
@@ -116,14 +118,46 @@ impl CoatAlbedo {
     }
 }
 
+/// The albedo of cloth of white threads ([`super::cloth`]), by the cosine of the light. It may be
+/// more than one towards grazing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClothAlbedo {
+    /// Coefficients of the powers of the root of the cosine, from the lowest on.
+    pub powers: [f32; POWERS],
+    /// The mean over the hemisphere, by the cosine.
+    pub mean: f32,
+}
+
+impl ClothAlbedo {
+    /// Of threads of this roughness.
+    pub fn of(alpha: f32) -> Self {
+        static OF_CLOTH: Table = Table::new(Distribution::Ggx, Of::Cloth);
+        let powers = OF_CLOTH.at(alpha.max(super::cloth::ALPHA_MIN));
+        let lanes = powers.map(F32s::splat);
+        Self { powers, mean: mean_in_decades(1.0, |cos| Self::at(&lanes, cos)) }
+    }
+
+    /// At eight cosines, 0 to 1, by the coefficients there; not less than 0.
+    #[inline(always)]
+    pub fn at(powers: &[F32s; POWERS], cos: F32s) -> F32s {
+        let root = cos.fast_max(F32s::splat(0.0)).sqrt();
+        unbounded(powers, root).fast_max(F32s::splat(0.0))
+    }
+}
+
 /// With these coefficients, from the lowest power on, within [0, 1].
 #[inline(always)]
 fn polynomial(terms: &[F32s], x: F32s) -> F32s {
+    unbounded(terms, x).fast_max(F32s::splat(0.0)).fast_min(F32s::splat(1.0))
+}
+
+#[inline(always)]
+fn unbounded(terms: &[F32s], x: F32s) -> F32s {
     let mut sum = terms[POWERS - 1];
     for &term in terms[..POWERS - 1].iter().rev() {
         sum = sum.mul_add(x, term);
     }
-    sum.fast_max(F32s::splat(0.0)).fast_min(F32s::splat(1.0))
+    sum
 }
 
 /// Those that reflect all light.
@@ -178,6 +212,8 @@ enum Of {
     Coat { ior: f32 },
     /// A dielectric of this index of refraction, of which what is let through counts, too.
     Glass { ior: f32 },
+    /// Cloth of white threads, of any distribution.
+    Cloth,
 }
 
 /// Tells tables apart.
@@ -205,6 +241,8 @@ impl Table {
         }
         let (passes, ior) = match of {
             Of::Mirrors => (false, 0.0),
+            // Of no index of refraction.
+            Of::Cloth => (false, -1.0),
             Of::Coat { ior } => (false, ior),
             Of::Glass { ior } => (true, ior),
         };
@@ -243,6 +281,7 @@ impl Table {
                 let cos = scale * x / (1.0 + scale - x);
                 1.0 - integrate(self.distribution, self.of, alpha, cos)
             }
+            Of::Cloth => integrate(self.distribution, self.of, alpha, x * x),
             Of::Coat { .. } => {
                 let of = |of: Of| integrate(self.distribution, of, alpha, x * x);
                 of(self.of) / of(Of::Mirrors)
@@ -255,13 +294,12 @@ impl Table {
         let alpha = alpha.max(ALPHA_MIN);
         match (self.of, self.distribution) {
             // By trial: their edge is sharper than the roughness says where that is large.
-            (Of::Mirrors | Of::Coat { .. }, Distribution::Ggx) => {
+            (Of::Mirrors | Of::Coat { .. } | Of::Cloth, Distribution::Ggx) => {
                 let smooth = 1.0 - alpha;
                 alpha * (2.0 * smooth * smooth + 0.1)
             }
-            (Of::Mirrors | Of::Coat { .. }, Distribution::Beckmann) | (Of::Glass { .. }, _) => {
-                2.5 * alpha
-            }
+            (Of::Mirrors | Of::Coat { .. } | Of::Cloth, Distribution::Beckmann)
+            | (Of::Glass { .. }, _) => 2.5 * alpha,
         }
     }
 
@@ -313,6 +351,9 @@ fn vandermonde_inverse() -> [[f64; POWERS]; POWERS] {
 /// The share of light of the cosine `cos` that facets reflect, or let through: its mean over the
 /// directions that are drawn.
 fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
+    if let Of::Cloth = of {
+        return of_cloth(alpha, cos);
+    }
     let none = F32s::splat(0.0);
     let is_beckmann = distribution == Distribution::Beckmann;
     let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
@@ -331,7 +372,7 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
             let pdf = facets.pdf(normal, given, drawn);
             let reflection = facets.reflect(normal, given, drawn);
             let reflectance = match of {
-                Of::Mirrors => F32s::splat(1.0),
+                Of::Mirrors | Of::Cloth => F32s::splat(1.0),
                 Of::Coat { ior } | Of::Glass { ior } => {
                     fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
                 }
@@ -345,6 +386,30 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
         }
     }
     sum / (HEIGHTS * TURNS) as f64
+}
+
+/// The share of light of the cosine `cos` that cloth of white threads reflects: its mean over the
+/// directions, more of them towards grazing.
+fn of_cloth(alpha: f32, cos: f64) -> f64 {
+    const STEPS: usize = 64;
+    let normal = Vector::splat([0.0, 0.0, 1.0]);
+    let sin = (1.0 - cos * cos).sqrt();
+    let given = Vector::splat([sin as f32, 0.0, cos as f32]);
+    let alpha = F32s::splat(alpha);
+    let mut sum = 0.0;
+    for height in 0..STEPS {
+        let root = (height as f32 + 0.5) / STEPS as f32;
+        let (height, weight) = (F32s::splat(root * root), F32s::splat(2.0 * root));
+        let across = (F32s::splat(1.0) - height * height).sqrt();
+        for turn in (0..STEPS).step_by(LANES) {
+            let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / STEPS as f32);
+            let (sine, cosine) = warp::sin_cos_turns(F32s::from(turns));
+            let drawn = Vector::new(across * cosine, across * sine, height);
+            let value = cloth(alpha, normal, given, drawn);
+            sum += f64::from((weight * height * value).reduce_add());
+        }
+    }
+    2.0 * std::f64::consts::PI * sum / (STEPS * STEPS) as f64
 }
 
 /// The share of light that goes through facets that are drawn by `u`.

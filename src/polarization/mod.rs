@@ -24,6 +24,7 @@
 pub mod albedo;
 pub mod analyzer;
 pub mod carrier;
+pub mod cloth;
 pub mod elements;
 pub mod film;
 pub mod frame;

@@ -216,6 +216,7 @@ fn base_color(model: &SurfaceModel<[f32; 3]>) -> [f32; 3] {
             *reflectance
         }
         SurfaceModel::MetallicRoughness { base_color, .. } => *base_color,
+        SurfaceModel::Layered { layers } => layers.base_color,
         SurfaceModel::Conductor { eta, k }
         | SurfaceModel::FilmedConductor { eta, k, .. }
         | SurfaceModel::RoughConductor { eta, k, .. } => std::array::from_fn(|n| {

@@ -317,6 +317,7 @@ impl Interfaces {
                 SurfaceModel::Absorber
                 | SurfaceModel::Conductor { .. }
                 | SurfaceModel::MetallicRoughness { .. }
+                | SurfaceModel::Layered { .. }
                 | SurfaceModel::Plastic { .. }
                 | SurfaceModel::Measured { .. }
                 | SurfaceModel::FilmedConductor { .. }

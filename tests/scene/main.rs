@@ -9,6 +9,7 @@ mod films;
 mod framed;
 mod fuzz;
 mod layered;
+mod layers;
 mod luminaires;
 mod meaning;
 mod measured;

@@ -306,13 +306,13 @@ fn what_is_ignored_is_said() {
         document["nodes"].as_array_mut().unwrap().push(json!({"mesh": at + 2}));
         document["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(at + 4));
     }
-    document["materials"][0]["extensions"]["KHR_materials_sheen"] = json!({});
+    document["materials"][0]["extensions"]["KHR_materials_glitter"] = json!({});
     document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
     document["cameras"][0]["extensions"] =
         json!({"SUNSTONE_polarization": {"film": {"resolution": [64, 32]}}});
     let said = warnings(&document);
     assert_eq!(said.lines().count(), 3, "{said}");
-    for expected in ["EXT_sparkle, KHR_materials_sheen", "top to bottom", "39999 others"] {
+    for expected in ["EXT_sparkle, KHR_materials_glitter", "top to bottom", "39999 others"] {
         assert!(said.contains(expected), "no `{expected}` in: {said}");
     }
 }

@@ -47,9 +47,6 @@ fn plain_materials_that_are_rough_are_one_model() {
     let hardly = with(json!({"pbrMetallicRoughness": {"roughnessFactor": 0.03}}));
     let model = baked(&hardly).optics.materials[0].model.clone();
     assert!(matches!(model, SurfaceModel::Conductor { .. }), "{model:?}");
-    let colored = with(json!({"extensions":
-        {"KHR_materials_specular": {"specularColorFactor": [1.0, 0.5, 1.0]}}}));
-    assert!(warnings(&colored).contains("the color of the coat is ignored"));
 }
 
 #[test]
@@ -127,22 +124,6 @@ fn plain(document: &mut Value, pbr: Value, extensions: Value) {
 #[test]
 fn plain_materials_that_are_none() {
     refused(&[
-        (
-            |d| {
-                let transmission = json!({"transmissionFactor": 1.0});
-                let extensions = json!({"KHR_materials_transmission": transmission});
-                plain(d, json!({"metallicFactor": 0.5}), extensions);
-            },
-            &["material 0", "partial metallicFactor", "SUNSTONE_polarization"],
-        ),
-        (
-            |d| {
-                let transmission = json!({"transmissionFactor": 1.0});
-                let extensions = json!({"KHR_materials_transmission": transmission});
-                plain(d, json!({"metallicFactor": 0.0, "roughnessFactor": 0.3}), extensions);
-            },
-            &["material 0", "rough pane", "thicknessFactor greater than 0", "roughnessFactor to 0"],
-        ),
         (
             |d| plain(d, json!({}), json!({"KHR_materials_ior": {"ior": 0.0}})),
             &["material 0", "KHR_materials_ior.ior", "from 1 to 10"],

@@ -218,10 +218,10 @@ fn metal_and_roughness_are_blue_and_green() {
     (pbr["metallicFactor"], pbr["roughnessFactor"]) = (json!(0.5), json!(0.25));
     pbr["metallicRoughnessTexture"] = json!({"index": 0, "texCoord": 1});
     document["materials"][0]["extensions"] =
-        json!({"KHR_materials_specular": {"specularTexture": {"index": 0}}});
+        json!({"KHR_materials_sparkle": {"sparkleTexture": {"index": 0}}});
     let world = load_json(&document).unwrap();
     let said = world.warnings().join("\n");
-    assert_eq!(said.matches("specularTexture").count(), 1, "{said}");
+    assert_eq!(said.matches("sparkleTexture").count(), 1, "{said}");
     let parameters = textures(&world).unwrap().parameters;
     let of = |parameter| {
         let (_, paint) = parameters.iter().find(|(it, _)| *it == parameter).expect("it is painted");

@@ -65,6 +65,12 @@ impl Document {
         self.materials.len() - 1
     }
 
+    /// A material as glTF has it, with these extensions.
+    pub fn plain(&mut self, pbr: Value, extensions: Value) -> usize {
+        self.materials.push(json!({"pbrMetallicRoughness": pbr, "extensions": extensions}));
+        self.materials.len() - 1
+    }
+
     /// A gray diffuse material.
     pub fn diffuse(&mut self, reflectance: f32) -> usize {
         self.material(json!({"bsdf": "diffuse", "reflectance": reflectance}))

@@ -6,6 +6,7 @@ pub mod evidence;
 pub mod fields;
 pub mod filters;
 pub mod gltf;
+pub mod layers;
 pub mod luminaires;
 pub mod odd_lights;
 pub mod painted;

@@ -48,7 +48,7 @@ pub fn texture(picture: Arc<Picture>, filter: Filter) -> Texture {
 }
 
 /// Random texels, alpha included, with as many dark ones.
-fn noise(seed: u64, side: u32) -> Arc<Picture> {
+pub fn noise(seed: u64, side: u32) -> Arc<Picture> {
     let mut random = Random(seed);
     let texels: Vec<[u8; 4]> = (0..side * side)
         .map(|_| {
@@ -83,7 +83,7 @@ pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Geometry {
 }
 
 /// A floor, a wall and a camera that sees them.
-fn stage(floor: Textures) -> World {
+pub fn stage(floor: Textures) -> World {
     let mut world = World::new("painted");
     let add = |world: &mut World, name: &str, bsdf: Bsdf, textures: Textures| {
         let material = world.add_material(name, Material::from(bsdf).two_sided()).expect("sound");
@@ -101,7 +101,7 @@ fn stage(floor: Textures) -> World {
     world
 }
 
-fn add(world: &mut World, name: &str, of: (Material, Textures), geometry: Geometry) {
+pub fn add(world: &mut World, name: &str, of: (Material, Textures), geometry: Geometry) {
     let (material, textures) = of;
     let material = world.add_material(name, material).expect("sound");
     world.set_textures(material, textures).expect("of this model");
@@ -109,7 +109,7 @@ fn add(world: &mut World, name: &str, of: (Material, Textures), geometry: Geomet
 }
 
 /// A lamp that shines down.
-fn panel(half: f32) -> Geometry {
+pub fn panel(half: f32) -> Geometry {
     quad(v(0.1, 0.95, 0.0), v(half, 0.0, 0.0), v(0.0, 0.0, half))
 }
 

@@ -30,6 +30,7 @@ use sunstone::internals::spectrum::Color;
 use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
 use crate::support::filters::FILTERS;
+use crate::support::layers::LAYERED;
 use crate::support::odd_lights::ODD_LIGHTS;
 use crate::support::painted::PAINTED;
 use crate::support::rendering::{
@@ -344,6 +345,28 @@ fn integrators_agree_on_painted_surfaces() {
 #[ignore = "minutes"]
 fn integrators_agree_on_painted_surfaces_closely() {
     check(painted(), [REPLICATES, 2 * ITERATIONS]);
+}
+
+fn layered() -> impl Iterator<Item = (String, World)> {
+    LAYERED.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_layers() {
+    check(layered(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_per_band_on_layers() {
+    check_bands(built(&LAYERED[..2]), [16, ITERATIONS / 8], 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_layers_closely() {
+    check(layered(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 fn filters() -> impl Iterator<Item = (String, World)> {

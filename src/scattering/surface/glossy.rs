@@ -3,6 +3,7 @@
 //! nothing, and a copy of every stage for every model, color and mode would be most of the program.
 
 use super::facing::Facing;
+use super::layered::Layered;
 use super::measured::Measured;
 use super::metallic_roughness::MetallicRoughness;
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};

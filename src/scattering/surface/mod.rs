@@ -18,6 +18,7 @@ mod film;
 mod filmed_conductor;
 mod filmed_dielectric;
 mod glossy;
+mod layered;
 mod measured;
 mod metallic_roughness;
 pub mod model;
@@ -45,6 +46,7 @@ use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
 use filmed_conductor::FilmedConductor;
 use filmed_dielectric::FilmedDielectric;
+use layered::Layered;
 use measured::Measured;
 use metallic_roughness::MetallicRoughness;
 use null::Null;
@@ -91,6 +93,7 @@ macro_rules! surface_models {
                     rough_dielectric: RoughDielectric<N>,
                 MetallicRoughness { base_color, metallic, alpha, ior, specular } =>
                     metallic_roughness: MetallicRoughness<N>,
+                Layered { layers } => layered: Layered<N>,
                 Plastic { reflectance, coat } => plastic: Plastic<N>,
                 Measured { table, places } => measured: Measured<N>,
             }

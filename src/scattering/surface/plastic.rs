@@ -26,7 +26,8 @@
 //!
 //! Here F is Fresnel's reflectance, E what the facets reflect of light from a direction
 //! ([`CoatAlbedo`]), m the mean of t over the hemisphere, and 1 - m / n^2 what is reflected within,
-//! by reciprocity. With E and r = 1, all light that the facets do not reflect comes out of the base.
+//! by reciprocity. With E and r = 1, all light that the facets do not reflect comes out of the
+//! base.
 
 use std::f32::consts::FRAC_1_PI;
 

@@ -74,6 +74,12 @@ impl FacetLobe {
         }
     }
 
+    /// What of unpolarized light it reflects, per steradian.
+    #[inline(always)]
+    pub fn m00(&self) -> F32s {
+        self.m00
+    }
+
     /// The kernel where something else that depolarizes has the M00 `beside`.
     #[inline(always)]
     pub fn beside(self, beside: F32s) -> SpheroidBlock<F32s> {

@@ -7,8 +7,8 @@ use crate::scene::baked;
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
         Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
-        FilmedDielectric, Measured, MetallicRoughness, Plastic, RoughConductor, RoughDielectric,
-        ThinDielectric,
+        FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic, RoughConductor,
+        RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -23,6 +23,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         RoughConductor,
         RoughDielectric,
         MetallicRoughness,
+        Layered,
         Plastic,
         Measured,
     ];

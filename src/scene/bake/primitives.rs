@@ -200,6 +200,7 @@ fn surface(
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
             | Bsdf::FilmedConductor { .. }

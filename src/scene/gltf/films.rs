@@ -56,11 +56,8 @@ pub fn iridescent(
     if factor == 0.0 {
         return Ok(bsdf);
     }
-    let mut numbers = [0.0; 2];
-    for ((key, or), number_of) in DEFAULTS.into_iter().zip(&mut numbers) {
-        *number_of = number(key, or)? as f32;
-    }
-    let [ior, thickness_nm] = numbers;
+    let [ior, thickness_nm] = DEFAULTS.map(|(key, or)| number(key, or).map(|value| value as f32));
+    let (ior, thickness_nm) = (ior?, thickness_nm?);
     let film = ThinFilm::new(ior, 0.0, thickness_nm);
     let filmed = match bsdf {
         Bsdf::Conductor { eta, k } => Bsdf::FilmedConductor { eta, k, film },
@@ -74,6 +71,7 @@ pub fn iridescent(
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::DispersiveDielectric { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }

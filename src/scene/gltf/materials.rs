@@ -11,6 +11,9 @@
 //! - metallic 0, transmission 1: a dielectric of KHR_materials_ior, 1.5 if not given; thin-walled
 //!   and smooth, unless KHR_materials_volume gives it a thickness: then a solid, smooth or rough,
 //!   whose attenuation is absorption;
+//! - other transmission, rough panes, KHR_materials_clearcoat, KHR_materials_sheen,
+//!   KHR_materials_diffuse_transmission, and colors and textures of KHR_materials_specular: layers,
+//!   see [`super::layers`];
 //! - no material: Lambertian of reflectance 0.8.
 
 use gltf::json;
@@ -21,6 +24,8 @@ use super::Import;
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
+use super::layers::{has_painted_wall, says_more};
+use super::plastics;
 use super::sheets;
 use super::spectra::Part;
 use super::volume::Volume;
@@ -29,8 +34,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Coat, Emission, EmittedStokes, InternalReflection, Material, MeasuredTable,
-    Name, Sides, Skin, tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Sides, Skin,
+    tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -42,8 +47,6 @@ const DEFAULT_REFLECTANCE: f32 = 0.8;
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
 const KHR_DISPERSION: &str = "KHR_materials_dispersion";
-/// How glTF states what a coat reflects.
-const KHR_SPECULAR: &str = "KHR_materials_specular";
 /// How glTF states what looks the same in any light.
 pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 /// How glTF once stated colors of gloss.
@@ -56,7 +59,7 @@ const INCANDESCENT: &str = "incandescent";
 const STOKES: &str = "stokes";
 
 /// What a model is read of besides its keys: glTF's own, and the scene's files.
-type Of<'a> = (&'a json::Material, &'a Files);
+pub(super) type Of<'a> = (&'a json::Material, &'a Files);
 
 /// A value of `bsdf`.
 struct Model {
@@ -81,7 +84,7 @@ const MODELS: [Model; 14] = [
     Model { name: "measured", keys: &["file"], read: measured },
     Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
     Model { name: "null", keys: &[], read: |_, _| Ok(Bsdf::Null) },
-    Model { name: "plastic", keys: &PLASTIC, read: plastic },
+    Model { name: "plastic", keys: &plastics::KEYS, read: plastics::plastic },
     Model { name: "polarizer", keys: &sheets::POLARIZER, read: |body, _| sheets::polarizer(body) },
     Model { name: "retarder", keys: &sheets::RETARDER, read: |body, _| sheets::retarder(body) },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
@@ -94,17 +97,6 @@ const ROUGH_CONDUCTOR: [&str; 7] =
 /// Keys of rough glass.
 const ROUGH_DIELECTRIC: [&str; 6] =
     ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
-/// Keys of plastic.
-const PLASTIC: [&str; 8] = [
-    "alpha",
-    "distribution",
-    "exterior_ior",
-    "internal_reflection",
-    "ior",
-    "reflectance",
-    "roughness",
-    "specular",
-];
 /// Keys that go with any model.
 const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
 
@@ -133,7 +125,9 @@ impl Import<'_> {
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
-                let sides = Sides { two_sided: material.double_sided };
+                // Of what light goes through, both sides are seen.
+                let is_open = matches!(&bsdf, Bsdf::Layered { layers } if layers.transmits());
+                let sides = Sides { two_sided: material.double_sided || is_open };
                 (label, Material { bsdf, sides, emission })
             }
             None => {
@@ -275,81 +269,77 @@ impl Import<'_> {
         (value, is_solid): (&Value, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
-        const ADVICE: &str = "set it to 0 or 1, or use SUNSTONE_polarization with a `bsdf`";
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
-        let transmission = material.extensions.as_ref().and_then(|e| e.transmission.as_ref());
-        let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
         let [red, green, blue, _] = pbr.base_color_factor.0;
         let color = [red, green, blue];
-        for factor in [red, green, blue, metallic, roughness, transmission] {
+        for factor in [red, green, blue, metallic, roughness] {
             Range::UNIT
                 .check("pbrMetallicRoughness", factor)
                 .map_err(|fault| SceneError::at(label, fault))?;
         }
-        let refuse = |problem: &str, remedy: &str| Err(SceneError::new(label, problem, remedy));
         let is_smooth = roughness * roughness < ALPHA_MIN;
         let of = |key: &str| !value["pbrMetallicRoughness"][key].is_null();
         let is_painted = of("baseColorTexture") || of("metallicRoughnessTexture");
-        let bsdf = if metallic == 1.0 && is_smooth && !is_painted {
+        let mut layers = Layers {
+            ior: khr_ior(material),
+            ..Layers::plain(Spectrum::Rgb(color), metallic, roughness * roughness)
+        };
+        self.read_layers(&mut layers, value, label)?;
+        let is_metal = metallic == 1.0 && !of("metallicRoughnessTexture");
+        let is_wall = layers.transmission > 0.0 && !is_metal;
+        let is_glass = metallic == 0.0
+            && layers.transmission == 1.0
+            && !has_painted_wall(value)
+            && (is_solid || is_smooth && !of("metallicRoughnessTexture"));
+        let bsdf = if is_glass {
+            if says_more(value, &layers) {
+                let text = "coats, cloth and colors of facets are ignored on glass";
+                self.warnings.add_like("layers of glass", label, text);
+            }
+            self.glass(&layers, (is_solid, of("metallicRoughnessTexture")), label)
+        } else if is_wall || says_more(value, &layers) {
+            if is_wall && is_solid {
+                let text = "is glass by a share: light goes through it without being refracted";
+                self.warnings.add_like("glass by a share", label, text);
+            }
+            Bsdf::Layered { layers }
+        } else if metallic == 1.0 && is_smooth && !is_painted {
             let k = Spectrum::Rgb(color.map(k_of_reflectance));
             Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
-        } else if transmission == 0.0 || metallic == 1.0 {
-            Bsdf::MetallicRoughness {
-                base_color: Spectrum::Rgb(color),
-                metallic,
-                alpha: roughness * roughness,
-                ior: khr_ior(material),
-                specular: self.specular(value, label)?,
-            }
-        } else if transmission < 1.0 {
-            return refuse("mixes transmission and reflection by a partial factor", ADVICE);
-        } else if metallic > 0.0 {
-            return refuse("mixes metal and glass by a partial metallicFactor", ADVICE);
-        } else if !is_smooth && !is_solid {
-            return refuse(
-                "is a rough pane without a thickness, which is not supported yet: smooth ones and \
-                 solids (KHR_materials_volume) are",
-                "add KHR_materials_volume with a thicknessFactor greater than 0, or set \
-                 roughnessFactor to 0",
-            );
         } else {
-            if color != [1.0; 3] {
-                self.warnings.add(label, "the color of the glass is ignored");
-            }
-            match khr_ior(material) {
-                ior if !is_smooth || of("metallicRoughnessTexture") => Bsdf::RoughDielectric {
-                    ior: Spectrum::Constant(ior),
-                    exterior_ior: Spectrum::Constant(1.0),
-                    alpha: roughness * roughness,
-                    distribution: Distribution::Ggx,
-                    multiple_scattering: true,
-                },
-                ior if is_solid => Bsdf::dielectric(ior),
-                ior => Bsdf::thin_dielectric(ior),
-            }
+            let Layers { base_color, metallic, alpha, ior, specular, .. } = layers;
+            Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular }
         };
         bsdf.check().map_err(|fault| match fault.field.as_str() {
             "ior" => SceneError::at(label, fault.of(KHR_IOR)),
-            "specular" => SceneError::at(label, fault.of(format!("{KHR_SPECULAR}.specularFactor"))),
             _ => SceneError::at(label, fault),
         })?;
         Ok(bsdf)
     }
 
-    /// The share of what a coat reflects that KHR_materials_specular leaves.
-    fn specular(&mut self, value: &Value, label: &str) -> Result<f32, SceneError> {
-        let specular = &value["extensions"][KHR_SPECULAR];
-        let color = specular["specularColorFactor"].as_array();
-        if color.is_some_and(|color| color.iter().any(|channel| channel.as_f64() != Some(1.0))) {
-            self.warnings.add(label, "the color of the coat is ignored");
+    /// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
+    fn glass(
+        &mut self,
+        layers: &Layers<Spectrum>,
+        (is_solid, is_painted): (bool, bool),
+        label: &str,
+    ) -> Bsdf {
+        if layers.base_color != Spectrum::Rgb([1.0; 3]) {
+            self.warnings.add(label, "the color of the glass is ignored");
         }
-        match &specular["specularFactor"] {
-            Value::Null => Ok(1.0),
-            factor => factor.as_f64().map(|factor| factor as f32).ok_or_else(|| {
-                let field = format!("{label}, {KHR_SPECULAR}.specularFactor");
-                SceneError::new(field, "must be a number", "within [0, 1]")
-            }),
+        match *layers {
+            Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {
+                Bsdf::RoughDielectric {
+                    ior: Spectrum::Constant(ior),
+                    exterior_ior: Spectrum::Constant(1.0),
+                    alpha,
+                    distribution: Distribution::Ggx,
+                    multiple_scattering: true,
+                }
+            }
+            Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
+            Layers { ior, .. } => Bsdf::thin_dielectric(ior),
         }
     }
 }
@@ -416,6 +406,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::FilmedConductor { .. }
@@ -513,32 +504,6 @@ fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
     Ok((alpha(body)?, distribution(body)?, multiple_scattering))
 }
 
-fn plastic(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
-    let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
-    let base_color = Spectrum::Rgb([red, green, blue]);
-    let number = |key| body.number(key).map(|value| value.map(|value| value as f32));
-    let internal_reflection = match body.word("internal_reflection")? {
-        None => InternalReflection::default(),
-        Some(name) => InternalReflection::named(name).ok_or_else(|| {
-            let names = InternalReflection::ALL.map(InternalReflection::name);
-            let problem = format!("`{name}` is not what becomes of light reflected within");
-            let remedy = format!("use one of {}", names.join(", "));
-            SceneError::new(body.field("internal_reflection"), problem, remedy)
-        })?,
-    };
-    Ok(Bsdf::Plastic {
-        reflectance: body.spectrum("reflectance")?.unwrap_or(base_color),
-        coat: Coat {
-            ior: number("ior")?.unwrap_or_else(|| khr_ior(material)),
-            exterior_ior: number("exterior_ior")?.unwrap_or(1.0),
-            alpha: alpha(body)?,
-            distribution: distribution(body)?,
-            specular: number("specular")?.unwrap_or(1.0),
-            internal_reflection,
-        },
-    })
-}
-
 /// A table in a file, read once.
 fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
     let Some(uri) = body.word("file")? else {
@@ -551,7 +516,7 @@ fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
 }
 
 /// How the normals of facets are distributed.
-fn distribution(body: &Body) -> Result<Distribution, SceneError> {
+pub(super) fn distribution(body: &Body) -> Result<Distribution, SceneError> {
     match body.word("distribution")? {
         None => Ok(Distribution::default()),
         Some(name) => Distribution::named(name).ok_or_else(|| {
@@ -563,7 +528,7 @@ fn distribution(body: &Body) -> Result<Distribution, SceneError> {
 }
 
 /// The roughness of facets: itself, or its root.
-fn alpha(body: &Body) -> Result<f32, SceneError> {
+pub(super) fn alpha(body: &Body) -> Result<f32, SceneError> {
     match (body.number("alpha")?, body.number("roughness")?) {
         (Some(alpha), None) => Ok(alpha as f32),
         (None, Some(roughness)) => {
@@ -593,7 +558,7 @@ fn metal_index(body: &Body, name: &str) -> Result<(Spectrum, Spectrum), SceneErr
     }
 }
 
-fn khr_ior(material: &json::Material) -> f32 {
+pub(super) fn khr_ior(material: &json::Material) -> f32 {
     let ior = material.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref());
     ior.map_or(DEFAULT_IOR, |ior| ior.ior.0)
 }

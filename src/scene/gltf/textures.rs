@@ -12,14 +12,15 @@ use serde_json::Value;
 
 use super::Import;
 use super::document::Document;
+use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
 use crate::image::texels::Coding;
 use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{
-    Bsdf, Coverage, Emission, Filter, Paint, Parameter, Picture, Reads, Relief, Texture, Textures,
-    Wrap, half_hash,
+    Bsdf, Coverage, Emission, Filter, Layers, Paint, Parameter, Picture, Reads, Relief, Texture,
+    Textures, Wrap, half_hash,
 };
 
 /// `alphaCutoff` of materials that do not say.
@@ -62,11 +63,13 @@ impl Document {
 }
 
 /// A texture of a material, as the file has it.
-struct Slot<'a> {
-    info: &'a Value,
+pub struct Slot<'a> {
+    /// What the material says of it.
+    pub info: &'a Value,
     /// What errors call it.
-    label: String,
-    coding: Coding,
+    pub label: String,
+    /// What its numbers mean.
+    pub coding: Coding,
 }
 
 impl Import<'_> {
@@ -125,6 +128,8 @@ impl Import<'_> {
             }
             textures.parameters.extend(paints);
         }
+        let layers = findings.note(self.paint_layers(bsdf, material, label));
+        textures.parameters.extend(layers.into_iter().flatten());
         let glow = &material["emissiveTexture"];
         let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
         let glow = findings.note(glow).flatten();
@@ -195,7 +200,7 @@ impl Import<'_> {
     }
 
     /// A texture with its picture.
-    fn texture(&mut self, slot: &Slot) -> Result<Option<Texture>, SceneError> {
+    pub fn texture(&mut self, slot: &Slot) -> Result<Option<Texture>, SceneError> {
         if slot.info.is_null() {
             return Ok(None);
         }
@@ -258,7 +263,8 @@ impl Import<'_> {
         for material in document.value["materials"].as_array().into_iter().flatten() {
             let pbr = &material["pbrMetallicRoughness"];
             let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
-            for info in [base, metal, &material["emissiveTexture"], &material["normalTexture"]] {
+            let own = [base, metal, &material["emissiveTexture"], &material["normalTexture"]];
+            for info in own.into_iter().chain(layers::infos(material)) {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
                 wanted.extend(texture.and_then(image_of));
@@ -285,8 +291,9 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 6] = [
+        const READ: [&str; 7] = [
             "baseColorTexture",
+            "clearcoatNormalTexture",
             "emissiveTexture",
             "metallicRoughnessTexture",
             "normalTexture",
@@ -299,7 +306,7 @@ impl Import<'_> {
             for (key, inner) in next.as_object().into_iter().flatten() {
                 match key.as_str() {
                     "extras" => {}
-                    read if READ.contains(&read) => {}
+                    read if READ.contains(&read) || layers::TEXTURES.contains(&read) => {}
                     other if other.ends_with("Texture") => drop(unread.insert(other)),
                     _ => open.push(inner),
                 }
@@ -338,7 +345,8 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         Bsdf::Diffuse { reflectance } | Bsdf::Plastic { reflectance, .. } => {
             (Parameter::Reflectance, reflectance)
         }
-        Bsdf::MetallicRoughness { base_color, .. } => (Parameter::BaseColor, base_color),
+        Bsdf::MetallicRoughness { base_color, .. }
+        | Bsdf::Layered { layers: Layers { base_color, .. } } => (Parameter::BaseColor, base_color),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
@@ -361,7 +369,10 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
 /// them.
 fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)> {
     let (metallic, roughness) = match bsdf {
-        Bsdf::MetallicRoughness { metallic, alpha, .. } => (Some(*metallic), alpha.sqrt()),
+        Bsdf::MetallicRoughness { metallic, alpha, .. }
+        | Bsdf::Layered { layers: Layers { metallic, alpha, .. } } => {
+            (Some(*metallic), alpha.sqrt())
+        }
         Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }

@@ -19,18 +19,21 @@ const VALUE: usize = 60;
 
 /// Extensions that are read, and those that show nothing: other materials to choose, and who made
 /// what.
-const EXTENSIONS: [&str; 20] = [
+const EXTENSIONS: [&str; 23] = [
     EXTENSION,
     EXT_LIGHTS,
     INSTANCING,
     "EXT_texture_webp",
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",

@@ -12,7 +12,8 @@ use hecs::Entity;
 use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
-use super::{films, sheets};
+use super::layers::write_layers;
+use super::{films, plastics, sheets};
 use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
@@ -20,10 +21,10 @@ use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
-    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Coat, Emission, EmittedStokes,
-    Environment, Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium,
-    Mesh, Name, Phase, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures,
-    Transform, Window, World,
+    Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
+    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
+    Phase, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
+    Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -288,6 +289,10 @@ impl Writer {
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
         }
+        if let Bsdf::Layered { layers } = bsdf {
+            body = json!({});
+            write_layers(layers, &mut material, |of| self.base_color(name, of));
+        }
         if let Some(Emission { radiance }) = emission {
             body["emission"] = self.spectrum(name, radiance);
             // For viewers that do not know the extension.
@@ -322,7 +327,7 @@ impl Writer {
                     "distribution": distribution.name(),
                     "multiple_scattering": multiple_scattering})
             }
-            Bsdf::Plastic { reflectance, coat } => plastic(of(reflectance), coat),
+            Bsdf::Plastic { reflectance, coat } => plastics::written(of(reflectance), coat),
             // Beside the scene, as it was.
             Bsdf::Measured { table, places: _ } => {
                 json!({"bsdf": "measured", "file": table.name()})
@@ -331,6 +336,8 @@ impl Writer {
                 let [red, green, blue] = self.base_color(name, base_color);
                 json!({"base_color": [red, green, blue, 1.0]})
             }
+            // All of them are glTF's own.
+            Bsdf::Layered { .. } => json!({}),
             Bsdf::Dielectric { ior, exterior_ior } => {
                 json!({"bsdf": "dielectric", "ior": ior, "exterior_ior": exterior_ior})
             }
@@ -586,11 +593,4 @@ fn called(name: &Name) -> String {
 /// Sixteen numbers, by column.
 fn matrix(place: DAffine3) -> [f64; 16] {
     DMat4::from(place).to_cols_array()
-}
-
-fn plastic(reflectance: Value, coat: &Coat) -> Value {
-    let Coat { ior, exterior_ior, alpha, distribution, specular, internal_reflection } = coat;
-    json!({"bsdf": "plastic", "reflectance": reflectance, "ior": ior,
-        "exterior_ior": exterior_ior, "alpha": alpha, "distribution": distribution.name(),
-        "specular": specular, "internal_reflection": internal_reflection.name()})
 }

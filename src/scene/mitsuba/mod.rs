@@ -244,6 +244,7 @@ impl Import<'_> {
             | Bsdf::RoughConductor { .. }
             | Bsdf::RoughDielectric { .. }
             | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
             | Bsdf::FilmedConductor { .. }
@@ -377,6 +378,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. })
             if is_same =>
@@ -388,6 +390,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::MetallicRoughness { .. }
+        | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::FilmedConductor { .. }

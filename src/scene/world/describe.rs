@@ -10,7 +10,7 @@ use super::incandescent::Incandescent;
 use super::light::{Luminaire, Projection};
 use super::{
     Action, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Grid, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster,
+    Filling, FillsScene, Grid, Layers, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster,
     Resolution, Sides, ThinFilm, Transform, World,
 };
 use crate::film::filter::Filter;
@@ -92,6 +92,32 @@ fn write_materials(world: &World, text: &mut String) -> fmt::Result {
     lines(text, &materials)
 }
 
+/// What of layers there is.
+fn layered(layers: &Layers<Spectrum>) -> String {
+    let Layers { base_color, metallic, alpha, ior, specular, specular_color, .. } = layers;
+    let mut text = format!(
+        "layers, color {}, metallic {metallic}, alpha {alpha}, facets of ior {ior}, share \
+         {specular} and color {}",
+        spectrum(base_color),
+        spectrum(specular_color)
+    );
+    if layers.transmission > 0.0 {
+        text += &format!(", wall of share {}", layers.transmission);
+    }
+    if layers.diffuse_transmission > 0.0 {
+        let color = spectrum(&layers.diffuse_transmission_color);
+        text += &format!(", lit through by share {} of {color}", layers.diffuse_transmission);
+    }
+    if layers.coat > 0.0 {
+        text += &format!(", clear coat of share {}, alpha {}", layers.coat, layers.coat_alpha);
+    }
+    if layers.has_cloth() {
+        let color = spectrum(&layers.cloth_color);
+        text += &format!(", cloth of {color}, alpha {}", layers.cloth_alpha);
+    }
+    text
+}
+
 fn model(bsdf: &Bsdf) -> String {
     match bsdf {
         Bsdf::Absorber => "absorber".to_owned(),
@@ -115,6 +141,7 @@ fn model(bsdf: &Bsdf) -> String {
             let coat = format!("coat of ior {ior} and share {specular}");
             format!("metallic-roughness, color {color}, metallic {metallic}, alpha {alpha}, {coat}")
         }
+        Bsdf::Layered { layers } => layered(layers),
         Bsdf::Plastic { reflectance, coat } => {
             format!("plastic, reflectance {}, {}", spectrum(reflectance), plastic_coat(coat))
         }

@@ -1,5 +1,6 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::layers::COAT_IOR;
 use super::measured::MeasuredTable;
 use super::plastic::Coat;
 use super::sheet::Action;
@@ -7,7 +8,7 @@ use super::thin_film::ThinFilm;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
-
+use crate::scene::world::Layers;
 use crate::spectrum::{D_NM, Spectrum, metal, metal_names};
 
 /// How a material scatters light.
@@ -74,6 +75,11 @@ pub enum SurfaceModel<S> {
         ior: f32,
         /// Share of what the coat would reflect that is there, within [0, 1].
         specular: f32,
+    },
+    /// The same with more about it: walls that light goes through, a clear coat, cloth.
+    Layered {
+        /// What it consists of.
+        layers: Layers<S>,
     },
     /// Plastic: a base that depolarizes, under a dielectric interface of facets that light goes
     /// through polarized on its way in and out.
@@ -263,6 +269,7 @@ impl Bsdf {
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::FilmedConductor { .. }
@@ -291,6 +298,7 @@ impl Bsdf {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::FilmedConductor { .. }
@@ -346,6 +354,7 @@ impl Bsdf {
                 COAT_IOR.check("ior", *ior)?;
                 Range::UNIT.check("specular", *specular)
             }
+            Self::Layered { layers } => layers.check(),
             Self::Plastic { reflectance, coat } => {
                 reflectance.check("reflectance", Range::UNIT)?;
                 coat.check()
@@ -386,9 +395,6 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
     })
 }
 
-/// Indices of refraction of coats.
-pub(super) const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
-
 /// Refuses indices of refraction on two sides that are none, or whose ratio is no number.
 pub(super) fn check_indices(ior: &Spectrum, exterior_ior: &Spectrum) -> Result<(), Fault> {
     ior.check("ior", Range::POSITIVE)?;
@@ -421,12 +427,14 @@ impl<S> SurfaceModel<S> {
     /// Where light that goes through gets to.
     pub fn passage(&self) -> Passage {
         match self {
+            Self::Layered { layers } if layers.transmits() => Passage::Sheet,
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::FilmedConductor { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. } => Passage::Closed,
             Self::Dielectric { .. }

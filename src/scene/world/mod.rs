@@ -33,6 +33,7 @@ mod digest;
 mod emitted;
 mod frame;
 mod incandescent;
+mod layers;
 mod light;
 mod material;
 mod measured;
@@ -67,6 +68,7 @@ pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
 pub use self::incandescent::Incandescent;
 pub(super) use self::incandescent::share as incandescent_share;
+pub use self::layers::Layers;
 pub use self::light::{
     Backdrop, BackdropSource, Environment, Luminaire, Projection, Punctual, PunctualKind,
     SUN_DIAMETER,

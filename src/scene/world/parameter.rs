@@ -8,21 +8,50 @@ use crate::spectrum::Role;
 pub enum Parameter {
     /// `reflectance` of [`SurfaceModel::Diffuse`] and [`SurfaceModel::Plastic`].
     Reflectance,
-    /// `base_color` of [`SurfaceModel::MetallicRoughness`].
+    /// `base_color` of [`SurfaceModel::MetallicRoughness`] and of layers.
     BaseColor,
-    /// `metallic` of [`SurfaceModel::MetallicRoughness`].
+    /// `metallic` of [`SurfaceModel::MetallicRoughness`] and of layers.
     Metallic,
-    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`] and
-    /// [`SurfaceModel::RoughDielectric`]: what glTF calls roughness.
+    /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`],
+    /// [`SurfaceModel::RoughDielectric`] and layers: what glTF calls roughness.
     Roughness,
+    /// `specular` of [`Layers`](super::Layers).
+    Specular,
+    /// `specular_color` of layers.
+    SpecularColor,
+    /// `transmission` of layers.
+    Transmission,
+    /// `diffuse_transmission` of layers.
+    DiffuseTransmission,
+    /// `diffuse_transmission_color` of layers.
+    DiffuseTransmissionColor,
+    /// `coat` of layers.
+    Coat,
+    /// The root of `coat_alpha` of layers.
+    CoatRoughness,
+    /// `cloth_color` of layers.
+    ClothColor,
+    /// The root of `cloth_alpha` of layers.
+    ClothRoughness,
 }
 
 impl Parameter {
     /// What it is, if it is a spectrum; numbers are the same at all wavelengths.
     pub(crate) fn role(self) -> Option<Role> {
         match self {
-            Self::Reflectance | Self::BaseColor => Some(Role::Reflectance),
-            Self::Metallic | Self::Roughness => None,
+            Self::Reflectance
+            | Self::BaseColor
+            | Self::SpecularColor
+            | Self::DiffuseTransmissionColor
+            | Self::ClothColor => Some(Role::Reflectance),
+            Self::Metallic
+            | Self::Roughness
+            | Self::Specular
+            | Self::Transmission
+            | Self::DiffuseTransmission
+            | Self::Coat
+            | Self::CoatRoughness
+            | Self::ClothRoughness => None,
         }
     }
 }
@@ -33,36 +62,40 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
     #[inline]
     pub(crate) fn set(&mut self, parameter: Parameter, value: [f32; N]) -> bool {
         let number = value[0].clamp(0.0, 1.0);
-        match self {
-            Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. } => match parameter {
-                Parameter::Reflectance => *reflectance = value,
-                Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
-            },
-            Self::MetallicRoughness { base_color, metallic, alpha, .. } => match parameter {
-                Parameter::BaseColor => *base_color = value,
-                Parameter::Metallic => *metallic = number,
-                Parameter::Roughness => *alpha = number * number,
-                Parameter::Reflectance => return false,
-            },
-            Self::RoughDielectric { alpha, .. } => match parameter {
-                Parameter::Roughness => *alpha = number * number,
-                Parameter::Reflectance | Parameter::BaseColor | Parameter::Metallic => {
-                    return false;
-                }
-            },
-            Self::Absorber
-            | Self::Conductor { .. }
-            | Self::RoughConductor { .. }
-            | Self::Measured { .. }
-            | Self::FilmedConductor { .. }
-            | Self::FilmedDielectric { .. }
-            | Self::Sheet { .. }
-            | Self::Dielectric { .. }
-            | Self::DispersiveDielectric { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Polarizer { .. }
-            | Self::Retarder { .. }
-            | Self::Null => return false,
+        match (self, parameter) {
+            (
+                Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. },
+                Parameter::Reflectance,
+            ) => *reflectance = value,
+            (Self::MetallicRoughness { base_color, .. }, Parameter::BaseColor) => {
+                *base_color = value;
+            }
+            (Self::MetallicRoughness { metallic, .. }, Parameter::Metallic) => *metallic = number,
+            (
+                Self::MetallicRoughness { alpha, .. } | Self::RoughDielectric { alpha, .. },
+                Parameter::Roughness,
+            ) => *alpha = number * number,
+            (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
+            (
+                Self::Absorber
+                | Self::Diffuse { .. }
+                | Self::Plastic { .. }
+                | Self::MetallicRoughness { .. }
+                | Self::RoughDielectric { .. }
+                | Self::Conductor { .. }
+                | Self::RoughConductor { .. }
+                | Self::Measured { .. }
+                | Self::FilmedConductor { .. }
+                | Self::FilmedDielectric { .. }
+                | Self::Sheet { .. }
+                | Self::Dielectric { .. }
+                | Self::DispersiveDielectric { .. }
+                | Self::ThinDielectric { .. }
+                | Self::Polarizer { .. }
+                | Self::Retarder { .. }
+                | Self::Null,
+                _parameter,
+            ) => return false,
         }
         true
     }

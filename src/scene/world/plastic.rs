@@ -4,7 +4,8 @@ use crate::math::{Fault, Range};
 use crate::polarization::Distribution;
 use crate::spectrum::Spectrum;
 
-use super::material::{Bsdf, COAT_IOR, check_indices};
+use super::layers::COAT_IOR;
+use super::material::{Bsdf, check_indices};
 
 /// What becomes of light that leaves the base of [`Bsdf::Plastic`] and is reflected back to
 /// it.

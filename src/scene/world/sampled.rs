@@ -15,10 +15,9 @@ impl<S> SurfaceModel<S> {
     ) -> Result<SurfaceModel<T>, E> {
         Ok(match self {
             Self::Absorber => SurfaceModel::Absorber,
-            Self::Diffuse { reflectance } => {
-                let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
-                SurfaceModel::Diffuse { reflectance }
-            }
+            Self::Diffuse { reflectance } => SurfaceModel::Diffuse {
+                reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
+            },
             Self::Conductor { eta, k } => {
                 let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::Conductor { eta, k }
@@ -41,6 +40,7 @@ impl<S> SurfaceModel<S> {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
                 SurfaceModel::MetallicRoughness { base_color, metallic, alpha, ior, specular }
             }
+            Self::Layered { layers } => SurfaceModel::Layered { layers: layers.sampled(sample)? },
             &Self::Plastic { ref reflectance, coat } => {
                 let reflectance = sample(reflectance, "reflectance", Role::Reflectance)?;
                 SurfaceModel::Plastic { reflectance, coat }
@@ -102,6 +102,7 @@ impl<S> SurfaceModel<S> {
             | Self::RoughConductor { .. }
             | Self::RoughDielectric { .. }
             | Self::MetallicRoughness { .. }
+            | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::FilmedConductor { .. }

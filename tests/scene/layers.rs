@@ -1,0 +1,180 @@
+//! What glTF says beyond metallic-roughness: what becomes of it, and what is refused.
+
+use serde_json::{Value, json};
+use sunstone::internals::scene::world::{Layers, SurfaceModel};
+use sunstone::internals::scene::{World, Written, load};
+
+use crate::common::{good, load_json, scratch};
+use crate::errors::refused;
+use crate::meaning::{baked, warnings};
+
+/// The good document with another first material, of these extensions.
+fn with(pbr: Value, extensions: Value) -> Value {
+    let mut document = good();
+    document["materials"][0] = json!({"pbrMetallicRoughness": pbr, "extensions": extensions});
+    document
+}
+
+fn model(document: &Value) -> SurfaceModel<[f32; 3]> {
+    baked(document).optics.materials[0].model.clone()
+}
+
+fn plain(base_color: f32, metallic: f32, alpha: f32) -> Layers<[f32; 3]> {
+    Layers {
+        base_color: [base_color; 3],
+        metallic,
+        alpha,
+        ior: 1.5,
+        specular: 1.0,
+        specular_color: [1.0; 3],
+        transmission: 0.0,
+        diffuse_transmission: 0.0,
+        diffuse_transmission_color: [1.0; 3],
+        coat: 0.0,
+        coat_alpha: 0.0,
+        cloth_color: [0.0; 3],
+        cloth_alpha: 0.0,
+    }
+}
+
+#[test]
+fn extensions_are_layers() {
+    let matte = || json!({"metallicFactor": 0.0, "roughnessFactor": 0.5});
+    let own = plain(1.0, 0.0, 0.25);
+    let cases = [
+        (
+            json!({"KHR_materials_clearcoat":
+                {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.5}}),
+            Layers { coat: 0.5, coat_alpha: 0.25, ..own },
+        ),
+        (
+            json!({"KHR_materials_sheen":
+                {"sheenColorFactor": [0.5, 0.25, 0.125], "sheenRoughnessFactor": 0.5}}),
+            Layers { cloth_color: [0.5, 0.25, 0.125], cloth_alpha: 0.25, ..own },
+        ),
+        (
+            json!({"KHR_materials_transmission": {"transmissionFactor": 0.5},
+                "KHR_materials_ior": {"ior": 1.25}}),
+            Layers { transmission: 0.5, ior: 1.25, ..own },
+        ),
+        // A rough pane.
+        (
+            json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}}),
+            Layers { transmission: 1.0, ..own },
+        ),
+        (
+            json!({"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5,
+                "diffuseTransmissionColorFactor": [1.0, 0.5, 0.25]}}),
+            Layers {
+                diffuse_transmission: 0.5,
+                diffuse_transmission_color: [1.0, 0.5, 0.25],
+                ..own
+            },
+        ),
+        (
+            json!({"KHR_materials_specular":
+                {"specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 1.0]}}),
+            Layers { specular: 0.5, specular_color: [1.0, 0.5, 1.0], ..own },
+        ),
+    ];
+    for (extensions, layers) in cases {
+        let document = with(matte(), extensions.clone());
+        assert_eq!(warnings(&document), "", "{extensions}");
+        assert_eq!(model(&document), SurfaceModel::Layered { layers }, "{extensions}");
+        // Light that goes through has no back.
+        let two_sided = baked(&document).optics.materials[0].two_sided;
+        assert_eq!(two_sided, layers.transmits(), "{extensions}");
+    }
+}
+
+#[test]
+fn what_adds_nothing_is_metallic_roughness() {
+    let nothing = json!({"KHR_materials_clearcoat": {}, "KHR_materials_sheen": {},
+        "KHR_materials_transmission": {}, "KHR_materials_diffuse_transmission": {},
+        "KHR_materials_specular": {}});
+    let document = with(json!({"metallicFactor": 0.5}), nothing);
+    assert_eq!(warnings(&document), "");
+    assert!(matches!(model(&document), SurfaceModel::MetallicRoughness { .. }));
+    // Metal lets nothing through.
+    let metal = with(json!({}), json!({"KHR_materials_transmission": {"transmissionFactor": 0.5}}));
+    assert!(matches!(model(&metal), SurfaceModel::MetallicRoughness { .. }));
+    // Smooth panes stay such that lamps behind them are found.
+    let clear = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0});
+    let pane = with(clear, json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}}));
+    assert!(matches!(model(&pane), SurfaceModel::ThinDielectric { .. }));
+}
+
+#[test]
+fn what_is_approximated_is_said() {
+    let solid = json!({"KHR_materials_transmission": {"transmissionFactor": 0.5},
+        "KHR_materials_volume": {"thicknessFactor": 1.0}});
+    let said = warnings(&with(json!({"metallicFactor": 0.0}), solid));
+    assert!(said.contains("without being refracted"), "{said}");
+    let coated = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0},
+        "KHR_materials_volume": {"thicknessFactor": 1.0},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1.0}});
+    let said = warnings(&with(json!({"metallicFactor": 0.0}), coated));
+    assert!(said.contains("are ignored on glass"), "{said}");
+    let bright = json!({"KHR_materials_specular": {"specularColorFactor": [2.0, 1.0, 0.5]}});
+    let document = with(json!({}), bright);
+    assert!(warnings(&document).contains("taken as 1"));
+    let layers = Layers { specular_color: [1.0, 1.0, 0.5], ..plain(1.0, 1.0, 1.0) };
+    assert_eq!(model(&document), SurfaceModel::Layered { layers });
+}
+
+#[test]
+fn factors_that_are_none_are_refused() {
+    refused(&[
+        (
+            |d| *d = with(json!({}), json!({"KHR_materials_clearcoat": {"clearcoatFactor": 2}})),
+            &["material 0", "KHR_materials_clearcoat.clearcoatFactor", "within [0, 1]"],
+        ),
+        (
+            |d| {
+                let rough = json!({"clearcoatRoughnessFactor": "very"});
+                *d = with(json!({}), json!({"KHR_materials_clearcoat": rough}));
+            },
+            &["KHR_materials_clearcoat.clearcoatRoughnessFactor", "must be a number"],
+        ),
+        (
+            |d| *d = with(json!({}), json!({"KHR_materials_sheen": {"sheenColorFactor": [1, 1]}})),
+            &["KHR_materials_sheen.sheenColorFactor", "three numbers"],
+        ),
+        (
+            |d| {
+                let color = json!({"sheenColorFactor": [1, -1, 1], "sheenRoughnessFactor": -1});
+                *d = with(json!({}), json!({"KHR_materials_sheen": color}));
+            },
+            &["sheenColorFactor", "sheenRoughnessFactor", "within [0, 1]"],
+        ),
+    ]);
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let extensions = json!({
+        "KHR_materials_ior": {"ior": 1.25},
+        "KHR_materials_transmission": {"transmissionFactor": 0.5},
+        "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.25,
+            "diffuseTransmissionColorFactor": [1.0, 0.5, 0.25]},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+        "KHR_materials_sheen":
+            {"sheenColorFactor": [0.5, 0.25, 0.125], "sheenRoughnessFactor": 0.5},
+        "KHR_materials_specular":
+            {"specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 1.0]},
+    });
+    let document = with(json!({"metallicFactor": 0.5, "roughnessFactor": 0.5}), extensions);
+    let world = load_json(&document).unwrap();
+    let written = Written::of(&world).unwrap_or_else(|error| panic!("{error}"));
+    let path = scratch("layers.gltf");
+    written.save(&path).unwrap();
+    let again = load(&path).unwrap_or_else(|error| panic!("{error}"));
+    std::fs::remove_file(&path).unwrap();
+    let told = |world: &World| {
+        let text = world.describe();
+        let line = text.lines().find(|line| line.contains("layers")).map(str::to_owned);
+        line.expect("it is there")
+    };
+    assert_eq!(told(&world), told(&again));
+    assert!(told(&world).contains("clear coat of share 0.5"), "{}", told(&world));
+}
