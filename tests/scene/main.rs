@@ -15,6 +15,7 @@ mod media;
 mod mended;
 mod mitsuba;
 mod mitsuba_errors;
+mod mitsuba_textures;
 mod moving;
 mod plastic;
 mod reference;

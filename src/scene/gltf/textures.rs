@@ -18,8 +18,8 @@ use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{
-    Bsdf, Coverage, Emission, Filter, Paint, Parameter, Picture, Reads, Relief, Texture, Textures,
-    Wrap, half_hash,
+    Bsdf, Coverage, Emission, Filter, Paint, Parameter, Picture, Reads, Relief, ReliefFrame,
+    Texture, Textures, Wrap, half_hash,
 };
 
 /// `alphaCutoff` of materials that do not say.
@@ -135,7 +135,7 @@ impl Import<'_> {
         let relief = self.texture(&slot(info, "normalTexture", Coding::Linear));
         if let Some(texture) = findings.note(relief).flatten() {
             let scale = info["scale"].as_f64().unwrap_or(1.0) as f32;
-            textures.relief = Some(Relief { texture, scale });
+            textures.relief = Some(Relief { texture, scale, frame: ReliefFrame::Picture });
         }
         findings.result()?;
         Ok(textures)

@@ -78,7 +78,7 @@ pub use self::plastic::InternalReflection;
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub(super) use self::texture::half_hash;
 pub use self::texture::{
-    Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
+    Coverage, Filter, Paint, Picture, Reads, Relief, ReliefFrame, Taps, Texture, Textures, Wrap,
 };
 pub use self::transform::Transform;
 

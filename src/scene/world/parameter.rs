@@ -15,6 +15,8 @@ pub enum Parameter {
     /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`] and
     /// [`SurfaceModel::RoughDielectric`]: what glTF calls roughness.
     Roughness,
+    /// `alpha` of [`SurfaceModel::RoughConductor`] and [`SurfaceModel::RoughDielectric`].
+    Alpha,
 }
 
 impl Parameter {
@@ -22,7 +24,7 @@ impl Parameter {
     pub(crate) fn role(self) -> Option<Role> {
         match self {
             Self::Reflectance | Self::BaseColor => Some(Role::Reflectance),
-            Self::Metallic | Self::Roughness => None,
+            Self::Metallic | Self::Roughness | Self::Alpha => None,
         }
     }
 }
@@ -36,23 +38,33 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
         match self {
             Self::Diffuse { reflectance } | Self::Plastic { reflectance, .. } => match parameter {
                 Parameter::Reflectance => *reflectance = value,
-                Parameter::BaseColor | Parameter::Metallic | Parameter::Roughness => return false,
+                Parameter::BaseColor
+                | Parameter::Metallic
+                | Parameter::Roughness
+                | Parameter::Alpha => return false,
             },
             Self::MetallicRoughness { base_color, metallic, alpha, .. } => match parameter {
                 Parameter::BaseColor => *base_color = value,
                 Parameter::Metallic => *metallic = number,
                 Parameter::Roughness => *alpha = number * number,
-                Parameter::Reflectance => return false,
+                Parameter::Reflectance | Parameter::Alpha => return false,
+            },
+            Self::RoughConductor { alpha, .. } => match parameter {
+                Parameter::Alpha => *alpha = number,
+                Parameter::Reflectance
+                | Parameter::BaseColor
+                | Parameter::Metallic
+                | Parameter::Roughness => return false,
             },
             Self::RoughDielectric { alpha, .. } => match parameter {
                 Parameter::Roughness => *alpha = number * number,
+                Parameter::Alpha => *alpha = number,
                 Parameter::Reflectance | Parameter::BaseColor | Parameter::Metallic => {
                     return false;
                 }
             },
             Self::Absorber
             | Self::Conductor { .. }
-            | Self::RoughConductor { .. }
             | Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::ThinDielectric { .. }
