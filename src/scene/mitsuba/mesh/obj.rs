@@ -1,4 +1,5 @@
-//! Wavefront OBJ: positions, normals, texture coordinates and polygons; groups, materials and lines are not looked at.
+//! Wavefront OBJ: positions, normals, texture coordinates and polygons; groups, materials and lines
+//! are not looked at.
 
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
-//! PLY: vertices with positions, normals and texture coordinates, and polygons; ASCII or binary of either byte order.
-//! What else there is is passed over.
+//! PLY: vertices with positions, normals and texture coordinates, and polygons; ASCII or binary of
+//! either byte order. What else there is is passed over.
 
 use glam::{Vec2, Vec3};
 
