@@ -49,6 +49,7 @@ DOCUMENTED = ["bsdf_diffuse_plain", "bsdf_diffuse_textured", "bsdf_dielectric_gl
 SCENES += [f"docs/scenes/{name}.xml" for name in DOCUMENTED]
 
 MITSUBA = """
+import math
 import sys
 import mitsuba as mi
 mi.set_variant(sys.argv[1])
@@ -56,9 +57,13 @@ import numpy as np
 scene = mi.load_file(sys.argv[2])
 sensor = scene.sensors()[0]
 params = mi.traverse(sensor)
-width, height = params["film.size"]
+width, height = (int(side) for side in params["film.size"])
 if sys.argv[6] != "0":
+    # The angle of view has been found for this shape: it is to stay exactly so where it can.
+    unit = math.gcd(width, height)
+    unit = unit if width * height / unit ** 2 <= float(sys.argv[6]) else 1
     scale = (float(sys.argv[6]) / (width * height)) ** 0.5
+    scale = round(scale * unit) / unit if unit > 1 else scale
     params["film.size"] = [round(width * scale), round(height * scale)]
     params.update()
 images = []
