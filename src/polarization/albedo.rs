@@ -32,7 +32,7 @@ pub const TERMS: usize = POWERS + 1;
 /// Intervals of the grid of roughnesses: even in the root.
 const ALPHAS: usize = 32;
 /// Points of the quadrature: turns over a half circle (the other mirrors it), and heights.
-const TURNS: usize = 32;
+const TURNS: usize = 16;
 const HEIGHTS: usize = 64;
 /// Most tables that are kept of dielectrics.
 const TABLES_MAX: usize = 1000;
@@ -447,8 +447,8 @@ mod tests {
     #[test]
     fn albedos_between_those_of_the_grid_are_as_integrated() {
         use Distribution::{Beckmann, Ggx};
-        for alpha in [0.0015, 0.003, 0.0065, 0.012, 0.035, 0.08, 0.213, 0.47, 0.83, 0.97] {
-            for cos in [0.008, 0.0175, 0.035, 0.07, 0.1, 0.35, 0.7, 1.0] {
+        for alpha in [0.0015, 0.0065, 0.035, 0.213, 0.83, 0.97] {
+            for cos in [0.008, 0.0175, 0.07, 0.35, 1.0] {
                 let of = |distribution| facets_at(&Albedo::of_facets(distribution, alpha), cos);
                 let glass = |d, ior| facets_at(&Albedo::of_glass(d, ior, alpha), cos);
                 let ior = 1.5;

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4Swizzles};
 
 use super::baked::LEAST_COSINE;
 use super::corners::Painted;
-use super::world::{Coverage, Paint, Relief, SurfaceModel, Taps, Textures};
+use super::world::{Coverage, Paint, Relief, ReliefFrame, SurfaceModel, Taps, Textures};
 use crate::spectrum::{Carried, Role, Spectrum};
 
 /// The textures of all materials.
@@ -120,9 +120,16 @@ pub fn normal_at(
     [shading, geometric]: [Vec3; 2],
 ) -> Vec3 {
     let texture = &relief.texture;
-    let place = |at: Vec2| texture.place(at);
+    let place = |at: Vec2| match relief.frame {
+        ReliefFrame::Picture => texture.place(at),
+        ReliefFrame::Mesh => at,
+    };
     let Some([right, up]) = on.frame((texture.set, place), weights, shading) else {
         return shading;
+    };
+    let up = match relief.frame {
+        ReliefFrame::Picture => up,
+        ReliefFrame::Mesh => shading.cross(right),
     };
     let texel = glam::Vec4::from(texture.at(on.coordinates(texture.set, weights)));
     let own = 2.0 * texel.xyz() - 1.0;

@@ -17,6 +17,7 @@ mod media;
 mod mended;
 mod mitsuba;
 mod mitsuba_errors;
+mod mitsuba_textures;
 mod moving;
 mod pictures;
 mod plastic;

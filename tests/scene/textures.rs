@@ -10,8 +10,8 @@ use sunstone::internals::image::texels::Coding;
 use sunstone::internals::scene::{World, bake, load};
 use sunstone::internals::spectrum::Carried;
 use sunstone::world::{
-    Bsdf, Filter, Geometry, Lens, Parameter, Picture, Reads, Relief, Texture, Textures, Transform,
-    Wrap,
+    Bsdf, Filter, Geometry, Lens, Parameter, Picture, Reads, Relief, ReliefFrame, Texture,
+    Textures, Transform, Wrap,
 };
 
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
@@ -294,7 +294,7 @@ fn frame(geometry: Geometry, place: DAffine3) -> [Vec3; 2] {
         set: 0,
         transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
     };
-    let relief = Some(Relief { texture, scale: 1.0 });
+    let relief = Some(Relief { texture, scale: 1.0, frame: ReliefFrame::Picture });
     world.set_textures(material, Textures { relief, ..Textures::default() }).unwrap();
     world.add_mesh("mesh", geometry, material, Transform(place)).unwrap();
     world.set_environment(1.0).unwrap();

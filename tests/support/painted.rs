@@ -9,7 +9,7 @@ use sunstone::internals::image::texels::{Coding, Texels};
 use sunstone::internals::scene::World;
 use sunstone::world::{
     Bsdf, Coverage, Filter, Geometry, Lens, Material, Paint, Parameter, Phase, Picture, Reads,
-    Relief, Texture, Textures, Transform, Wrap,
+    Relief, ReliefFrame, Texture, Textures, Transform, Wrap,
 };
 
 use super::random::Random;
@@ -173,7 +173,13 @@ fn painted_lamp() -> World {
 
 fn relief() -> World {
     let texels = noise(4, 4);
-    let relief = |scale| Some(Relief { texture: texture(texels.clone(), Filter::Linear), scale });
+    let relief = |scale| {
+        Some(Relief {
+            texture: texture(texels.clone(), Filter::Linear),
+            scale,
+            frame: ReliefFrame::Picture,
+        })
+    };
     let bent = |scale| Textures { relief: relief(scale), ..Textures::default() };
     let mut world = stage(bent(0.7));
     let mirror = quad(v(-0.95, 0.0, 0.0), v(0.0, 0.0, -1.0), v(0.0, 0.7, 0.0));

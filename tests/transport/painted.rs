@@ -12,8 +12,8 @@ use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 use sunstone::world::{
-    Bsdf, Coverage, Filter, Geometry, Lens, Material, Paint, Picture, Reads, Relief, Texture,
-    Textures, Transform, Wrap,
+    Bsdf, Coverage, Filter, Geometry, Lens, Material, Paint, Picture, Reads, Relief, ReliefFrame,
+    Texture, Textures, Transform, Wrap,
 };
 
 use crate::support::painted::{colored, paint, picture, quad, texture};
@@ -263,8 +263,11 @@ fn normals_by_a_picture_are_those_of_a_mesh_that_leans() {
             let normals = vec![own.normalize(); geometry.positions.len()];
             Geometry { normals, ..geometry }
         };
-        let relief =
-            Relief { texture: texture(picture(2, |_, _| bytes), Filter::Linear), scale: 1.0 };
+        let relief = Relief {
+            texture: texture(picture(2, |_, _| bytes), Filter::Linear),
+            scale: 1.0,
+            frame: ReliefFrame::Picture,
+        };
         let bent = Textures { relief: Some(relief), ..Textures::default() };
         let of = |textures: Textures, shape: Geometry| {
             let mut world = World::new("leaning");
@@ -373,7 +376,7 @@ fn what_has_no_coordinates_takes_no_textures() {
 fn odd_coordinates_render() {
     let texels = random_texels(7, SIDE);
     let way = texture(picture_of(&texels, SIDE), Filter::Linear);
-    let relief = Some(Relief { texture: way.clone(), scale: 1e6 });
+    let relief = Some(Relief { texture: way.clone(), scale: 1e6, frame: ReliefFrame::Picture });
     for odd in [Vec2::ZERO, Vec2::splat(1e30), Vec2::splat(-1e-30), Vec2::splat(f32::MAX)] {
         let textures = Textures { relief: relief.clone(), ..colored(way.clone()) };
         let mut world = floor(textures, Bsdf::diffuse(0.8));

@@ -19,8 +19,8 @@ use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{
-    Bsdf, Coverage, Emission, Filter, Layers, Paint, Parameter, Picture, Reads, Relief, Texture,
-    Textures, Wrap, half_hash,
+    Bsdf, Coverage, Emission, Filter, Layers, Paint, Parameter, Picture, Reads, Relief,
+    ReliefFrame, Texture, Textures, Wrap, half_hash,
 };
 
 /// `alphaCutoff` of materials that do not say.
@@ -137,14 +137,18 @@ impl Import<'_> {
             textures.emission = findings.note(painted_emission(texture, emission, label));
         }
         let info = &material["normalTexture"];
-        let relief = self.texture(&slot(info, "normalTexture", Coding::Linear));
-        if let Some(texture) = findings.note(relief).flatten() {
-            self.doubt_normals(&texture, label);
-            let scale = info["scale"].as_f64().unwrap_or(1.0) as f32;
-            textures.relief = Some(Relief { texture, scale });
-        }
+        let relief = self.relief(&slot(info, "normalTexture", Coding::Linear), label);
+        textures.relief = findings.note(relief).flatten();
         findings.result()?;
         Ok(textures)
+    }
+
+    /// A normal map, if there is one.
+    fn relief(&mut self, slot: &Slot, label: &str) -> Result<Option<Relief>, SceneError> {
+        let Some(texture) = self.texture(slot)? else { return Ok(None) };
+        self.doubt_normals(&texture, label);
+        let scale = slot.info["scale"].as_f64().unwrap_or(1.0) as f32;
+        Ok(Some(Relief { texture, scale, frame: ReliefFrame::Picture }))
     }
 
     /// Says that a normal map is none, where it is so.

@@ -2,12 +2,13 @@
 
 use super::fields::{Fields, Given};
 use super::spectra::{Kind, index_of_name};
+use super::textures::{Use, Wanted};
 use super::tree::{Curve, NAME, Tag, Value};
 use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Action, Bsdf, Coat, Grid, InternalReflection};
+use crate::scene::world::{Action, Bsdf, Coat, Grid, InternalReflection, Parameter};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -17,26 +18,44 @@ pub struct Surface {
     pub bsdf: Bsdf,
     /// Whether both sides do.
     pub two_sided: bool,
+    /// The textures that it asks for.
+    pub wanted: Vec<Wanted>,
+    /// How much of it is there all over, from 0 to 1.
+    pub even: f32,
+}
+
+impl Surface {
+    /// Whether it asks for a texture of a use.
+    fn wants(&self, used: Use) -> bool {
+        self.wanted.iter().any(|wanted| wanted.used == used)
+    }
+}
+
+impl From<Bsdf> for Surface {
+    fn from(bsdf: Bsdf) -> Self {
+        Self { bsdf, two_sided: false, wanted: Vec::new(), even: 1.0 }
+    }
 }
 
 /// What reads a type.
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 15] = [
+const TYPES: [(&str, Read); 16] = [
     ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
-    ("diffuse", |fields| diffuse(fields).map(one_sided)),
+    ("diffuse", diffuse),
     ("mask", mask),
+    ("normalmap", normal_map),
     ("null", |_| Ok(one_sided(Bsdf::Null))),
-    ("plastic", |fields| plastic(fields).map(one_sided)),
+    ("plastic", plastic),
     ("polarizer", |fields| polarizer(fields).map(one_sided)),
-    ("pplastic", |fields| polarized_plastic(fields).map(one_sided)),
+    ("pplastic", polarized_plastic),
     ("retarder", |fields| retarder(fields).map(one_sided)),
-    ("roughconductor", |fields| rough_conductor(fields).map(one_sided)),
-    ("roughdielectric", |fields| rough_dielectric(fields).map(one_sided)),
-    ("roughplastic", |fields| rough_plastic(fields).map(one_sided)),
+    ("roughconductor", rough_conductor),
+    ("roughdielectric", rough_dielectric),
+    ("roughplastic", rough_plastic),
     ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
     ("twosided", two_sided),
 ];
@@ -96,12 +115,20 @@ const NAMES: [(&str, &str); 6] = [
 ];
 
 fn one_sided(bsdf: Bsdf) -> Surface {
-    Surface { bsdf, two_sided: false }
+    bsdf.into()
 }
 
-fn diffuse(fields: &Fields) -> Result<Bsdf, SceneError> {
-    let reflectance = fields.spectrum_or("reflectance", Kind::Share, 0.5)?;
-    Ok(diffuse_or_black(reflectance))
+fn diffuse(fields: &Fields) -> Result<Surface, SceneError> {
+    let (reflectance, wanted) = reflectance(fields, "reflectance")?;
+    Ok(Surface { wanted, ..diffuse_or_black(reflectance).into() })
+}
+
+/// A share of light by color, or a picture of it.
+fn reflectance(fields: &Fields, name: &str) -> Result<(Spectrum, Vec<Wanted>), SceneError> {
+    match fields.wanted(name, Use::Parameter(Parameter::Reflectance)) {
+        Some(wanted) => Ok((Spectrum::Rgb([1.0; 3]), vec![wanted])),
+        None => Ok((fields.spectrum_or(name, Kind::Share, 0.5)?, Vec::new())),
+    }
 }
 
 /// What reflects nothing absorbs everything.
@@ -152,59 +179,85 @@ fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
 }
 
 /// Facets reflect once, as Mitsuba has it.
-fn rough_conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
+fn rough_conductor(fields: &Fields) -> Result<Surface, SceneError> {
     let [eta, k] = metal_index(fields)?;
-    let (alpha, distribution) = facets(fields)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false })
+    let (alpha, wanted) = roughness(fields)?;
+    let distribution = distribution(fields)?;
+    let bsdf = Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false };
+    Ok(Surface { wanted, ..bsdf.into() })
 }
 
 /// Facets scatter once, as Mitsuba has it.
-fn rough_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
+fn rough_dielectric(fields: &Fields) -> Result<Surface, SceneError> {
     let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
     let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
     fields.factor_of_one("specular_reflectance")?;
     fields.factor_of_one("specular_transmittance")?;
-    let (alpha, distribution) = facets(fields)?;
+    let (alpha, wanted) = roughness(fields)?;
+    let distribution = distribution(fields)?;
     let multiple_scattering = false;
-    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+    let bsdf =
+        Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering };
+    Ok(Surface { wanted, ..bsdf.into() })
+}
+
+/// The roughness of facets, or a picture of it.
+fn roughness(fields: &Fields) -> Result<(f32, Vec<Wanted>), SceneError> {
+    for name in ["alpha_u", "alpha_v"] {
+        if fields.picture(name).is_some() {
+            let problem = "pictures of facets that differ along u and v are not supported";
+            return Err(fields.wrong(name, problem, "use one, of `alpha`"));
+        }
+    }
+    match fields.wanted("alpha", Use::Parameter(Parameter::Alpha)) {
+        Some(wanted) => Ok((1.0, vec![wanted])),
+        None => Ok((alpha(fields)?, Vec::new())),
+    }
 }
 
 /// The roughness of facets, and how their normals are distributed.
 fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
-    let distribution = match fields.text("distribution")? {
-        None => Distribution::Beckmann,
+    Ok((alpha(fields)?, distribution(fields)?))
+}
+
+fn distribution(fields: &Fields) -> Result<Distribution, SceneError> {
+    match fields.text("distribution")? {
+        None => Ok(Distribution::Beckmann),
         Some(name) => Distribution::named(name).ok_or_else(|| {
             let problem = format!("`{}` is not a distribution of facets", excerpt(name, NAME));
             let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
             fields.wrong("distribution", problem, remedy)
-        })?,
-    };
+        }),
+    }
+}
+
+fn alpha(fields: &Fields) -> Result<f32, SceneError> {
     // How facets are drawn changes no image.
     fields.boolean("sample_visible")?;
-    let alpha = match (alpha(fields, "alpha_u")?, alpha(fields, "alpha_v")?) {
-        (None, None) => alpha(fields, "alpha")?.unwrap_or(0.1),
+    let alpha = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
+        (None, None) => stated_alpha(fields, "alpha")?.unwrap_or(0.1),
         (Some(along), Some(across)) if along == across => along,
         (_, _) => {
             let problem = "facets that differ along u and v are not supported";
             return Err(fields.wrong("alpha_u", problem, "use `alpha`"));
         }
     };
-    Ok((alpha as f32, distribution))
+    Ok(alpha as f32)
 }
 
 /// What Mitsuba has is the model of Baek et al.: light that is reflected within is lost.
-fn polarized_plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+fn polarized_plastic(fields: &Fields) -> Result<Surface, SceneError> {
     let of_facets = facets(fields)?;
     plastic_of(fields, of_facets, InternalReflection::Lost)
 }
 
-fn rough_plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+fn rough_plastic(fields: &Fields) -> Result<Surface, SceneError> {
     let of_facets = facets(fields)?;
     plastic_of(fields, of_facets, internal_reflection(fields)?)
 }
 
 /// Its mirrors are the least rough facets.
-fn plastic(fields: &Fields) -> Result<Bsdf, SceneError> {
+fn plastic(fields: &Fields) -> Result<Surface, SceneError> {
     plastic_of(fields, (0.0, Distribution::Ggx), internal_reflection(fields)?)
 }
 
@@ -217,16 +270,15 @@ fn plastic_of(
     fields: &Fields,
     (alpha, distribution): (f32, Distribution),
     internal_reflection: InternalReflection,
-) -> Result<Bsdf, SceneError> {
-    let reflectance = fields.spectrum_or("diffuse_reflectance", Kind::Share, 0.5)?;
-    super::spectra::check(fields, "diffuse_reflectance", &reflectance, Range::UNIT)?;
+) -> Result<Surface, SceneError> {
+    let (reflectance, wanted) = reflectance(fields, "diffuse_reflectance")?;
     let Spectrum::Constant(specular) =
         fields.spectrum_or("specular_reflectance", Kind::Share, 1.0)?
     else {
         let problem = "must be one number: facets of a dielectric have no color";
         return Err(fields.wrong("specular_reflectance", problem, "remove it"));
     };
-    Ok(Bsdf::Plastic {
+    let bsdf = Bsdf::Plastic {
         reflectance,
         coat: Coat {
             ior: index(fields, "int_ior", "polypropylene")?,
@@ -236,11 +288,12 @@ fn plastic_of(
             specular,
             internal_reflection,
         },
-    })
+    };
+    Ok(Surface { wanted, ..bsdf.into() })
 }
 
 /// A roughness of facets, if there is one.
-fn alpha(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
+fn stated_alpha(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
     const REMEDY: &str =
         "give one number from 0, smooth, to 1; rough surfaces are the same all over";
     let alpha =
@@ -363,17 +416,47 @@ fn two_sided(fields: &Fields) -> Result<Surface, SceneError> {
     Ok(Surface { two_sided: true, ..surface })
 }
 
-/// A surface that is there, or is not.
+/// A surface of which a share is there.
 fn mask(fields: &Fields) -> Result<Surface, SceneError> {
-    let surface = inner(fields)?;
-    let opacity = fields.spectrum_or("opacity", Kind::Share, 0.5)?;
+    let mut surface = inner(fields)?;
+    let has_holes = surface.even < 1.0 || surface.wants(Use::Opacity);
+    let wanted = fields.wanted("opacity", Use::Opacity);
+    let opacity = match &wanted {
+        Some(_) => Spectrum::Constant(1.0),
+        None => fields.spectrum_or("opacity", Kind::Share, 0.5)?,
+    };
     super::spectra::check(fields, "opacity", &opacity, Range::UNIT)?;
-    let all = |wanted: f32| opacity.values().iter().all(|value| *value == wanted);
-    match (all(1.0), all(0.0)) {
-        (true, _) => Ok(surface),
-        (false, true) => Ok(one_sided(Bsdf::Null)),
-        (false, false) => {
-            Err(fields.wrong("opacity", "only 0 and 1 are supported", "use one of them"))
-        }
+    if opacity.values().iter().all(|value| *value == 0.0) {
+        return Ok(one_sided(Bsdf::Null));
     }
+    let Spectrum::Constant(share) = opacity else {
+        return Err(fields.wrong("opacity", "has a color, which holes have not", "give a float"));
+    };
+    if share == 1.0 && wanted.is_none() {
+        return Ok(surface);
+    }
+    if has_holes {
+        return Err(fields.refuse("has a mask within a mask", "multiply their opacities"));
+    }
+    if surface.bsdf.transmits() {
+        let problem = "what light goes through has no holes";
+        return Err(fields.refuse(problem, "use an opacity of 1"));
+    }
+    surface.wanted.extend(wanted);
+    surface.even = share;
+    Ok(surface)
+}
+
+/// A surface with normals by a picture.
+fn normal_map(fields: &Fields) -> Result<Surface, SceneError> {
+    let mut surface = inner(fields)?;
+    if surface.wants(Use::Relief) {
+        return Err(fields.refuse("has a normalmap within a normalmap", "keep one"));
+    }
+    let Some(wanted) = fields.wanted("normalmap", Use::Relief) else {
+        return Err(fields.wrong("normalmap", "is no picture", "give a texture of type bitmap"));
+    };
+    // What is turned back over, and how it is shadowed, is the same for all here.
+    surface.wanted.push(wanted);
+    Ok(surface)
 }

@@ -8,6 +8,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use super::Import;
 use super::fields::Fields;
 use super::spectra::Kind;
+use super::textures::{Use, Wanted};
 use super::transforms::{looking, perpendicular};
 use super::tree::{NAME, Tag};
 use crate::math::elementary::cbrt;
@@ -17,6 +18,7 @@ use crate::scene::world::{
     Backdrop, BackdropSource, Emission, Environment, Name, Picture, Punctual, PunctualKind,
     Transform,
 };
+use crate::spectrum::Spectrum;
 
 /// What shapes may have; the others stand by themselves.
 const OF_SHAPES: &str = "area";
@@ -33,18 +35,22 @@ const TYPES: [(&str, Add); 5] = [
     ("spot", spot),
 ];
 
-/// The emission of a shape.
-pub fn area(fields: &Fields) -> Result<Emission, SceneError> {
+/// The emission of a shape, and a picture of it.
+pub fn area(fields: &Fields) -> Result<(Emission, Option<Wanted>), SceneError> {
     if fields.object.plugin != OF_SHAPES {
         let problem = "is not the light of a shape";
         return Err(fields.refuse(problem, "use an area emitter, or move it out of the shape"));
     }
-    let radiance = fields.spectrum_or("radiance", Kind::Emission, 1.0)?;
+    let wanted = fields.wanted("radiance", Use::Radiance);
+    let radiance = match &wanted {
+        Some(_) => Spectrum::Rgb([1.0; 3]),
+        None => fields.spectrum_or("radiance", Kind::Emission, 1.0)?,
+    };
     fields.ignore(&["sampling_weight"]);
     let emission = Emission { radiance };
     emission.check().map_err(|fault| fields.fault(fault, &[]))?;
     fields.finish()?;
-    Ok(emission)
+    Ok((emission, wanted))
 }
 
 impl Import<'_> {

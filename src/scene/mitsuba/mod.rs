@@ -18,6 +18,7 @@ mod sensors;
 mod shapes;
 mod spectra;
 mod text;
+mod textures;
 mod transforms;
 mod tree;
 mod xml;
@@ -39,7 +40,8 @@ use super::gltf::files::Files;
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
-    Boundary, Bsdf, Filling, Geometry, Material, Mesh, Name, Sides, Skin, Transform, World,
+    Boundary, Bsdf, Filling, Geometry, Material, Mesh, Name, Picture, Sides, Skin, Textures,
+    Transform, World,
 };
 use crate::image::read_bytes;
 use crate::spectrum::Spectrum;
@@ -115,6 +117,7 @@ impl MitsubaFile {
             materials: BTreeMap::new(),
             media: BTreeMap::new(),
             geometries: BTreeMap::new(),
+            pictures: BTreeMap::new(),
             shapes: 0,
             has_environment: false,
         };
@@ -140,8 +143,11 @@ struct Import<'a> {
     /// Material entities or what is wrong with them, by the objects that they are made of.
     materials: BTreeMap<MaterialKey, Result<Entity, SceneError>>,
     media: BTreeMap<usize, Result<Entity, SceneError>>,
-    /// Meshes by file, index, and whether they are flat and inside out.
-    geometries: BTreeMap<(String, u32, bool, bool), Arc<Geometry>>,
+    /// Meshes by file, index, and whether they are flat, inside out, and with mirrored texture
+    /// coordinates.
+    geometries: BTreeMap<(String, u32, [bool; 3]), Arc<Geometry>>,
+    /// Pictures of textures by file.
+    pictures: BTreeMap<String, Arc<Picture>>,
     /// How many shapes instances have made.
     shapes: usize,
     has_environment: bool,
@@ -200,6 +206,10 @@ impl Import<'_> {
         let is_inside_out = matches!(form.body, Body::Ball(_, true));
         let key = (bsdf, emitter, form.is_closed && emitter.is_some(), is_inside_out);
         let material = self.material(fields, key)?;
+        let form = match self.world.entities().satisfies::<&Textures>(material) {
+            true => self.painted(fields, form),
+            false => form,
+        };
         let bsdf = self.world.entities().get::<&Bsdf>(material).map(|bsdf| (*bsdf).clone());
         if let Ok(bsdf) = bsdf {
             self.check_sheet(fields, &bsdf, &form)?;
@@ -310,19 +320,23 @@ impl Import<'_> {
         shape: &Fields,
         (bsdf, emitter, is_closed, is_inside_out): MaterialKey,
     ) -> Result<Entity, SceneError> {
-        let emission = match emitter {
-            Some(emitter) => Some(emitters::area(&Fields::of(self.tree, emitter))?),
-            None => None,
+        let (emission, glow) = match emitter {
+            Some(emitter) => {
+                let (emission, glow) = emitters::area(&Fields::of(self.tree, emitter))?;
+                (Some(emission), glow)
+            }
+            None => (None, None),
         };
         let own = bsdf.map(|bsdf| &self.tree.objects[bsdf]);
-        let Surface { bsdf, two_sided } = match bsdf {
+        let surface = match bsdf {
             Some(bsdf) => bsdfs::read(&Fields::of(self.tree, bsdf))?,
             None => {
                 let reflectance = if emission.is_some() { 0.0 } else { 0.5 };
-                let bsdf = diffuse_or_black(Spectrum::Constant(reflectance));
-                Surface { bsdf, two_sided: false }
+                diffuse_or_black(Spectrum::Constant(reflectance)).into()
             }
         };
+        let Surface { bsdf, two_sided, mut wanted, even } = surface;
+        wanted.extend(glow);
         let label = own.map_or_else(|| shape.label(), Object::label);
         let refuse = |problem: &str, remedy: &str| Err(SceneError::new(&label, problem, remedy));
         let mut material = Material { bsdf, sides: Sides { two_sided }, emission };
@@ -344,8 +358,13 @@ impl Import<'_> {
                 return refuse(problem, "use a bsdf that is not twosided");
             }
         }
+        let textures = self.textures(&wanted, even)?;
         let put = self.world.put_material(Name(label.clone()), material);
-        put.map_err(|fault| SceneError::at(&label, fault))
+        let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
+        if !textures.is_empty() {
+            self.world.set_textures(entity, textures)?;
+        }
+        Ok(entity)
     }
 
     /// A mesh without what no ray ever meets.

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec3Swizzles};
 
 use super::Import;
 use super::fields::Fields;
@@ -133,13 +133,40 @@ fn flat(
 }
 
 fn rectangle(_: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
-    flat(fields, Geometry::quad(Vec3::ZERO, Vec3::X, Vec3::Y), true, false)
+    let quad = Geometry::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
+    let texture_coordinates = quad.positions.iter().map(|at| 0.5 * (at.xy() + 1.0)).collect();
+    flat(fields, Geometry { texture_coordinates, ..quad }, true, false)
 }
 
 fn cube(_: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
     // Its faces are flat whatever is said.
     fields.ignore(&["face_normals"]);
-    flat(fields, Geometry::cuboid(Vec3::NEG_ONE, Vec3::ONE), false, true)
+    flat(fields, unwrapped(&Geometry::cuboid(Vec3::NEG_ONE, Vec3::ONE)), false, true)
+}
+
+/// A cube about zero with corners of its own for each face, and texture coordinates.
+fn unwrapped(cube: &Geometry) -> Geometry {
+    let mut unwrapped = Geometry::default();
+    for triangle in &cube.triangles {
+        let corners = triangle.map(|row| cube.positions[row as usize]);
+        let middle = (corners[0] + corners[1] + corners[2]).round();
+        let at = |axis: Vec3| move |point: Vec3| 0.5 * (point.dot(axis) + 1.0);
+        // Which way coordinates grow on a face, by its normal.
+        let [u, v] = match middle.to_array().map(|value| (value / 3.0).trunc() as i32) {
+            [0, 0, 1] => [Vec3::Y, Vec3::X],
+            [0, 0, _] => [Vec3::NEG_Y, Vec3::X],
+            [1, ..] => [Vec3::Y, Vec3::NEG_Z],
+            [-1, ..] => [Vec3::Y, Vec3::Z],
+            [_, 1, _] => [Vec3::NEG_X, Vec3::NEG_Z],
+            [..] => [Vec3::Z, Vec3::X],
+        };
+        let first = unwrapped.positions.len() as u32;
+        unwrapped.positions.extend(corners);
+        let pairs = corners.map(|point| Vec2::new(at(u)(point), at(v)(point)));
+        unwrapped.texture_coordinates.extend(pairs);
+        unwrapped.triangles.push([first, first + 1, first + 2]);
+    }
+    unwrapped
 }
 
 /// The corners of a regular polygon that has the area of the unit disk.
@@ -153,9 +180,21 @@ fn ring() -> impl Iterator<Item = DVec3> {
 }
 
 fn disk(_: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
-    let positions = ring().map(|point| point.as_vec3()).chain([Vec3::ZERO]).collect();
-    let triangles = (0..CORNERS).map(|index| [CORNERS, index, (index + 1) % CORNERS]);
-    flat(fields, Geometry::new(positions, triangles.collect()), true, false)
+    // A middle for each triangle, and the first corner once more: u is the radius, v the angle.
+    let around: Vec<Vec3> = ring().map(|point| point.as_vec3()).collect();
+    let angle = |steps: f32| steps / CORNERS as f32;
+    let mut geometry = Geometry::default();
+    for index in 0..=CORNERS {
+        geometry.positions.push(around[(index % CORNERS) as usize]);
+        geometry.texture_coordinates.push(Vec2::new(1.0, angle(index as f32)));
+    }
+    for index in 0..CORNERS {
+        let middle = geometry.positions.len() as u32;
+        geometry.positions.push(Vec3::ZERO);
+        geometry.texture_coordinates.push(Vec2::new(0.0, angle(index as f32 + 0.5)));
+        geometry.triangles.push([middle, index, index + 1]);
+    }
+    flat(fields, geometry, true, false)
 }
 
 fn cylinder(import: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
@@ -174,16 +213,21 @@ fn cylinder(import: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
     let scale = DVec3::new(radius, radius, (to - from).length());
     let turn = DMat3::from_cols(across, axis.cross(across), axis);
     let frame = DAffine3::from_mat3_translation(turn, from) * DAffine3::from_scale(scale);
-    let ends = |z: f64| ring().map(move |point| (point + DVec3::Z * z).as_vec3());
+    // The first corner is there once more, with the angle of a whole turn.
+    const ROW: u32 = CORNERS + 1;
+    let around = || ring().chain(ring().take(1));
+    let ends = |z: f64| around().map(move |point| (point + DVec3::Z * z).as_vec3());
     let normal = |point: DVec3| point.normalize().as_vec3();
+    let pair = |index: u32, v: f32| Vec2::new(index as f32 / CORNERS as f32, v);
     let geometry = Geometry {
         positions: ends(0.0).chain(ends(1.0)).collect(),
-        normals: ring().chain(ring()).map(normal).collect(),
+        normals: around().chain(around()).map(normal).collect(),
+        texture_coordinates: [0.0, 1.0]
+            .into_iter()
+            .flat_map(|v| (0..ROW).map(move |index| pair(index, v)))
+            .collect(),
         triangles: (0..CORNERS)
-            .flat_map(|index| {
-                let [a, b] = [index, (index + 1) % CORNERS];
-                [[a, b, b + CORNERS], [a, b + CORNERS, a + CORNERS]]
-            })
+            .flat_map(|a| [[a, a + 1, a + 1 + ROW], [a, a + 1 + ROW, a + ROW]])
             .collect(),
         ..Geometry::default()
     };
@@ -203,6 +247,52 @@ fn sphere(_: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
     Ok(Form { body: Body::Ball(ball, flip), to_world, has_axis: false, is_closed: !flip })
 }
 
+impl Import<'_> {
+    /// A shape that a texture can lie on: spheres become meshes, round to the eye and smooth.
+    pub fn painted(&mut self, fields: &Fields, form: Form) -> Form {
+        let Body::Ball(ball, flip) = form.body else { return form };
+        let text = "a sphere with textures is made of triangles";
+        self.warnings.add(&fields.label(), text);
+        let radius = ball.radius;
+        let geometry = globe(radius);
+        let body =
+            Body::Mesh(Arc::new(Soup { geometry, points: Vec::new() }.finished(false, flip)));
+        Form { body, ..form }
+    }
+}
+
+/// A sphere of triangles: u is the angle about z, v that from it.
+fn globe(radius: f64) -> Geometry {
+    const ROWS: u32 = CORNERS;
+    const COLUMNS: u32 = 2 * CORNERS;
+    let mut geometry = Geometry::default();
+    for row in 0..=ROWS {
+        for column in 0..=COLUMNS {
+            let [u, v] = [(column, COLUMNS), (row, ROWS)]
+                .map(|(at, count)| f64::from(at) / f64::from(count));
+            let ((sine, cosine), (y, x)) =
+                (sin_cos(PI * v), sin_cos(TAU * f64::from(column % COLUMNS) / f64::from(COLUMNS)));
+            let normal = DVec3::new(sine * x, sine * y, cosine);
+            geometry.positions.push((normal * radius).as_vec3());
+            geometry.normals.push(normal.as_vec3());
+            geometry.texture_coordinates.push(Vec2::new(u as f32, v as f32));
+        }
+    }
+    let at = |row: u32, column: u32| row * (COLUMNS + 1) + column;
+    for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
+        let [a, b] = [at(row, column), at(row, column + 1)];
+        let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+        // At the poles one of the two has no area.
+        if row > 0 {
+            geometry.triangles.push([a, d, b]);
+        }
+        if row + 1 < ROWS {
+            geometry.triangles.push([a, c, d]);
+        }
+    }
+    geometry
+}
+
 /// A mesh of a file, read once for all shapes that want it alike.
 fn from_file(
     import: &mut Import,
@@ -216,22 +306,29 @@ fn from_file(
         "serialized" => fields.count("shape_index")?.unwrap_or(0),
         _ => 0,
     };
-    // Nothing is mapped onto surfaces.
-    fields.ignore(&["flip_tex_coords"]);
+    let is_obj = fields.object.plugin == "obj";
+    let flip_coordinates = match fields.object.plugin.as_str() {
+        "serialized" => false,
+        _ => fields.boolean("flip_tex_coords")?.unwrap_or(is_obj),
+    };
     let Some(name) = fields.text("filename")? else {
         return Err(fields.wrong("filename", "is missing", "add it"));
     };
     let path = import.paths.of(name, import.files);
-    let key = (path.clone(), index, face_normals, flip_normals);
+    let key = (path.clone(), index, [face_normals, flip_normals, flip_coordinates]);
     let geometry = match import.geometries.get(&key) {
         Some(geometry) => Arc::clone(geometry),
         None => {
             let place = format!("{}, filename", fields.label());
             let bytes = import.files.named(&path, &place, BYTES_MAX)?;
-            let soup = read(&bytes, index as usize).map_err(|problem| {
+            let mut soup = read(&bytes, index as usize).map_err(|problem| {
                 let name = excerpt(name, NAME);
                 fields.wrong("filename", format!("{name}: {problem}"), "export the mesh again")
             })?;
+            if flip_coordinates {
+                let coordinates = &mut soup.geometry.texture_coordinates;
+                coordinates.iter_mut().for_each(|pair| pair.y = 1.0 - pair.y);
+            }
             let geometry = import.cleaned(fields, soup.finished(face_normals, flip_normals))?;
             import.geometries.insert(key, Arc::clone(&geometry));
             geometry

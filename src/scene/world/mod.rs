@@ -89,7 +89,7 @@ pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::sheet::{Action, Delay, Grid, Hand};
 pub(super) use self::texture::half_hash;
 pub use self::texture::{
-    Coverage, Filter, Paint, Picture, Reads, Relief, Taps, Texture, Textures, Wrap,
+    Coverage, Filter, Paint, Picture, Reads, Relief, ReliefFrame, Taps, Texture, Textures, Wrap,
 };
 pub use self::thin_film::ThinFilm;
 pub use self::transform::Transform;

@@ -33,6 +33,8 @@ pub enum Parameter {
     ClothColor,
     /// The root of `cloth_alpha` of layers.
     ClothRoughness,
+    /// `alpha` of [`SurfaceModel::RoughConductor`] and [`SurfaceModel::RoughDielectric`].
+    Alpha,
 }
 
 impl Parameter {
@@ -46,6 +48,7 @@ impl Parameter {
             | Self::ClothColor => Some(Role::Reflectance),
             Self::Metallic
             | Self::Roughness
+            | Self::Alpha
             | Self::Specular
             | Self::Transmission
             | Self::DiffuseTransmission
@@ -75,6 +78,10 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 Self::MetallicRoughness { alpha, .. } | Self::RoughDielectric { alpha, .. },
                 Parameter::Roughness,
             ) => *alpha = number * number,
+            (
+                Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. },
+                Parameter::Alpha,
+            ) => *alpha = number,
             (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
             (
                 Self::Absorber

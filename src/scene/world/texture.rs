@@ -386,18 +386,28 @@ pub enum Reads {
     Blue,
     /// Alpha, as a number.
     Alpha,
+    /// The luminance of the color, as a number.
+    Luminance,
 }
 
 impl Reads {
     /// That of a texel; a number three times.
     #[inline]
     pub fn of(self, [red, green, blue, alpha]: [f32; 4]) -> [f32; 3] {
+        /// Of linear sRGB (ITU-R BT.709).
+        const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
         match self {
             Self::Color => [red, green, blue],
             Self::Red => [red; 3],
             Self::Green => [green; 3],
             Self::Blue => [blue; 3],
             Self::Alpha => [alpha; 3],
+            // Exact where there is no color.
+            Self::Luminance if red == green && green == blue => [red; 3],
+            Self::Luminance => {
+                let [r, g, b] = LUMINANCE;
+                [r.mul_add(red, g.mul_add(green, b * blue)); 3]
+            }
         }
     }
 }
@@ -450,13 +460,25 @@ impl Coverage {
     }
 }
 
-/// Shading normals by a picture, in the frame of tangents.
+/// What shading normals by a picture are relative to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ReliefFrame {
+    /// Right and up of the picture as it lies on the surface, or the tangents of the mesh: glTF's.
+    Picture,
+    /// Right is where the first of the mesh's texture coordinates grows, whatever turns the
+    /// picture, and up is the normal cross right: Mitsuba's.
+    Mesh,
+}
+
+/// Shading normals by a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     /// The picture: from 0 to 1 what is from -1 to 1 to the right, up, and out of it.
     pub texture: Texture,
     /// What the first two of these are multiplied by.
     pub scale: f32,
+    /// Which directions right and up are.
+    pub frame: ReliefFrame,
 }
 
 /// What of a material differs from place to place.

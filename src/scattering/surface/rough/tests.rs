@@ -339,8 +339,8 @@ pub const COATED: f64 = 0.012;
 #[test]
 fn lossless_metal_reflects_everything_if_multiple_scattering_is_there() {
     for distribution in Distribution::ALL {
-        for alpha in [0.0015, 0.0065, 0.012, 0.035, 0.1, 0.3, 0.6, 1.0] {
-            for cos in [0.0175, 0.07, 0.3, 0.7, 1.0] {
+        for alpha in [0.0015, 0.0065, 0.035, 0.3, 1.0] {
+            for cos in [0.0175, 0.07, 0.7, 1.0] {
                 let [all, once] = [true, false]
                     .map(|multiple| Model::lossless(alpha, distribution, multiple).albedo(cos));
                 assert!(

@@ -1,8 +1,9 @@
-//! Wavefront OBJ: positions, normals and polygons; groups, materials and lines are not looked at.
+//! Wavefront OBJ: positions, normals, texture coordinates and polygons; groups, materials and lines
+//! are not looked at.
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{ELEMENTS_MAX, Soup, fan};
 use crate::math::text::excerpt;
@@ -19,7 +20,10 @@ pub fn read(bytes: &[u8]) -> Result<Soup, String> {
             format!("line {}: {problem}: `{}`", index + 1, excerpt(text.trim(), LINE))
         })?;
     }
-    let Reader { mut soup, has_normals, .. } = reader;
+    let Reader { mut soup, has_normals, has_coordinates, .. } = reader;
+    if !has_coordinates {
+        soup.geometry.texture_coordinates = Vec::new();
+    }
     if !has_normals {
         soup.geometry.normals = Vec::new();
     }
@@ -30,18 +34,22 @@ pub fn read(bytes: &[u8]) -> Result<Soup, String> {
 struct Reader {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// Vertices by position and normal, counted from 1; 0 is no normal.
-    vertices: HashMap<[usize; 2], u32>,
+    coordinates: Vec<Vec2>,
+    /// Vertices by position, texture coordinates and normal, counted from 1; 0 is none of these.
+    vertices: HashMap<[usize; 3], u32>,
     soup: Soup,
     has_normals: bool,
+    has_coordinates: bool,
 }
 
 impl Reader {
     fn line(&mut self, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
         match words.next() {
-            Some("v") => self.positions.push(vector(words)?),
-            Some("vn") => self.normals.push(vector(words)?),
+            Some("v") => self.positions.push(Vec3::from(vector(words)?)),
+            Some("vn") => self.normals.push(Vec3::from(vector(words)?)),
+            // A third number is of pictures in space.
+            Some("vt") => self.coordinates.push(Vec2::from(vector(words)?)),
             Some("f") => {
                 let corners: Result<Vec<u32>, String> =
                     words.map(|word| self.corner(word)).collect();
@@ -59,18 +67,22 @@ impl Reader {
     fn corner(&mut self, word: &str) -> Result<u32, String> {
         let mut parts = word.split('/');
         let position = index(parts.next().unwrap_or_default(), self.positions.len())?;
-        let normal = match parts.nth(1) {
-            None | Some("") => 0,
-            Some(text) => index(text, self.normals.len())?,
+        let mut of = |count: usize| match parts.next() {
+            None | Some("") => Ok(0),
+            Some(text) => index(text, count),
         };
+        let (place, normal) = (of(self.coordinates.len())?, of(self.normals.len())?);
         self.has_normals |= normal > 0;
+        self.has_coordinates |= place > 0;
         let soup = &mut self.soup;
         let next = soup.geometry.positions.len() as u32;
-        let vertex = *self.vertices.entry([position, normal]).or_insert(next);
+        let vertex = *self.vertices.entry([position, place, normal]).or_insert(next);
         if vertex == next {
             soup.geometry.positions.push(self.positions[position - 1]);
             let own = normal.checked_sub(1).map(|normal| self.normals[normal]);
             soup.geometry.normals.push(own.unwrap_or(Vec3::ZERO));
+            let own = place.checked_sub(1).map(|place| self.coordinates[place]);
+            soup.geometry.texture_coordinates.push(own.unwrap_or(Vec2::ZERO));
             soup.points.push((position - 1) as u32);
         }
         Ok(vertex)
@@ -85,10 +97,14 @@ fn index(text: &str, count: usize) -> Result<usize, String> {
     index.ok_or_else(|| format!("there is no {number} of {count}"))
 }
 
-fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Vec3, String> {
-    let mut next = || {
+fn vector<'a, const K: usize>(
+    mut words: impl Iterator<Item = &'a str>,
+) -> Result<[f32; K], String> {
+    let mut vector = [0.0; K];
+    for value in &mut vector {
         let number = words.next().and_then(|word| word.parse::<f32>().ok());
-        number.filter(|number| number.is_finite()).ok_or("needs three numbers")
-    };
-    Ok(Vec3::new(next()?, next()?, next()?))
+        let number = number.filter(|number| number.is_finite());
+        *value = number.ok_or_else(|| format!("needs {K} numbers"))?;
+    }
+    Ok(vector)
 }

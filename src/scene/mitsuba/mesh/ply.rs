@@ -1,7 +1,7 @@
-//! PLY: vertices with positions and normals, and polygons; ASCII or binary of either byte order.
-//! What else there is is passed over.
+//! PLY: vertices with positions, normals and texture coordinates, and polygons; ASCII or binary of
+//! either byte order. What else there is is passed over.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::bytes::Bytes;
 use super::{ELEMENTS_MAX, Soup, fan};
@@ -181,19 +181,32 @@ struct Kept {
     is_vertex: bool,
     is_face: bool,
     has_normals: bool,
+    has_coordinates: bool,
     corners: Vec<u32>,
 }
 
 /// The properties of vertices that are kept.
-const OF_VERTICES: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
+const OF_VERTICES: [&str; 8] = ["x", "y", "z", "nx", "ny", "nz", "u", "v"];
+/// What texture coordinates are called, too.
+const COORDINATES: [[&str; 2]; 2] = [["s", "u"], ["t", "v"]];
+
+/// The place of a property among those of vertices.
+fn place_of(name: &str) -> Option<usize> {
+    let renamed = COORDINATES.iter().find(|[other, _]| *other == name);
+    let name = renamed.map_or(name, |[_, own]| own);
+    OF_VERTICES.iter().position(|known| *known == name)
+}
 
 impl Kept {
     fn of(element: &Element) -> Self {
-        let has = |name: &str| element.properties.iter().any(|property| property.name == name);
+        let places: Vec<usize> =
+            element.properties.iter().filter_map(|it| place_of(&it.name)).collect();
+        let has = |mut range: std::ops::Range<usize>| range.all(|place| places.contains(&place));
         Self {
             is_vertex: element.name == "vertex",
             is_face: element.name == "face",
-            has_normals: OF_VERTICES[3..].iter().all(|name| has(name)),
+            has_normals: has(3..6),
+            has_coordinates: has(6..8),
             corners: Vec::new(),
         }
     }
@@ -208,11 +221,11 @@ impl Kept {
         if element.properties.is_empty() {
             return Err(format!("its {} have no properties", excerpt(&element.name, LINE)));
         }
-        let mut vertex = [0.0_f32; 6];
+        let mut vertex = [0.0_f32; OF_VERTICES.len()];
         for Property { name, count, scalar } in &element.properties {
             let Some(count) = count else {
                 let value = source.next(*scalar).ok_or_else(ends)?;
-                if let Some(at) = OF_VERTICES.iter().position(|known| known == name) {
+                if let Some(at) = place_of(name) {
                     vertex[at] = value as f32;
                 }
                 continue;
@@ -232,10 +245,13 @@ impl Kept {
             }
         }
         if self.is_vertex {
-            let [x, y, z, nx, ny, nz] = vertex;
+            let [x, y, z, nx, ny, nz, u, v] = vertex;
             soup.geometry.positions.push(Vec3::new(x, y, z));
             if self.has_normals {
                 soup.geometry.normals.push(Vec3::new(nx, ny, nz));
+            }
+            if self.has_coordinates {
+                soup.geometry.texture_coordinates.push(Vec2::new(u, v));
             }
         }
         match soup.geometry.triangles.len() {

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::bytes::Bytes;
 use super::{ELEMENTS_MAX, Soup};
@@ -80,10 +80,12 @@ fn mesh(bytes: &[u8], version: u16) -> Option<Soup> {
     if flags & HAS_NORMALS != 0 {
         soup.geometry.normals = vectors(&mut bytes, vertices, width)?;
     }
-    for (flag, numbers) in [(HAS_TEXTURE_COORDINATES, 2), (HAS_COLORS, 3)] {
-        if flags & flag != 0 {
-            bytes.skip(vertices * numbers * width)?;
-        }
+    if flags & HAS_TEXTURE_COORDINATES != 0 {
+        let pairs = rows::<2>(&mut bytes, vertices, width)?;
+        soup.geometry.texture_coordinates = pairs.into_iter().map(Vec2::from).collect();
+    }
+    if flags & HAS_COLORS != 0 {
+        bytes.skip(vertices * 3 * width)?;
     }
     if bytes.left() < triangles * 12 {
         return None;
@@ -95,14 +97,25 @@ fn mesh(bytes: &[u8], version: u16) -> Option<Soup> {
 }
 
 fn vectors(bytes: &mut Bytes, count: usize, width: usize) -> Option<Vec<Vec3>> {
-    if bytes.left() < count * 3 * width {
+    Some(rows::<3>(bytes, count, width)?.into_iter().map(Vec3::from).collect())
+}
+
+fn rows<const K: usize>(bytes: &mut Bytes, count: usize, width: usize) -> Option<Vec<[f32; K]>> {
+    if bytes.left() < count * K * width {
         return None;
     }
     let mut number = || match width {
         4 => bytes.take().map(f32::from_le_bytes),
         _ => bytes.take().map(|bytes| f64::from_le_bytes(bytes) as f32),
     };
-    (0..count).map(|_| Some(Vec3::new(number()?, number()?, number()?))).collect()
+    let mut row = || {
+        let mut row = [0.0; K];
+        for value in &mut row {
+            *value = number()?;
+        }
+        Some(row)
+    };
+    (0..count).map(|_| row()).collect()
 }
 
 fn check(soup: Soup) -> Result<Soup, String> {
