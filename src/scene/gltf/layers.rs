@@ -196,7 +196,8 @@ impl Import<'_> {
                     findings.note(read.map(|number| *field(layers) = number * number));
                 }
                 At::Color(field) => {
-                    let mut color = color(value, of.default, &place)?;
+                    let read = color(value, of.default, &place);
+                    let Some(mut color) = findings.note(read) else { continue };
                     if of.parameter == Parameter::SpecularColor && color.iter().any(|it| *it > 1.0)
                     {
                         let text = "specularColorFactor is more than 1 and taken as 1";
