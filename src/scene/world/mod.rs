@@ -49,6 +49,7 @@ mod sampled;
 mod shape;
 mod sheet;
 mod texture;
+mod textures;
 mod thin_film;
 mod transform;
 
@@ -89,8 +90,9 @@ pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::sheet::{Action, Delay, Grid, Hand};
 pub(super) use self::texture::half_hash;
 pub use self::texture::{
-    Coverage, Filter, Paint, Picture, Reads, Relief, ReliefFrame, Taps, Texture, Textures, Wrap,
+    Coverage, Filter, Paint, Picture, Reads, Relief, ReliefFrame, Taps, Texture, Wrap,
 };
+pub use self::textures::Textures;
 pub use self::thin_film::ThinFilm;
 pub use self::transform::Transform;
 
