@@ -26,12 +26,13 @@ pub fn photons<const N: usize, M: LightModel<N>>(
         if path_length == 1 {
             return;
         }
-        let (WalkTables { surfaces, partition, .. }, paths) = (&w.walk, &w.light[1]);
+        let (WalkTables { surfaces, partition, hits: [hits, _], .. }, paths) =
+            (&w.walk, &w.light[1]);
         w.profile.time(Stage::Store, || {
             let merging = partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
             for (event, rows) in merging {
                 let arrived = Arrived { paths, surfaces, event, rows, path_length };
-                store_photons(&mut batch[map_of(event.met)], &arrived);
+                store_photons(&mut batch[map_of(event.met)], &arrived, (hits, scene));
             }
         });
     });

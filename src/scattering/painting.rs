@@ -233,6 +233,11 @@ impl<const N: usize> Scene<N> {
         found.unwrap_or(1.0)
     }
 
+    /// The same of a row that has been hit.
+    pub fn coverage_of(&self, surfaces: &SurfaceColumns, hits: &HitColumns, row: usize) -> f32 {
+        self.coverage_at(surfaces.primitive[row], [hits.u[row], hits.v[row]])
+    }
+
     /// What a point of an emitter emits over what its lamp does, by textures; of one that is
     /// infinitely far away, what comes from a direction.
     pub fn tint(&self, emitter: usize, position: Vec3, direction: Vec3) -> [f32; N] {

@@ -444,6 +444,12 @@ impl<const N: usize> Scene<N> {
         }
     }
 
+    /// Whether some surfaces are there by a share, which light meets or passes.
+    #[inline(always)]
+    pub fn has_holes(&self) -> bool {
+        self.straight_on_kinds.contains(&Crossed::Holes)
+    }
+
     /// Whether some media or surfaces have peaks.
     pub fn has_peaks(&self) -> bool {
         self.has_narrow_facets || self.media.iter().any(|medium| medium.peak > 0.0)

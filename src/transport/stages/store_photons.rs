@@ -1,7 +1,9 @@
 //! Keeps what light paths bring to surfaces and media as photons.
 
+use crate::geometry::HitColumns;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::polarization::{Arrival, LightCarrier, Stokes};
+use crate::scattering::{Met, Scene};
 use crate::transport::Arrived;
 use crate::transport::sides::LightSide;
 use crate::transport::tables::carriers::LightCarriers;
@@ -11,12 +13,14 @@ use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directio
 /// of polarization is kept relative to it.
 ///
 /// From: depolarize_light. To: the photon maps.
-/// Writes: photons. Reads: arrived (paths, surfaces).
+/// Writes: photons. Reads: arrived (paths, surfaces), hits, scene.
 pub fn store_photons<const N: usize, C: LightSide<N>>(
     photons: &mut PhotonTable<N>,
     arrived: &Arrived<N, C>,
+    (hits, scene): (&HitColumns, &Scene<N>),
 ) {
-    let &Arrived { paths, surfaces, ref rows, path_length, .. } = arrived;
+    let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
+    let has_holes = matches!(event.met, Met::Surface(_)) && scene.has_holes();
     let first = photons.len;
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
@@ -25,6 +29,15 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
         let mut power = [F32s::splat(0.0); N];
         for (power, beta) in power.iter_mut().zip(&paths.beta) {
             *power = lanes::load(beta, row);
+        }
+        if has_holes {
+            // Where light and sensor meet a surface that is there by a share, they meet the same
+            // part of it: that it is there counts once, and has counted for the sensor.
+            let there = lanes::each(|lane| match lane < live {
+                true => scene.coverage_of(surfaces, hits, row + lane),
+                false => 1.0,
+            });
+            power.iter_mut().for_each(|power| *power /= F32s::from(there));
         }
         let start = photons.len;
         if photons.class == PhotonClass::Power {
