@@ -271,9 +271,9 @@ fn numbers_out_of_range_are_told_in_the_units_of_the_file() {
             "(roughplastic), alpha: 3 must be within [0, 1]\n  help: give one number from 0",
         ),
         (
-            "<shape type='cube'><bsdf type='roughdielectric'><texture type='bitmap' name='alpha'>\
-             <string name='filename' value='a.png'/></texture></bsdf></shape>",
-            "(roughdielectric), alpha: must be one number\n  help: give one number from 0",
+            "<shape type='cube'><bsdf type='roughplastic'><texture type='checkerboard' \
+             name='alpha'/></bsdf></shape>",
+            "(roughplastic), alpha: must be one number\n  help: give one number from 0",
         ),
         (
             "<emitter type='spot'><float name='cutoff_angle' value='91'/></emitter>",

@@ -359,6 +359,6 @@ fn what_is_wrong_with_textures_is_told() {
     fs::write(&path, scene(&body)).unwrap();
     fs::write(path.with_file_name("a.obj"), triangle).unwrap();
     let error = load(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("has a texture by TEXCOORD_0"), "{error}");
+    assert!(error.contains("(obj), TEXCOORD_0: is missing, and a texture of"), "{error}");
     assert!(load_bytes("whole.xml", scene("").as_bytes()).is_ok());
 }

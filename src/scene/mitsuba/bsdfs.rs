@@ -127,7 +127,11 @@ fn diffuse(fields: &Fields) -> Result<Surface, SceneError> {
 fn reflectance(fields: &Fields, name: &str) -> Result<(Spectrum, Vec<Wanted>), SceneError> {
     match fields.wanted(name, Use::Parameter(Parameter::Reflectance)) {
         Some(wanted) => Ok((Spectrum::Rgb([1.0; 3]), vec![wanted])),
-        None => Ok((fields.spectrum_or(name, Kind::Share, 0.5)?, Vec::new())),
+        None => {
+            let reflectance = fields.spectrum_or(name, Kind::Share, 0.5)?;
+            super::spectra::check(fields, name, &reflectance, Range::UNIT)?;
+            Ok((reflectance, Vec::new()))
+        }
     }
 }
 
