@@ -368,6 +368,25 @@ fn spectra_are_seen_in_rgb_as_the_observer_sees_them() {
 }
 
 #[test]
+fn spectra_at_even_steps_are_those_at_the_wavelengths_named() {
+    let of = |spectrum: &str| {
+        let bsdf = format!("<bsdf type='diffuse'>{spectrum}</spectrum></bsdf>");
+        baked(&format!("<shape type='sphere'>{bsdf}</shape>")).optics.materials[0].model.clone()
+    };
+    let values = "<string name='values' value='0.25, 0.75, 0.5'/>";
+    let even = of(&format!(
+        "<spectrum type='regular' name='reflectance'><float name='wavelength_min' value='500'/>\
+         <float name='wavelength_max' value='600'/>{values}"
+    ));
+    let named = of(&format!(
+        "<spectrum type='irregular' name='reflectance'><string name='wavelengths' \
+         value='500, 550, 600'/>{values}"
+    ));
+    assert_eq!(even, SurfaceModel::Diffuse { reflectance: [0.75] });
+    assert_eq!(even, named);
+}
+
+#[test]
 fn instances_put_groups_in_places() {
     let scene = baked(
         "<shape type='shapegroup' id='pair'><shape type='sphere'/><shape type='sphere'>\

@@ -223,7 +223,7 @@ fn irregular(fields: &Fields, kind: Kind) -> Result<Spectrum, SceneError> {
 fn regular(fields: &Fields, kind: Kind) -> Result<Spectrum, SceneError> {
     let mut ends = [0.0; 2];
     for (end, name) in ends.iter_mut().zip(["wavelength_min", "wavelength_max"]) {
-        let value = fields.number("value")?;
+        let value = fields.number(name)?;
         *end = value.ok_or_else(|| fields.wrong(name, "is missing", "give it in nanometers"))?;
     }
     let values = list(fields, "values")?;
