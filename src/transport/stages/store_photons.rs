@@ -9,6 +9,10 @@ use crate::transport::sides::LightSide;
 use crate::transport::tables::carriers::LightCarriers;
 use crate::transport::tables::photons::{PhotonClass, PhotonTable, round_directions};
 
+/// Least share of a surface that photons are divided by: the few that meet what is hardly there
+/// would shine far over its edge. What such a surface is short of is less than this share of it.
+const SHARE_MIN: f32 = 0.25;
+
 /// Appends rows that have arrived. At depolarizers the power is all there is; elsewhere the state
 /// of polarization is kept relative to it.
 ///
@@ -37,7 +41,8 @@ pub fn store_photons<const N: usize, C: LightSide<N>>(
                 true => scene.coverage_of(surfaces, hits, row + lane),
                 false => 1.0,
             });
-            power.iter_mut().for_each(|power| *power /= F32s::from(there));
+            let there = F32s::from(there).fast_max(F32s::splat(SHARE_MIN));
+            power.iter_mut().for_each(|power| *power /= there);
         }
         let start = photons.len;
         if photons.class == PhotonClass::Power {
