@@ -26,7 +26,7 @@ pub fn photons<const N: usize, M: LightModel<N>>(
         if path_length == 1 {
             return;
         }
-        let (WalkTables { surfaces, partition, hits: [hits, _], .. }, paths) =
+        let (WalkTables { surfaces, partition, hits: [_, hits], .. }, paths) =
             (&w.walk, &w.light[1]);
         w.profile.time(Stage::Store, || {
             let merging = partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
