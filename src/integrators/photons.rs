@@ -1,8 +1,9 @@
 //! Light paths whose vertices become photons.
 
-use crate::scattering::Scene;
+use crate::math::columns::Columns;
+use crate::scattering::{Met, Scene};
 use crate::transport::stages::store_photons::store_photons;
-use crate::transport::tables::photon_maps::{PhotonMaps, map_of};
+use crate::transport::tables::photon_maps::{PhotonMaps, SURFACES, map_of};
 use crate::transport::tables::photons::PhotonTable;
 use crate::transport::{Arrived, Chunk, LightModel, Strategy};
 
@@ -22,18 +23,28 @@ pub fn photons<const N: usize, M: LightModel<N>>(
     maps: &PhotonMaps<N>,
 ) {
     LightWalk::start(w, scene, chunk);
+    // Paths leave photons between vertices, too.
+    let merges = maps.0[SURFACES].merges;
+    w.photons = merges.then(|| std::mem::replace(&mut batch[SURFACES], PhotonTable::absent()));
     walk::<LightWalk, N, M>(w, scene, chunk, Strategy::Merging, |w, path_length| {
         if path_length == 1 {
             return;
         }
-        let (WalkTables { surfaces, partition, hits: [_, hits], .. }, paths) =
-            (&w.walk, &w.light[1]);
-        w.profile.time(Stage::Store, || {
+        let Workspace { light: [_, paths], photons, profile, walk, .. } = w;
+        let WalkTables { surfaces, partition, .. } = walk;
+        profile.time(Stage::Store, || {
             let merging = partition.connectable().filter(|(event, _)| maps.merge_at(event.met));
             for (event, rows) in merging {
+                let to = match (event.met, &mut *photons) {
+                    (Met::Surface(_), Some(photons)) => photons,
+                    (met, _) => &mut batch[map_of(met)],
+                };
                 let arrived = Arrived { paths, surfaces, event, rows, path_length };
-                store_photons(&mut batch[map_of(event.met)], &arrived, (hits, scene));
+                store_photons(to, &arrived, scene);
             }
         });
     });
+    if let Some(photons) = w.photons.take() {
+        batch[SURFACES] = photons;
+    }
 }

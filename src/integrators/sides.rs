@@ -14,6 +14,7 @@ use crate::transport::stages::generate_sensor_paths::generate_sensor_paths;
 use crate::transport::stages::rescale_light::rescale_light;
 use crate::transport::stages::rescale_sensor::rescale_sensor;
 use crate::transport::stages::scatter_light::scatter_light;
+use crate::transport::stages::store_crossed_photons::store_crossed_photons;
 use crate::transport::stages::weigh_choice::weigh_choice;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::kernels::KernelColumns;
@@ -136,6 +137,9 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for SensorWalk {
         });
     }
 
+    /// They leave nothing.
+    fn leave_crossed(_: &mut Workspace<N, M>, _: &Crossing<N>, _: &Scene<N>, _: Finding) {}
+
     fn connect_flights(
         w: &mut Workspace<N, M>,
         crossing: Option<&Crossing<N>>,
@@ -207,6 +211,24 @@ impl<const N: usize, M: LightModel<N>> WalkSide<N, M> for LightWalk {
 
     /// Nor does their light stop there.
     fn meet_emitters_crossed(_: &mut Workspace<N, M>, _: &Crossing<N>, _: &Scene<N>, _: Finding) {}
+
+    /// Where photons are shot: all but those that come straight from an emitter, as elsewhere.
+    fn leave_crossed(
+        w: &mut Workspace<N, M>,
+        crossing: &Crossing<N>,
+        scene: &Scene<N>,
+        Finding { path_length, .. }: Finding,
+    ) {
+        let Workspace { photons: Some(photons), light: [paths, _], walk, profile, .. } = w else {
+            return;
+        };
+        if path_length > 1 {
+            let flights = &walk.flights;
+            profile.time(Stage::Store, || {
+                store_crossed_photons(photons, paths, crossing, flights, scene, path_length);
+            });
+        }
+    }
 
     /// What they leave in media is stored there.
     fn connect_flights(_: &mut Workspace<N, M>, _: Option<&Crossing<N>>, _: &Scene<N>, _: Finding) {

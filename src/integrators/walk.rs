@@ -64,6 +64,14 @@ pub trait WalkSide<const N: usize, M: LightModel<N>> {
         finding: Finding,
     );
 
+    /// Leaves at a crossing what is left there whether the path passes or not.
+    fn leave_crossed(
+        workspace: &mut Workspace<N, M>,
+        crossing: &Crossing<N>,
+        scene: &Scene<N>,
+        finding: Finding,
+    );
+
     /// Looks for lamps from the media that the segments are about to go through: up to a crossing,
     /// or to their ends.
     fn connect_flights(
@@ -205,6 +213,7 @@ fn cross<S: WalkSide<N, M>, const N: usize, M: LightModel<N>>(
         if scene.has_emitting_straight_on {
             S::meet_emitters_crossed(w, crossing, scene, finding);
         }
+        S::leave_crossed(w, crossing, scene, finding);
         let ([paths, _], walk, profile) = S::tables(w);
         let WalkTables { hits: [hits, _], flights, partition, departures, .. } = walk;
         let kernels = &mut departures.kernels;

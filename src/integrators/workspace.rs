@@ -14,6 +14,7 @@ use crate::transport::tables::merged::MergedRows;
 use crate::transport::tables::partition::Partition;
 use crate::transport::tables::paths::PathTable;
 use crate::transport::tables::photon_queries::PhotonQueries;
+use crate::transport::tables::photons::PhotonTable;
 use crate::transport::tables::pieces::PieceTable;
 use crate::transport::tables::vertices::{SlotOrder, VertexTable};
 
@@ -33,6 +34,8 @@ pub struct Workspace<const N: usize, M: LightModel<N>> {
     pub merged: MergedRows,
     /// Pieces of segments that lamps are looked for from.
     pub pieces: PieceTable,
+    /// Photons of surfaces, where light paths are to leave any.
+    pub photons: Option<PhotonTable<N>>,
     /// Connections under test.
     pub connections: ConnectionTable<N>,
     /// Light vertices in the order of storing, and by slot.
@@ -79,6 +82,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             queries: PhotonQueries::default(),
             merged: MergedRows::new(ROWS),
             pieces: PieceTable::new(ROWS),
+            photons: None,
             connections: ConnectionTable::new(4 * ROWS),
             vertices: std::array::from_fn(|_| VertexTable::new(4 * ROWS)),
             slot_order: SlotOrder::default(),

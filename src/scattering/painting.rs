@@ -228,14 +228,11 @@ impl<const N: usize> Scene<N> {
         let found = self.optics.painting.as_deref().and_then(|painting| {
             let (textures, _) = textures_at(self, painting, primitive)?;
             let coverage = textures.coverage.as_ref()?;
-            Some(coverage_at(coverage, (&self.shapes.painted(primitive)?, weights)))
+            let by_place =
+                || Some(coverage_at(coverage, (&self.shapes.painted(primitive)?, weights)));
+            coverage.even().or_else(by_place)
         });
         found.unwrap_or(1.0)
-    }
-
-    /// The same of a row that has been hit.
-    pub fn coverage_of(&self, surfaces: &SurfaceColumns, hits: &HitColumns, row: usize) -> f32 {
-        self.coverage_at(surfaces.primitive[row], [hits.u[row], hits.v[row]])
     }
 
     /// What a point of an emitter emits over what its lamp does, by textures; of one that is
@@ -250,6 +247,9 @@ impl<const N: usize> Scene<N> {
             let primitive = primitive(&self.optics.emitters[emitter].model);
             let surface = self.shapes.surfaces.get(self.shapes.surface_of(primitive) as usize)?;
             let textures = painting.of(surface.material as usize)?;
+            if !textures.differ_by_place() {
+                return Some([textures.coverage.as_ref()?.even()?; N]);
+            }
             let on = self.shapes.painted(primitive)?;
             let at = (&on, on.weights_at(position));
             let mut tint = [1.0; N];

@@ -57,6 +57,7 @@ pub mod flight;
 pub mod light_model;
 pub mod measure;
 pub mod mis;
+pub mod photon;
 pub mod piece;
 pub mod sampler;
 pub mod scale;

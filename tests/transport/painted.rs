@@ -342,39 +342,6 @@ fn holes_let_their_share_through() {
     }
 }
 
-/// Between two white sheets that are there by a share, under a sky of one, everything is one,
-/// whatever light has met before: what photons bring, too. 4.5 standard errors are exceeded in 1
-/// of 100,000 cases, of which there are 6.
-#[test]
-fn white_sheets_with_holes_vanish_in_a_white_sky() {
-    for share in [0.3_f32, 0.8] {
-        let paint = Paint {
-            factor: [share; 3],
-            texture: Some(texture(picture(1, |_, _| [0, 0, 0, 255]), Filter::Nearest)),
-            reads: Reads::Alpha,
-            by_vertices: false,
-        };
-        let coverage = Some(Coverage { paint, cutoff: None });
-        let textures = Textures { coverage, ..Textures::default() };
-        let white = Material::from(Bsdf::diffuse(1.0)).two_sided();
-        let mut world = screen(white.clone(), textures.clone());
-        let behind = world.add_material("behind", white).unwrap();
-        world.set_textures(behind, textures).unwrap();
-        let shape = quad(Vec3::Z * -0.4, Vec3::X, Vec3::Y);
-        world.add_mesh("behind", shape, behind, Transform::IDENTITY).unwrap();
-        world.set_environment(1.0).unwrap();
-        let scene: Arc<Scene<1>> = scene(&world, MONO, [6, 6]);
-        for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
-            let options = settings(integrator, Mode::Scalar, MONO, 32, 100);
-            let images = replicates(&scene, &options, 12);
-            let means: Vec<f64> = images.iter().map(mean_s0).collect();
-            let found = Estimate::of(&means);
-            let score = found.score(&Estimate::exact(1.0), 1.0).unwrap_or(0.0);
-            assert!(score.abs() < 4.5, "{integrator:?} {share}: {}, {score}", found.mean);
-        }
-    }
-}
-
 #[test]
 fn what_has_no_coordinates_takes_no_textures() {
     let way = texture(picture(1, |_, _| [9; 4]), Filter::Linear);

@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::document::Document;
+use super::extension::{Body, MATERIAL};
 use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
 use crate::image::texels::Coding;
@@ -192,8 +193,10 @@ impl Import<'_> {
             return None;
         }
         if bsdf.transmits() {
-            // What is even is for viewers that know no better.
-            if is_even {
+            // Models of our own have an alpha that is even for viewers which know none of them.
+            let has_own =
+                || Body::of(material, label, &MATERIAL).is_ok_and(|body| body.has("bsdf"));
+            if is_even && has_own() {
                 return None;
             }
             let text = "alpha is ignored: light goes through the surface anyway";

@@ -223,7 +223,8 @@ impl World {
         Ok(())
     }
 
-    /// Refuses textures on what has no coordinates for them: spheres, and meshes without.
+    /// Refuses textures on what has no coordinates for them: spheres, and meshes without. A share
+    /// that is the same everywhere goes by none.
     pub(super) fn check_painted(
         &self,
         material: Entity,
@@ -231,6 +232,9 @@ impl World {
     ) -> Result<(), Fault> {
         let Ok(textures) = self.entities.get::<&Textures>(material) else { return Ok(()) };
         let Some(geometry) = geometry else {
+            if !textures.differ_by_place() {
+                return Ok(());
+            }
             let problem = "has textures, and spheres have no coordinates for them";
             return Err(Fault::new("material", problem, "use a mesh"));
         };

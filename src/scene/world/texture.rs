@@ -448,6 +448,13 @@ pub struct Coverage {
 }
 
 impl Coverage {
+    /// The share that is there, if it is the same everywhere.
+    #[inline]
+    pub fn even(&self) -> Option<f32> {
+        let Paint { factor: [factor, ..], texture, by_vertices, .. } = &self.paint;
+        (texture.is_none() && !by_vertices).then(|| self.of(*factor))
+    }
+
     /// The share of a surface that is there, from 0 to 1, where its paint has a value.
     #[inline]
     pub fn of(&self, alpha: f32) -> f32 {

@@ -49,6 +49,13 @@ impl Textures {
         }
     }
 
+    /// Whether there is more to them than a share that is the same everywhere.
+    pub(crate) fn differ_by_place(&self) -> bool {
+        let Self { parameters, emission, relief, coverage } = self;
+        let is_even = coverage.as_ref().is_none_or(|coverage| coverage.even().is_some());
+        !parameters.is_empty() || emission.is_some() || relief.is_some() || !is_even
+    }
+
     /// All that is painted.
     pub fn paints(&self) -> impl Iterator<Item = &Paint> {
         let parameters = self.parameters.iter().map(|(_, paint)| paint);

@@ -36,6 +36,7 @@ pub mod rescale_sensor;
 pub mod scatter_light;
 pub mod scatter_medium;
 pub mod scatter_surfaces;
+pub mod store_crossed_photons;
 pub mod store_light_vertices;
 pub mod store_photons;
 pub mod trace_connections;

@@ -28,10 +28,13 @@ impl<const N: usize> PhotonMaps<N> {
     }
 }
 
+/// The place of the map of surfaces among the maps.
+pub const SURFACES: usize = 0;
+
 /// The place among the maps of what a vertex has met.
 pub fn map_of(met: Met) -> usize {
     match met {
-        Met::Surface(_) => 0,
+        Met::Surface(_) => SURFACES,
         Met::Medium(row) => 1 + row as usize,
     }
 }
