@@ -10,12 +10,14 @@
 //!   bounds more stays outside;
 //! - bodies of glass off opaque surfaces, twice as far, so that sheets and boundaries stay between:
 //!   they shrink, so that they stand there with air between, but coat what faces the same way. Two
-//!   of them are left where they are: see [`crate::scattering::nesting`].
+//!   of them are left where they are: see [`crate::scattering::nesting`];
+//! - the two sides of a body of glass that is thinner than that, away from each other: rays that
+//!   start at one would miss the other. Where it lies on something, both are moved off that.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
@@ -28,6 +30,10 @@ use crate::scene::baked::{RELATIVE_OFFSET, Sphere, Triangle};
 /// How far surfaces are set apart, relative to the largest coordinate of either: four times the
 /// offset of rays, two of which may come from either side.
 pub const CLEARANCE: f64 = 4.0 * RELATIVE_OFFSET;
+
+/// Thickness of bodies whose sides are moved together, relative to how far apart they must be: what
+/// lies on something is moved off it by less.
+const THIN: f64 = 3.0;
 
 /// Least cosine between two planes that count as one.
 const PARALLEL: f64 = 0.999;
@@ -63,30 +69,52 @@ struct Contact {
     clearance: f64,
 }
 
+/// What is close together.
+#[derive(Default)]
+struct Found {
+    /// Primitives of different surfaces.
+    contacts: Vec<Contact>,
+    /// Triangles of one body whose fronts face away from each other, or each other.
+    sides: Vec<Contact>,
+}
+
 /// Moves primitives of surfaces that give way, by `yields` of each surface.
 pub fn set_apart(tables: &mut Primitives, yields: &[Yields]) {
-    let moved: Vec<(usize, DVec3)> = by_primitive(contacts(tables, yields))
+    let Found { contacts, sides } = contacts(tables, yields);
+    let mut moved: BTreeMap<usize, DVec3> = by_primitive(contacts)
         .into_iter()
         .filter_map(|(primitive, contacts)| {
             let step = step_of(tables, yields, primitive, &contacts)?;
             Some((primitive, step))
         })
         .collect();
+    let is_flat = |it: &&Contact| {
+        let found = thickness(tables, it.primitive, it.other);
+        found.is_some_and(|(before, _)| before == 0.0)
+    };
+    let alone: BTreeSet<usize> = sides.iter().filter(is_flat).map(|it| it.primitive).collect();
+    let apart: Vec<(usize, DVec3)> = by_primitive(sides)
+        .into_iter()
+        .map(|(primitive, sides)| (primitive, step_of_side(tables, primitive, &sides, &moved)))
+        .collect();
+    moved.extend(apart.into_iter().filter(|(_, step)| *step != DVec3::ZERO));
+    let moved: Vec<(usize, DVec3)> = moved.into_iter().collect();
     move_spheres(tables, yields, &moved);
-    move_corners(tables, yields, &moved);
+    move_corners(tables, yields, &moved, &alone);
 }
 
-/// All pairs of a primitive that gives way and another surface's in the same place.
-fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
+/// All pairs of a primitive that gives way and another surface's in the same place, and of the
+/// sides of thin bodies.
+fn contacts(tables: &Primitives, yields: &[Yields]) -> Found {
     let count = tables.triangles.len() + tables.spheres.len();
     let gives_way = |primitive: &usize| !yields_at(tables, yields, *primitive).is_opaque();
     let yielding: Vec<usize> = (0..count).filter(gives_way).collect();
     if yielding.is_empty() {
-        return Vec::new();
+        return Found::default();
     }
     let tree = tree(tables, &yielding);
     let of_other = |other: usize| {
-        let mut found = Vec::new();
+        let mut found = Found::default();
         tree.aabb_traverse(bounds(tables.shapes(), other), |tree, node| {
             let node = &tree.nodes[node as usize];
             let first = node.first_index as usize;
@@ -94,19 +122,32 @@ fn contacts(tables: &Primitives, yields: &[Yields]) -> Vec<Contact> {
                 let primitive = yielding[index as usize];
                 let [one, two] = [primitive, other].map(|it| yields_at(tables, yields, it));
                 if one == Yields::AsBody && !two.is_opaque() {
+                    let side = thickness(tables, primitive, other);
+                    found.sides.extend(side.map(|(_, clearance)| Contact {
+                        primitive,
+                        other,
+                        clearance,
+                    }));
                     continue;
                 }
                 if let Some(clearance) = touch(tables, primitive, other) {
-                    found.push(Contact { primitive, other, clearance });
+                    found.contacts.push(Contact { primitive, other, clearance });
                 }
             }
             true
         });
         found
     };
-    let mut contacts: Vec<Contact> = (0..count).into_par_iter().flat_map_iter(of_other).collect();
-    contacts.sort_by_key(|contact| (contact.primitive, contact.other));
-    contacts
+    let of_others: Vec<Found> = (0..count).into_par_iter().map(of_other).collect();
+    let mut all = Found::default();
+    for Found { contacts, sides } in of_others {
+        all.contacts.extend(contacts);
+        all.sides.extend(sides);
+    }
+    for found in [&mut all.contacts, &mut all.sides] {
+        found.sort_by_key(|contact| (contact.primitive, contact.other));
+    }
+    all
 }
 
 /// A tree over the primitives that give way.
@@ -171,12 +212,47 @@ fn triangles_touch(corners: [[DVec3; 3]; 2]) -> Option<f64> {
     if one.normalize().dot(other.normalize()).abs() < PARALLEL {
         return None;
     }
+    let clearance = clearance_of(corners);
+    are_within(corners, clearance).then_some(clearance)
+}
+
+/// How far two triangles must be apart.
+fn clearance_of(corners: [[DVec3; 3]; 2]) -> f64 {
     let reach = |most: f64, corner: &DVec3| most.max(corner.abs().max_element());
-    let clearance = CLEARANCE * corners.iter().flatten().fold(0.0, reach);
+    CLEARANCE * corners.iter().flatten().fold(0.0, reach)
+}
+
+/// Whether the smaller of two triangles that are parallel lies over the larger, nearer than that.
+fn are_within(corners: [[DVec3; 3]; 2], distance: f64) -> bool {
+    let [one, other] = corners.map(normal);
     let [small, large] = if one.length() < other.length() { [0, 1] } else { [1, 0] };
     let plane = [one, other][large].normalize();
-    let is_near = |corner: &DVec3| (*corner - corners[large][0]).dot(plane).abs() < clearance;
-    (corners[small].iter().all(is_near) && overlap(corners, plane, clearance)).then_some(clearance)
+    let is_near = |corner: &DVec3| (*corner - corners[large][0]).dot(plane).abs() < distance;
+    corners[small].iter().all(is_near) && overlap(corners, plane, clearance_of(corners))
+}
+
+/// How far the first of two triangles of a body is before the other, if they face opposite ways
+/// and what is between is so thin that one might be moved through the other; and how far they must
+/// be apart.
+fn thickness(tables: &Primitives, one: usize, other: usize) -> Option<(f64, f64)> {
+    if one == other || tables.surface_of_primitive[one] != tables.surface_of_primitive[other] {
+        return None;
+    }
+    let (Shape::Triangle(a), Shape::Triangle(b)) = (shape(tables, one), shape(tables, other))
+    else {
+        return None;
+    };
+    let corners = [a, b].map(|it| it.corners.map(|corner| corner.as_dvec3()));
+    let [front, back] = corners.map(|corners| normal(corners).normalize());
+    if front.dot(back) > -PARALLEL {
+        return None;
+    }
+    let clearance = clearance_of(corners);
+    let middle = |[a, b, c]: [DVec3; 3]| (a + b + c) / 3.0;
+    let [small, large] = if area(tables, one) < area(tables, other) { [0, 1] } else { [1, 0] };
+    let before = (middle(corners[small]) - corners[large][0]).dot(front);
+    let before = if small == 0 { before } else { -before };
+    are_within(corners, THIN * clearance).then_some((before, clearance))
 }
 
 /// Whether two triangles of one plane overlap by more than their edges.
@@ -262,6 +338,29 @@ fn step_of(
     (steps > 0).then(|| direction * clearance * steps as f64)
 }
 
+/// Where a side of a thin body is moved to: off what it or the other side lies on, and away from
+/// that if need be.
+fn step_of_side(
+    tables: &Primitives,
+    primitive: usize,
+    sides: &[Contact],
+    moved: &BTreeMap<usize, DVec3>,
+) -> DVec3 {
+    let own = front(tables, primitive);
+    let of = |primitive: usize| moved.get(&primitive).copied().unwrap_or_default();
+    let mut step = of(primitive);
+    let mut apart = 0.0_f64;
+    for side in sides {
+        step = if step == DVec3::ZERO { of(side.other) } else { step };
+        let Some((before, clearance)) = thickness(tables, primitive, side.other) else { continue };
+        let away = 0.5 * (clearance - before.abs()).max(0.0);
+        // Where they face each other, there is air between, and the glass gives way.
+        let away = if before < 0.0 { -away } else { away };
+        apart = if away.abs() > apart.abs() { away } else { apart };
+    }
+    step + own * apart
+}
+
 /// Whether of two primitives in one place that give way alike one is the first, seen from outside
 /// or in the order of the file.
 fn is_before(tables: &Primitives, yields: &[Yields], one: usize, other: usize) -> bool {
@@ -317,26 +416,40 @@ fn move_spheres(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVe
 
 /// Moves corners, together with those of the same body in the same place, so that it stays closed:
 /// as far along every step as that is long.
-fn move_corners(tables: &mut Primitives, yields: &[Yields], moved: &[(usize, DVec3)]) {
+/// Those that are to be moved `alone` share their corners with another side.
+fn move_corners(
+    tables: &mut Primitives,
+    yields: &[Yields],
+    moved: &[(usize, DVec3)],
+    alone: &BTreeSet<usize>,
+) {
     let of_triangles = moved.iter().filter(|(it, _)| *it < tables.triangles.len());
     let mut steps: HashMap<(u32, [u32; 3]), DVec3> = HashMap::new();
     let bodies = match of_triangles.clone().next() {
         Some(_) => bodies(tables, yields),
         None => return,
     };
-    for &(primitive, step) in of_triangles {
+    for &(primitive, step) in of_triangles.clone().filter(|(it, _)| !alone.contains(it)) {
         for corner in tables.triangles[primitive].corners {
             let sum = steps.entry((bodies[primitive], place(corner))).or_default();
             let (length, direction) = (step.length(), step.normalize());
             *sum += direction * (length - sum.dot(direction)).max(0.0);
         }
     }
-    for (triangle, body) in tables.triangles.iter_mut().zip(bodies) {
-        let there = triangle.corners;
-        for (corner, at) in triangle.corners.iter_mut().zip(there) {
-            if let Some(step) = steps.get(&(body, place(at))) {
-                *corner = (at.as_dvec3() + *step).as_vec3();
+    let of_alone: Vec<(usize, DVec3)> =
+        of_triangles.filter(|(it, _)| alone.contains(it)).copied().collect();
+    let move_by = |corner: &mut Vec3, step: DVec3| *corner = (corner.as_dvec3() + step).as_vec3();
+    for (primitive, (triangle, body)) in tables.triangles.iter_mut().zip(bodies).enumerate() {
+        if alone.contains(&primitive) {
+            continue;
+        }
+        for corner in &mut triangle.corners {
+            if let Some(step) = steps.get(&(body, place(*corner))) {
+                move_by(corner, *step);
             }
         }
+    }
+    for (primitive, step) in of_alone {
+        tables.triangles[primitive].corners.iter_mut().for_each(|corner| move_by(corner, step));
     }
 }
