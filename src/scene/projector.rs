@@ -4,10 +4,12 @@
 //! 1 gives an irradiance of the light's intensity, all over. Between the middles of texels values
 //! are interpolated linearly, and stay those of the outermost beyond these.
 //!
-//! Directions are drawn by the picture. What is interpolated is a sum of one tent for each texel,
-//! folded at the picture's edges: so a texel is drawn by its brightness, and a place in its tent.
+//! Directions are drawn by the picture: one half of them as light is thrown, the other by
+//! brightness per steradian, for nearly all that a wide projector throws goes far off its axis.
+//! What is interpolated is a sum of one tent for each texel, folded at the picture's edges: so a
+//! texel is drawn by its share, and a place in its tent. Texels of small pictures are parted into
+//! cells for that, an odd number along either edge, so that what is between their middles still is.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
@@ -21,6 +23,8 @@ use crate::spectrum::{Carried, Role};
 
 /// Integers are encoded as sRGB, as in all pictures of colors.
 const CODING: Coding = Coding::Srgb;
+/// Cells along either edge at least: over one of them the cosine to the axis hardly changes.
+const CELLS: u32 = 32;
 
 /// A projector in its place, over its mean.
 #[derive(Clone, Debug)]
@@ -32,7 +36,11 @@ pub struct Projector {
     /// bottom.
     halves: [f64; 2],
     mean: f64,
-    /// Of every row, the brightness of its texels up to each; and of all rows up to each.
+    /// How many cells there are along the edges.
+    cells: [usize; 2],
+    /// How much each is drawn, row by row.
+    weights: Vec<f32>,
+    /// Of every row, the sums of the weights up to each; and of all rows up to each.
     along: Vec<f32>,
     down: Vec<f64>,
 }
@@ -41,22 +49,58 @@ impl Projector {
     /// In a place whose axes are those of the columns; half the angle that the picture takes up
     /// from left to right is in radians.
     pub fn new(Projection(picture): &Projection, axes: DMat3, half_angle: f64) -> Self {
-        let halves = Projection::halves(picture, half_angle);
-        let [width, height] = picture.texels().size();
-        let (mut along, mut down) = (Vec::new(), Vec::new());
+        let cells = picture.texels().size().map(|side| (side * parts_of(side)) as usize);
+        let mut projector = Self {
+            picture: Arc::clone(picture),
+            to_node: turn_of(axes).transpose(),
+            halves: Projection::halves(picture, half_angle),
+            mean: Projection::mean(picture, half_angle),
+            cells,
+            weights: Vec::new(),
+            along: Vec::new(),
+            down: Vec::new(),
+        };
+        projector.weigh_cells();
+        projector
+    }
+
+    /// Finds how much every cell is drawn.
+    fn weigh_cells(&mut self) {
+        let [width, height] = self.cells;
+        let of_cell = |cell: usize| {
+            let middle = [cell % width, cell / width].map(|at| at as f64 + 0.5);
+            let [value] = self.taps(self.texel_at(middle)).mixed(|it| [brightness(it) as f32]);
+            let [x, y] = self.across(middle);
+            (f64::from(value), 1.0 / DVec3::new(x, y, 1.0).length().powi(3))
+        };
+        let of_cells: Vec<(f64, f64)> = (0..width * height).map(of_cell).collect();
+        let thrown: f64 = of_cells.iter().map(|(value, _)| value).sum();
+        let seen: f64 = of_cells.iter().map(|(value, per_area)| value * per_area).sum();
+        let weight = |(value, per_area): &(f64, f64)| value * (1.0 + per_area * thrown / seen);
+        self.weights = of_cells.iter().map(|cell| weight(cell) as f32).collect();
         let mut sum = 0.0;
-        for row in 0..height {
+        for row in self.weights.chunks(width) {
             let mut of_row = 0.0;
-            for column in 0..width {
-                of_row += brightness(picture.texels().at(column, row, CODING));
-                along.push(of_row as f32);
+            for weight in row {
+                of_row += f64::from(*weight);
+                self.along.push(of_row as f32);
             }
             sum += of_row;
-            down.push(sum);
+            self.down.push(sum);
         }
-        let mean = Projection::mean(picture, half_angle);
-        let picture = Arc::clone(picture);
-        Self { picture, to_node: turn_of(axes).transpose(), halves, mean, along, down }
+    }
+
+    /// A place in cells as one in texels.
+    fn texel_at(&self, place: [f64; 2]) -> [f64; 2] {
+        let size = self.size();
+        std::array::from_fn(|axis| place[axis] * size[axis] / self.cells[axis] as f64)
+    }
+
+    /// Tangents of the angles, to the right and down, of a place in cells.
+    fn across(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis: usize| {
+            (2.0 * place[axis] / self.cells[axis] as f64 - 1.0) * self.halves[axis]
+        })
     }
 
     /// The mean over all directions of what others are relative to.
@@ -94,17 +138,12 @@ impl Projector {
     /// The texels about a place.
     fn taps(&self, place: [f64; 2]) -> Taps {
         let texels = self.picture.texels();
-        let about = |axis: usize| {
-            let last = texels.size()[axis] - 1;
-            let at = (place[axis] - 0.5).clamp(0.0, f64::from(last));
-            let first = (at as u32).min(last);
-            ([first, (first + 1).min(last)], (at - f64::from(first)) as f32)
-        };
-        let ([left, right], across) = about(0);
-        let ([upper, lower], down) = about(1);
-        let at = |column: u32, row: u32| texels.at(column, row, CODING);
+        let [(columns, across), (rows, down)] =
+            [0, 1].map(|axis: usize| neighbors(place[axis], texels.size()[axis] as usize));
+        let at = |column: usize, row: usize| texels.at(column as u32, row as u32, CODING);
+        let [[left, right], [upper, lower]] = [columns, rows];
         let texels = [at(left, upper), at(right, upper), at(left, lower), at(right, lower)];
-        Taps { texels, shares: [across, down] }
+        Taps { texels, shares: [across, down].map(|share| share as f32) }
     }
 
     /// The intensity along a direction of world space over the mean, in the columns of a render.
@@ -122,14 +161,24 @@ impl Projector {
     /// The density per steradian of drawing a direction.
     pub fn density(&self, direction: Vec3) -> f32 {
         let Some((place, cosine)) = self.place(direction) else { return 0.0 };
-        let [value] = self.taps(place).mixed(|texel| [brightness(texel) as f32]);
-        // Everything that is thrown is the mean in all directions.
-        (f64::from(value) / (cosine.powi(3) * self.mean * 4.0 * PI)) as f32
+        let [width, height] = self.cells;
+        let (size, shares) = (self.size(), [width, height].map(|count| count as f64));
+        let [(columns, across), (rows, down)] = [0, 1].map(|axis: usize| {
+            neighbors(place[axis] * shares[axis] / size[axis], self.cells[axis])
+        });
+        let of_row = |row: usize| {
+            let [left, right] = columns.map(|column| f64::from(self.weights[row * width + column]));
+            left + across * (right - left)
+        };
+        let [upper, lower] = rows.map(of_row);
+        let weight = upper + down * (lower - upper);
+        let area = 4.0 * self.halves[0] * self.halves[1] / (shares[0] * shares[1]);
+        (weight / (self.down[height - 1] * area * cosine.powi(3))) as f32
     }
 
     /// Draws a direction by two numbers in [0, 1).
     pub fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let [width, height] = self.picture.texels().size().map(|it| it as usize);
+        let [width, height] = self.cells;
         let (row, v) = found(height, f64::from(v), |row| self.down[row]);
         let of_row = &self.along[row * width..][..width];
         let (column, u) = found(width, f64::from(u), |column| f64::from(of_row[column]));
@@ -142,13 +191,24 @@ impl Projector {
         if self.density(drawn) > 0.0 { drawn } else { self.towards(middle) }
     }
 
-    /// The direction to a place in texels.
+    /// The direction to a place in cells.
     fn towards(&self, place: [f64; 2]) -> Vec3 {
-        let size = self.size();
-        let [x, y] =
-            [0, 1].map(|axis: usize| (2.0 * place[axis] / size[axis] - 1.0) * self.halves[axis]);
+        let [x, y] = self.across(place);
         (self.to_node.transpose() * DVec3::new(x, -y, -1.0)).normalize().as_vec3()
     }
+}
+
+/// Into how many cells a texel is parted along an edge of so many.
+fn parts_of(side: u32) -> u32 {
+    CELLS.div_ceil(side) | 1
+}
+
+/// Between which two of so many middles a place is, and how far it has come from the first.
+fn neighbors(place: f64, count: usize) -> ([usize; 2], f64) {
+    let last = count - 1;
+    let at = (place - 0.5).clamp(0.0, last as f64);
+    let first = (at as usize).min(last);
+    ([first, (first + 1).min(last)], at - first as f64)
 }
 
 /// Which of so many running sums is the first to be over a share of the last, and what is left of
