@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::files;
 use crate::math::Fault;
-use crate::math::text::excerpt;
+use crate::math::text::{excerpt, is_predicate};
 
 /// Most troubles that one error tells; the others are counted.
 const TOLD_MAX: usize = 10;
@@ -117,7 +117,11 @@ impl SceneError {
 
 impl Trouble {
     fn line(&self) -> String {
-        let separator = if self.place.is_empty() { "" } else { ": " };
+        let separator = match () {
+            () if self.place.is_empty() => "",
+            () if is_predicate(&self.problem) => " ",
+            () => ": ",
+        };
         format!("{}{separator}{}", self.place, self.problem)
     }
 

@@ -1,7 +1,7 @@
 //! What is not rendered as it stands in the scene: said once a kind, however many objects it
 //! befalls.
 
-use crate::math::text::{counted, excerpt};
+use crate::math::text::{counted, excerpt, is_predicate};
 
 /// Most characters of a place and of what is said about it: names are the scene's.
 const CHARACTERS_MAX: usize = 400;
@@ -92,12 +92,6 @@ fn counted_others(others: usize) -> String {
         0 => String::new(),
         others => format!("and {}", counted(others, ["other", "others"])),
     }
-}
-
-/// Whether what is said about a place goes on with the sentence that its name begins.
-fn is_predicate(text: &str) -> bool {
-    const VERBS: [&str; 6] = ["is", "has", "names", "goes", "falls", "brings"];
-    text.split(' ').next().is_some_and(|word| VERBS.contains(&word))
 }
 
 #[cfg(test)]

@@ -65,17 +65,17 @@ fn gltf_says_how_pixels_see() {
     for (film, words) in [
         (
             json!({"filter": "bell"}),
-            "film.filter: is no filter\n  help: filters are box, tent, gaussian,",
+            "film.filter is no filter\n  help: filters are box, tent, gaussian,",
         ),
         (json!({"filter_radius": 0.0099}), "filter_radius: 0.0099 must be from 0.01 to 32 pixels"),
         (json!({"filter_radius": 0}), "filter_radius: 0 must be from 0.01 to 32 pixels"),
         (json!({"filter": "box", "filter_radius": 40}), "40 must be from 0.01 to 32 pixels"),
         (json!({"pixel_aspect": -1}), "pixel_aspect: -1 must be from 0.01 to 100"),
-        (json!({"crop": [0, 0, 1, 1]}), "crop: is in pixels of a film that has no resolution"),
-        (json!({"crop": [0, 0, 1], "resolution": [4, 4]}), "crop: must be [x0, y0, x1, y1]"),
-        (json!({"crop": [0, 0, 1.5, 1], "resolution": [4, 4]}), "crop: must be [x0, y0, x1, y1]"),
-        (json!({"crop": [0, 0, 5, 1], "resolution": [4, 4]}), "crop: must be X0,Y0,X1,Y1 with"),
-        (json!({"crop": [2, 0, 2, 1], "resolution": [4, 4]}), "crop: must be X0,Y0,X1,Y1 with"),
+        (json!({"crop": [0, 0, 1, 1]}), "crop is in pixels of a film that has no resolution"),
+        (json!({"crop": [0, 0, 1], "resolution": [4, 4]}), "crop must be [x0, y0, x1, y1]"),
+        (json!({"crop": [0, 0, 1.5, 1], "resolution": [4, 4]}), "crop must be [x0, y0, x1, y1]"),
+        (json!({"crop": [0, 0, 5, 1], "resolution": [4, 4]}), "crop must be X0,Y0,X1,Y1 with"),
+        (json!({"crop": [2, 0, 2, 1], "resolution": [4, 4]}), "crop must be X0,Y0,X1,Y1 with"),
     ] {
         let error = of_gltf(&film).map(|_| ()).expect_err(&film.to_string());
         assert!(error.contains(words), "{film}: {error}");
@@ -114,7 +114,7 @@ fn mitsuba_says_how_pixels_see() {
             "<rfilter type='lanczos'><integer name='lobes' value='5'/></rfilter>".to_owned(),
             "lobes: only 3 are supported",
         ),
-        (number("box", "radius", 1.0), "radius: is no property of it"),
+        (number("box", "radius", 1.0), "radius is no property of it"),
         (integer("crop_offset_x", 5), "the crop is not within the film"),
         (integer("crop_width", 0), "the crop is not within the film"),
     ] {

@@ -73,7 +73,7 @@ fn broken_ones_are_refused() {
         (json!({"light": 0, "multiplier": "much"}), sound.clone(), "no sound multiplier"),
         (json!({"light": 0, "color": [1, "red", 0]}), sound, "no sound multiplier or color"),
         (json!({"light": 0}), json!({}), "neither `uri` nor `bufferView`"),
-        (json!({"light": 0}), json!({"uri": data_uri(b"nothing")}), "TILT: is missing"),
+        (json!({"light": 0}), json!({"uri": data_uri(b"nothing")}), "TILT is missing"),
         (json!({"light": 0}), json!({"uri": "nowhere.ies"}), "nowhere.ies"),
     ] {
         let error = load_json(&with(node, &profile)).unwrap_err();

@@ -125,7 +125,7 @@ fn tables_that_are_none() {
     }
     let missing = Folder::of("missing", json!({"bsdf": "measured"}), &[]);
     let error = missing.bake(&Carried::at([550.0])).unwrap_err();
-    assert!(error.contains("file, is missing") || error.contains("file: is missing"), "{error}");
+    assert!(error.contains("file, is missing") || error.contains("file is missing"), "{error}");
     let other = json!({"bsdf": "measured", "file": "other.pbsdf"});
     let error = Folder::of("other", other, &[]).bake(&Carried::at([550.0])).unwrap_err();
     assert!(error.contains("cannot read") && error.contains("other.pbsdf"), "{error}");

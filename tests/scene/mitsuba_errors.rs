@@ -14,20 +14,20 @@ fn refused(text: &str) -> String {
 #[test]
 fn what_is_wrong_is_told_with_its_line_and_name() {
     let cases = [
-        ("<bsdf/>", "line 3, bsdf, type: is missing"),
+        ("<bsdf/>", "line 3, bsdf, type is missing"),
         ("<shape type='rectangle'><ref id='a'/></shape>", "line 3, ref: no object has the id `a`"),
         (
             "<shape type='cube'><float name='size' value='1'/></shape>",
-            "line 3, shape (cube), size: is no property of it",
+            "line 3, shape (cube), size is no property of it",
         ),
         (
             "<shape type='sphere'><string name='radius' value='1'/></shape>",
-            "line 3, shape (sphere), radius: is of kind string, and must be a float",
+            "line 3, shape (sphere), radius is of kind string, and must be a float",
         ),
         ("<shape type='sphere'>\n<float name='radius' value='-1'/></shape>", "line 4, shape (sphe"),
         ("<float name='a' value='1..5'/>", "line 3, float a: `1..5` is not a number"),
-        ("<rgb name='a' value='1 2'/>", "line 3, rgb a: must be one number, or three"),
-        ("<shape type='cube'><rfilter type='box'/></shape>", "(cube): has no place for ``"),
+        ("<rgb name='a' value='1 2'/>", "line 3, rgb a must be one number, or three"),
+        ("<shape type='cube'><rfilter type='box'/></shape>", "(cube) has no place for ``"),
         ("<emitter type='sunsky'/>", "line 3, emitter (sunsky): `sunsky` is not supported"),
         ("<integrator type='magic'/>", "line 3, integrator (magic): `magic` is not supported"),
         ("<include filename='nothing.xml'/>", "line 3, include: cannot read"),
@@ -35,10 +35,10 @@ fn what_is_wrong_is_told_with_its_line_and_name() {
         ("<shape type='ply'><string name='filename' value='a.ply'/></shape>", "cannot read"),
         ("<shape type='$what'/>", "line 3, shape, type: the parameter $what is not defined"),
         ("<nonsense/>", "line 3: <nonsense> is not known here"),
-        ("<shape type='cube' color='red'/>", "line 3, shape: has no attribute `color`"),
+        ("<shape type='cube' color='red'/>", "line 3, shape has no attribute `color`"),
         (
             "<bsdf type='null' id='a'/>\n<bsdf type='null' id='a'/>",
-            "line 4, bsdf \"a\" (null): has the id of another: line 3",
+            "line 4, bsdf \"a\" (null) has the id of another: line 3",
         ),
         (
             "<shape type='cube'><bsdf type='twosided'><bsdf type='dielectric'/></bsdf></shape>",
@@ -92,7 +92,7 @@ fn what_is_no_scene_is_refused() {
     for (text, expected) in [
         ("", "is not XML"),
         ("<scene", "is not XML"),
-        ("<scene/>", "version: is missing"),
+        ("<scene/>", "version is missing"),
         ("<scene version='4.0.0'/>", "`4.0.0` is not known"),
         ("<bsdf version='3.0.0' type='null'/>", "is no scene"),
         ("<scene version='3.0.0'/>", "has nothing that could be seen"),
@@ -273,7 +273,7 @@ fn numbers_out_of_range_are_told_in_the_units_of_the_file() {
         (
             "<shape type='cube'><bsdf type='roughplastic'><texture type='checkerboard' \
              name='alpha'/></bsdf></shape>",
-            "(roughplastic), alpha: must be one number\n  help: give one number from 0",
+            "(roughplastic), alpha must be one number\n  help: give one number from 0",
         ),
         (
             "<emitter type='spot'><float name='cutoff_angle' value='91'/></emitter>",

@@ -309,11 +309,11 @@ fn what_is_wrong_with_textures_is_told() {
     let wood = "<texture type='bitmap' name='opacity'><string name='filename' value='b.png'/>\
         </texture>";
     let cases = [
-        (bitmap(""), "texture (bitmap), filename: is missing"),
+        (bitmap(""), "texture (bitmap), filename is missing"),
         (bitmap("<string name='filename' value='none.png'/>"), "cannot read"),
         (bitmap(&format!("{file}<string name='wrap_mode' value='zigzag'/>")), "`zigzag` is not"),
         (bitmap(&format!("{file}<float name='raw' value='1'/>")), "must be a boolean"),
-        (bitmap(&format!("{file}<float name='blur' value='1'/>")), "blur: is no property"),
+        (bitmap(&format!("{file}<float name='blur' value='1'/>")), "blur is no property"),
         (square(&CHECKERS.replace("float", "boolean").replace("0.1", "true")), "is not XML"),
         (
             "<shape type='rectangle'><bsdf type='bumpmap'/></shape>".into(),
@@ -333,7 +333,7 @@ fn what_is_wrong_with_textures_is_told() {
         (
             "<shape type='rectangle'><bsdf type='normalmap'><bsdf type='diffuse'/></bsdf></shape>"
                 .into(),
-            "normalmap: is no picture",
+            "normalmap is no picture",
         ),
         (
             "<shape type='rectangle'><bsdf type='roughconductor'><texture type='checkerboard' \
@@ -359,6 +359,6 @@ fn what_is_wrong_with_textures_is_told() {
     fs::write(&path, scene(&body)).unwrap();
     fs::write(path.with_file_name("a.obj"), triangle).unwrap();
     let error = load(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("(obj), TEXCOORD_0: is missing, and a texture of"), "{error}");
+    assert!(error.contains("(obj), TEXCOORD_0 is missing, and a texture of"), "{error}");
     assert!(load_bytes("whole.xml", scene("").as_bytes()).is_ok());
 }

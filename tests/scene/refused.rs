@@ -136,10 +136,10 @@ fn media() {
     medium(Medium::new(-1.0, 1.0, hg(0.0)), "sigma_a: -1 must be not negative");
     medium(Medium::new(1.0, [0.0, f32::NAN, 0.0], hg(0.0)), "sigma_s: NaN");
     medium(Medium::new(1.0, 1.0, hg(1.0)), "g: 1 must be within (-1, 1)");
-    medium(hg(0.5), "sigma_a: is missing");
+    medium(hg(0.5), "sigma_a is missing");
     let rayleigh = |depolarization| Phase::Rayleigh { depolarization };
     medium(Medium::new(0.0, 1.0, rayleigh(0.6)), "depolarization: 0.6 must be within [0, 0.5]");
-    medium(Medium { sigma_a: Some(1.0.into()), ..Medium::from(rayleigh(0.0)) }, "sigma_s: is mis");
+    medium(Medium { sigma_a: Some(1.0.into()), ..Medium::from(rayleigh(0.0)) }, "sigma_s is mis");
     let milk = |fat_percent, protein_percent, dilution| {
         Phase::Milk(Milk { fat_percent, protein_percent, dilution })
     };
@@ -163,15 +163,15 @@ fn suspensions() {
         Phase::Spheres(Spheres { components, host_eta, host_k })
     };
     let fine = component(1.59, 0.0, 1e-5);
-    medium(spheres(vec![], 1.33, 0.0), "components: has 0 kinds of particles");
-    medium(spheres(vec![fine.clone(); 17], 1.33, 0.0), "components: has 17 kinds");
+    medium(spheres(vec![], 1.33, 0.0), "components has 0 kinds of particles");
+    medium(spheres(vec![fine.clone(); 17], 1.33, 0.0), "components has 17 kinds");
     medium(spheres(vec![fine.clone()], 0.0, 0.0), "host_eta: 0 must be within [0.05, 20]");
     medium(spheres(vec![fine.clone()], 1.33, -1.0), "host_k: -1 must be within [0, 20]");
     let second = |second| spheres(vec![fine.clone(), second], 1.33, 0.0);
     medium(second(component(30.0, 0.0, 0.1)), "components[1].eta: 30 must be");
     medium(second(component(1.5, f32::NAN, 0.1)), "components[1].k: NaN");
     medium(second(component(1.5, 0.0, 0.0)), "components[1].volume_fraction: 0 must");
-    medium(second(component(1.5, 0.0, 1.0)), "components: fill 1.00001 of the volume");
+    medium(second(component(1.5, 0.0, 1.0)), "components fill 1.00001 of the volume");
     assert!(room().add_medium("spheres", second(component(1.5, 0.0, 0.1))).is_ok());
 
     // Sizes are checked where they are made, and cannot be edited.
@@ -199,22 +199,22 @@ fn phase_matrices() {
         elements: vec![[unit, 0.0, unit, 0.0, 0.0, 0.0]; 3],
     };
     let table = |matrices| Medium::new(0.0, 1.0, Phase::Table(matrices));
-    medium(table(vec![]), "table: needs rows");
-    medium(table(vec![fine.clone(), fine.clone()]), "table: needs rows, sorted by increasing");
+    medium(table(vec![]), "table needs rows");
+    medium(table(vec![fine.clone(), fine.clone()]), "table needs rows, sorted by increasing");
     let none = TabulatedMatrix { wavelength_nm: None, ..fine.clone() };
-    medium(table(vec![none.clone(), fine.clone()]), "table: needs rows, sorted");
+    medium(table(vec![none.clone(), fine.clone()]), "table needs rows, sorted");
     let spoilt = |spoil: fn(&mut TabulatedMatrix)| {
         let mut matrix = fine.clone();
         spoil(&mut matrix);
         table(vec![matrix])
     };
-    medium(spoilt(|m| m.wavelength_nm = Some(-1.0)), "table: needs rows, sorted");
-    medium(spoilt(|m| m.theta_deg[1] = 0.0), "table[0]: needs increasing angles");
-    medium(spoilt(|m| m.theta_deg[2] = 170.0), "table[0]: covers 0 to 170 degrees");
-    medium(spoilt(|m| m.theta_deg.truncate(2)), "table[0]: has columns of different lengths");
+    medium(spoilt(|m| m.wavelength_nm = Some(-1.0)), "table needs rows, sorted");
+    medium(spoilt(|m| m.theta_deg[1] = 0.0), "table[0] needs increasing angles");
+    medium(spoilt(|m| m.theta_deg[2] = 170.0), "table[0] covers 0 to 170 degrees");
+    medium(spoilt(|m| m.theta_deg.truncate(2)), "table[0] has columns of different lengths");
     medium(spoilt(|m| m.elements[1][0] = -1.0), "table[0]: M00 is negative at 90 degrees");
     medium(spoilt(|m| m.elements[1][3] = 1.0), "table[0]: an element exceeds M00 at 90");
-    medium(spoilt(|m| m.elements[1][5] = f64::NAN), "table[0]: has values that are not finite");
+    medium(spoilt(|m| m.elements[1][5] = f64::NAN), "table[0] has values that are not finite");
     medium(
         spoilt(|m| m.elements.as_flattened_mut().iter_mut().for_each(|m| *m *= 2.0)),
         "table[0]: M00 integrates to 2",
@@ -287,7 +287,7 @@ fn analyzers() {
     has_all(&nowhere, &["analyzer: the world has no camera", "set the camera first"]);
     has_all(
         &edited(|world| insert(world, "glow", Analyzer::LeftCircular)),
-        &["material `glow`, Analyzer: means nothing for a material"],
+        &["material `glow`, Analyzer means nothing for a material"],
     );
     let read = |analyzer: Value| {
         let mut document = good();
@@ -295,15 +295,15 @@ fn analyzers() {
         load_json(&document).unwrap_err()
     };
     let cases: [(Value, &[&str]); 7] = [
-        (json!({}), &["sunstone_film.analyzer.kind: is missing", "kind is linear, with axis_deg"]),
-        (json!({"axis_deg": 10}), &["analyzer.kind: is missing"]),
+        (json!({}), &["sunstone_film.analyzer.kind is missing", "kind is linear, with axis_deg"]),
+        (json!({"axis_deg": 10}), &["analyzer.kind is missing"]),
         (json!({"kind": "round"}), &["analyzer.kind: `round` is no analyzer", "left_circular"]),
         (
             json!({"kind": "right_circular", "axis_deg": 0}),
             &["analyzer.axis_deg: an analyzer of kind right_circular has no axis", "remove it"],
         ),
         (json!({"kind": "none", "axis_deg": 0}), &["axis_deg: an analyzer of kind none has no"]),
-        (json!({"kind": "linear", "axis_deg": "x"}), &["analyzer.axis_deg: is not a number"]),
+        (json!({"kind": "linear", "axis_deg": "x"}), &["analyzer.axis_deg is not a number"]),
         (
             json!({"kind": "linear", "hand": 1}),
             &["analyzer.hand", "the keys of an analyzer are axis_deg, kind"],

@@ -194,7 +194,7 @@ fn what_is_wrong_with_pictures_is_said_with_a_remedy() {
                 attributes.unwrap().remove("TEXCOORD_0");
             },
             &[
-                "mesh 0 \"square\", primitive 0, TEXCOORD_0: is missing",
+                "mesh 0 \"square\", primitive 0, TEXCOORD_0 is missing",
                 "material 0 \"painted\"",
                 "unwrap the mesh",
             ],

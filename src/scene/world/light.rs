@@ -197,8 +197,12 @@ impl PunctualKind {
                 Ok(())
             }
             Self::Spot { inner, outer } => {
-                let problem = format!("the inner angle {inner} and the outer {outer} do not fit");
-                Err(Fault::new("spot", problem, "radians, 0 <= inner <= outer <= pi/2"))
+                // As files state them.
+                let [inner, outer] = [inner, outer].map(|angle| angle as f32);
+                let problem = format!(
+                    "the inner cone angle of {inner} and the outer of {outer} radians do not fit"
+                );
+                Err(Fault::new("spot", problem, "give 0 <= inner <= outer <= pi/2 (90 degrees)"))
             }
         }
     }

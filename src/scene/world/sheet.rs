@@ -139,10 +139,30 @@ impl<S> Action<S> {
     }
 }
 
+/// How much larger one of two values that are to be equal may be, relative to it: that by which
+/// scaled and interpolated ones are off.
+const ROUNDING: f32 = 1e-5;
+
 impl Grid<Spectrum> {
     fn check(&self) -> Result<(), Fault> {
         self.transmittance.check("transmittance", Range::UNIT)?;
-        self.blocked.check("blocked", Range::UNIT)
+        self.blocked.check("blocked", Range::UNIT)?;
+        let both = [&self.transmittance, &self.blocked];
+        for nm in knots_of(both) {
+            let [along, across] = both.map(|it| it.at(nm));
+            // Wavelengths that one of them says nothing of are told where they are asked for.
+            let (Ok(along), Ok(across)) = (along, across) else { continue };
+            if across > along * (1.0 + ROUNDING) {
+                let at = match both.iter().all(|it| it.is_flat()) {
+                    true => String::new(),
+                    false => format!(" at {nm} nm"),
+                };
+                let problem = format!("{across} is more than the transmittance, {along}{at}");
+                let remedy = "exchange the two and turn `axis_deg` by 90";
+                return Err(Fault::new("blocked", problem, remedy));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -173,23 +193,28 @@ impl Action<Spectrum> {
     }
 }
 
+/// Wavelengths in nanometers that all of these spectra cover, and between which they are linear.
+fn knots_of<'a>(spectra: impl IntoIterator<Item = &'a Spectrum>) -> Vec<f32> {
+    let mut ends = [0.0, f32::INFINITY];
+    let mut knots = RGB_WAVELENGTHS_NM.to_vec();
+    for spectrum in spectra {
+        if let Some([first, last]) = spectrum.ends_nm() {
+            ends = [ends[0].max(first), ends[1].min(last)];
+            knots.extend([first, last]);
+        }
+        knots.extend(spectrum.knots_nm());
+    }
+    knots.retain(|nm| (ends[0]..=ends[1]).contains(nm));
+    knots
+}
+
 /// Refuses matrices that let more light leave than arrives, or more polarized than light can be, at
 /// any wavelength: between knots the elements are linear, so that what holds there holds between.
 fn check_matrix(elements: &[Spectrum; 16]) -> Result<(), Fault> {
     for element in elements {
         element.check("matrix", Range::ANY)?;
     }
-    let mut ends = [0.0, f32::INFINITY];
-    let mut knots = RGB_WAVELENGTHS_NM.to_vec();
-    for element in elements {
-        if let Some([first, last]) = element.ends_nm() {
-            ends = [ends[0].max(first), ends[1].min(last)];
-            knots.extend([first, last]);
-        }
-        knots.extend(element.knots_nm());
-    }
-    knots.retain(|nm| (ends[0]..=ends[1]).contains(nm));
-    for nm in knots {
+    for nm in knots_of(elements) {
         let mut matrix = Matrix::default();
         for (index, element) in elements.iter().enumerate() {
             let found = element.at(nm).map_err(|error| {
