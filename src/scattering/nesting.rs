@@ -320,6 +320,7 @@ impl Interfaces {
                 | SurfaceModel::Layered { .. }
                 | SurfaceModel::Plastic { .. }
                 | SurfaceModel::Measured { .. }
+                | SurfaceModel::Blend { .. }
                 | SurfaceModel::FilmedConductor { .. }
                 | SurfaceModel::FilmedDielectric { .. }
                 | SurfaceModel::RoughConductor { .. }

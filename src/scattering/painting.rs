@@ -131,7 +131,7 @@ fn paint_row<const N: usize>(
     let Some(painting) = scene.optics.painting.as_deref() else { return false };
     let primitive = surfaces.primitive[row];
     let Some((textures, _)) = textures_at(scene, painting, primitive) else { return false };
-    let on = scene.shapes.painted(primitive).filter(|_| !textures.parameters.is_empty());
+    let on = scene.shapes.painted(primitive).filter(|_| textures.feed_model());
     if let Some(on) = &on {
         *model = painting.model_at(model.clone(), textures, (on, [hits.u[row], hits.v[row]]));
     }

@@ -293,9 +293,10 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
         let u = [u[0], u[1]];
         let (direction, pdf) = Mixture::of(self, given.dot(normal)).draw(normal, given, u);
         let mut weight = Lobes::values(self, facing, given, direction, side);
-        let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
+        let cos = direction.dot(normal);
+        let scale = cos.fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: cos.simd_le(F32s::ZERO) }
     }
 
     #[inline(always)]

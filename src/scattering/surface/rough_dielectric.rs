@@ -349,7 +349,7 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let is_lost = by_facets & (cos.simd_gt(F32s::splat(0.0)) ^ reflects);
         let scale = !is_lost & (cos.abs() / pdf);
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: is_lost }
     }
 
     #[inline(always)]

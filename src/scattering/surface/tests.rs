@@ -6,7 +6,7 @@ use crate::scene::baked;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
+        Absorber, Blend, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
         FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic, RoughConductor,
         RoughDielectric, ThinDielectric,
     };
@@ -26,6 +26,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         Layered,
         Plastic,
         Measured,
+        Blend,
     ];
     assert_eq!(met, expected.map(Met::Surface));
     let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();

@@ -203,6 +203,7 @@ fn surface(
             | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::RoughConductor { .. }

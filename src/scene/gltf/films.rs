@@ -70,6 +70,7 @@ pub fn iridescent(
         | Bsdf::RoughDielectric { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Layered { .. }
         | Bsdf::DispersiveDielectric { .. }

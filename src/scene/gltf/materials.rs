@@ -21,6 +21,7 @@ use hecs::Entity;
 use serde_json::Value;
 
 use super::Import;
+use super::blends::{self, BLEND};
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
@@ -126,7 +127,8 @@ impl Import<'_> {
                 let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
                 // Of what light goes through, both sides are seen.
-                let is_open = matches!(&bsdf, Bsdf::Layered { layers } if layers.transmits());
+                let is_layered = matches!(&bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
+                let is_open = is_layered && bsdf.transmits();
                 let sides = Sides { two_sided: material.double_sided || is_open };
                 (label, Material { bsdf, sides, emission })
             }
@@ -195,7 +197,7 @@ impl Import<'_> {
         Ok(Skin { material: entity, boundary })
     }
 
-    fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
+    pub fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
         let document = self.document;
         let value = &document.value["materials"][index];
         let material = &document.root.materials[index];
@@ -205,6 +207,10 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
+            if model == BLEND {
+                check_keys((model, &blends::KEYS), &body)?;
+                return self.blend(index, &body);
+            }
             return dispersed(
                 extension_model(model, &body, (material, &document.files))?,
                 value,
@@ -239,7 +245,7 @@ impl Import<'_> {
 
     /// The radiance: a color, which is emissiveFactor if the extension has no spectrum in its
     /// place, times emissiveStrength.
-    fn emission(&self, index: usize, label: &str) -> Result<Option<Emission>, SceneError> {
+    pub fn emission(&self, index: usize, label: &str) -> Result<Option<Emission>, SceneError> {
         let document = self.document;
         let material = &document.root.materials[index];
         let body = Body::of(&document.value["materials"][index], label, &MATERIAL)?;
@@ -409,6 +415,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
@@ -424,17 +431,14 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
 
 /// The model that `bsdf` names.
 fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError> {
-    let names = MODELS.map(|model| model.name);
+    let mut names = MODELS.map(|model| model.name).to_vec();
+    names.insert(1, BLEND);
     let remedy = format!("use one of {}", names.join(", "));
     let Some(Model { keys, read, .. }) = MODELS.iter().find(|known| known.name == model) else {
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
     };
-    if let Some(key) = body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
-        let remedy = format!("a {model} takes: {}", keys.join(", "));
-        let problem = format!("means nothing for a {model}");
-        return Err(SceneError::new(body.field(key), problem, remedy));
-    }
+    check_keys((model, keys), body)?;
     let bsdf = read(body, of)?;
     bsdf.check().map_err(|fault| match fault.field.as_str() {
         "ior" if !body.has("ior") => SceneError::at(body.label(), fault.of(KHR_IOR)),
@@ -442,6 +446,18 @@ fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError>
         _ => body.place(fault),
     })?;
     Ok(bsdf)
+}
+
+/// Refuses keys that a model does not take.
+fn check_keys((model, keys): (&str, &[&str]), body: &Body) -> Result<(), SceneError> {
+    match body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
+        None => Ok(()),
+        Some(key) => {
+            let remedy = format!("a {model} takes: {}", keys.join(", "));
+            let problem = format!("means nothing for a {model}");
+            Err(SceneError::new(body.field(key), problem, remedy))
+        }
+    }
 }
 
 fn diffuse(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {

@@ -94,7 +94,8 @@ impl Import<'_> {
             false => (&material["pbrMetallicRoughness"]["baseColorTexture"], "baseColorTexture"),
         };
         let base = findings.note(self.texture(&slot(base, key, Coding::Srgb))).flatten();
-        let by_vertices = self.colors_of(index);
+        // Colors of vertices are of a mesh, which is not of a part.
+        let by_vertices = if self.blending.is_empty() { self.colors_of(index) } else { None };
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
         if let (true, Bsdf::Absorber, Some(factor)) =
             (is_unlit, bsdf, emission.and_then(|emission| emission.radiance.rgb()))
@@ -127,6 +128,9 @@ impl Import<'_> {
                 self.warnings.add(label, text);
             }
             textures.parameters.extend(paints);
+        }
+        if let Some(index) = index {
+            findings.note(self.paint_blend(&mut textures, (index, label), bsdf));
         }
         let layers = findings.note(self.paint_layers(bsdf, material, label));
         textures.parameters.extend(layers.into_iter().flatten());
@@ -355,6 +359,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::RoughDielectric { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
@@ -383,6 +388,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::extension::EXTENSION;
 use super::layers::write_layers;
-use super::{films, plastics, sheets};
+use super::{blends, films, plastics, sheets};
 use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
@@ -117,12 +117,12 @@ impl Writer {
                 let error = SceneError::new(&name.0, problem, "keep the scene's own file");
                 findings.note::<()>(Err(error));
             }
-            self.numbers.insert(entity, self.materials.len());
             let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
             if by_heat.is_some() {
                 material["extensions"][EXTENSION]["incandescent"] = json!(true);
             }
             self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
+            self.numbers.insert(entity, self.materials.len());
             self.materials.push(material);
         }
         findings.note(check_backdrops(world));
@@ -368,6 +368,18 @@ impl Writer {
                     "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
+            Bsdf::Blend { parts, weight } => {
+                let mut places = [0; 2];
+                for (part, (place, which)) in
+                    parts.iter().zip(places.iter_mut().zip(["first", "second"]))
+                {
+                    let mut material = self.material(name, part, Sides::default(), None);
+                    material["name"] = json!(format!("{}, {which}", called(name)));
+                    *place = self.materials.len();
+                    self.materials.push(material);
+                }
+                blends::written(places, *weight)
+            }
         }
     }
 

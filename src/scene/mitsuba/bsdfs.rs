@@ -8,7 +8,7 @@ use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Action, Bsdf, Coat, Grid, InternalReflection, Parameter};
+use crate::scene::world::{Action, BLEND_DEPTH, Bsdf, Coat, Grid, InternalReflection, Parameter};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -22,6 +22,10 @@ pub struct Surface {
     pub wanted: Vec<Wanted>,
     /// How much of it is there all over, from 0 to 1.
     pub even: f32,
+    /// The parts of a blend.
+    pub parts: Vec<Self>,
+    /// Whether some part was smooth, and has the least rough facets now.
+    pub has_smooth_parts: bool,
 }
 
 impl Surface {
@@ -33,15 +37,20 @@ impl Surface {
 
 impl From<Bsdf> for Surface {
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, two_sided: false, wanted: Vec::new(), even: 1.0 }
+        let (wanted, parts) = (Vec::new(), Vec::new());
+        Self { bsdf, two_sided: false, wanted, even: 1.0, parts, has_smooth_parts: false }
     }
 }
+
+/// The type of blends.
+pub const BLEND: &str = "blendbsdf";
 
 /// What reads a type.
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 16] = [
+const TYPES: [(&str, Read); 17] = [
+    (BLEND, blend),
     ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
@@ -397,13 +406,61 @@ fn retarder(fields: &Fields) -> Result<Bsdf, SceneError> {
 /// The surface within another.
 fn inner(fields: &Fields) -> Result<Surface, SceneError> {
     match fields.objects(Tag::Bsdf)[..] {
-        [(_, only)] => read(&Fields::of(fields.tree, only)),
+        [(_, only)] => read(&fields.within(only)),
         [] => Err(fields.refuse("has no bsdf in it", "add one")),
         [_, ..] => {
             let problem = "has several in it, and only one is supported";
             Err(fields.refuse(problem, "keep one: both sides are like it"))
         }
     }
+}
+
+/// Of two surfaces; the weight is that of the second.
+fn blend(fields: &Fields) -> Result<Surface, SceneError> {
+    if fields.blends >= BLEND_DEPTH {
+        let problem = format!("there are more than {BLEND_DEPTH} blends within each other");
+        return Err(fields.refuse(problem, "blend fewer"));
+    }
+    let [(_, first), (_, second)] = fields.objects(Tag::Bsdf)[..] else {
+        return Err(fields.refuse("must have two bsdfs in it", "add or remove some"));
+    };
+    let [first, second] = [part(fields, first)?, part(fields, second)?];
+    if first.two_sided != second.two_sided {
+        let problem = "one of its bsdfs is twosided and the other is not";
+        return Err(fields.refuse(problem, "put the whole blendbsdf into a twosided"));
+    }
+    let wanted = fields.wanted("weight", Use::Parameter(Parameter::Weight));
+    let weight = match wanted {
+        Some(_) => 1.0,
+        None => number(fields, "weight")?.ok_or_else(|| {
+            let remedy = "add it: a float from 0, the first bsdf, to 1, the second; or a texture";
+            fields.wrong("weight", "is missing", remedy)
+        })?,
+    };
+    let weight = weight.clamp(0.0, 1.0) as f32;
+    let parts = [&first, &second].map(|part| part.bsdf.clone());
+    Ok(Surface {
+        two_sided: first.two_sided,
+        wanted: wanted.into_iter().collect(),
+        has_smooth_parts: first.has_smooth_parts || second.has_smooth_parts,
+        parts: vec![first, second],
+        ..Bsdf::Blend { parts: Box::new(parts), weight }.into()
+    })
+}
+
+/// A surface as a part of a blend.
+fn part(fields: &Fields, object: usize) -> Result<Surface, SceneError> {
+    let own = fields.within(object);
+    let mut surface = read(&own)?;
+    if surface.even < 1.0 || surface.wants(Use::Opacity) || surface.wants(Use::Relief) {
+        let problem = "a part of a blendbsdf has holes or a normalmap of its own";
+        return Err(own.refuse(problem, "put the whole blendbsdf into them"));
+    }
+    let is_smooth;
+    (surface.bsdf, is_smooth) = surface.bsdf.into_part();
+    surface.has_smooth_parts |= is_smooth;
+    surface.bsdf.check_part().map_err(|fault| own.fault(fault, &[]))?;
+    Ok(surface)
 }
 
 fn two_sided(fields: &Fields) -> Result<Surface, SceneError> {

@@ -257,6 +257,7 @@ impl Import<'_> {
             | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
@@ -335,9 +336,13 @@ impl Import<'_> {
                 diffuse_or_black(Spectrum::Constant(reflectance)).into()
             }
         };
-        let Surface { bsdf, two_sided, mut wanted, even } = surface;
+        let Surface { bsdf, two_sided, mut wanted, even, parts, has_smooth_parts } = surface;
         wanted.extend(glow);
         let label = own.map_or_else(|| shape.label(), Object::label);
+        if has_smooth_parts {
+            let text = "blends smooth metal, which is of facets of alpha 0.001 there";
+            self.warnings.add(&label, text);
+        }
         let refuse = |problem: &str, remedy: &str| Err(SceneError::new(&label, problem, remedy));
         let mut material = Material { bsdf, sides: Sides { two_sided }, emission };
         if is_inside_out {
@@ -358,7 +363,7 @@ impl Import<'_> {
                 return refuse(problem, "use a bsdf that is not twosided");
             }
         }
-        let textures = self.textures(&wanted, even)?;
+        let textures = self.textures((&wanted, &parts), even)?;
         let put = self.world.put_material(Name(label.clone()), material);
         let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
         if !textures.is_empty() {
@@ -399,7 +404,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
-        | Bsdf::Measured { .. })
+        | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. })
             if is_same =>
         {
             bsdf
@@ -412,6 +418,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }

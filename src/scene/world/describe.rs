@@ -149,6 +149,10 @@ fn model(bsdf: &Bsdf) -> String {
             let ([first, last], count) = (table.ends_nm(), table.wavelengths());
             format!("measured, {}, {count} wavelengths from {first} to {last} nm", table.name())
         }
+        Bsdf::Blend { parts, weight } => {
+            let [first, second] = parts.each_ref().map(model);
+            format!("blend of ({first}) and, by weight {weight}, ({second})")
+        }
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }

@@ -1,5 +1,6 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::blend::check_blend;
 use super::layers::COAT_IOR;
 use super::measured::MeasuredTable;
 use super::plastic::Coat;
@@ -95,6 +96,13 @@ pub enum SurfaceModel<S> {
         table: MeasuredTable,
         /// Where wavelengths are among those of the table: [`MeasuredTable::places`].
         places: S,
+    },
+    /// Two models, of which each scatters on a share of the surface.
+    Blend {
+        /// The two; see [`Bsdf::blend`].
+        parts: Box<[SurfaceModel<S>; 2]>,
+        /// Share of the second, within [0, 1].
+        weight: f32,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -272,6 +280,7 @@ impl Bsdf {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -301,6 +310,7 @@ impl Bsdf {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -359,6 +369,7 @@ impl Bsdf {
                 reflectance.check("reflectance", Range::UNIT)?;
                 coat.check()
             }
+            Self::Blend { parts, weight } => check_blend(parts, *weight),
             Self::Dielectric { ior, exterior_ior } => {
                 let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
                 check_indices(&ior, &exterior_ior)
@@ -428,6 +439,7 @@ impl<S> SurfaceModel<S> {
     pub fn passage(&self) -> Passage {
         match self {
             Self::Layered { layers } if layers.transmits() => Passage::Sheet,
+            Self::Blend { parts, .. } if parts.iter().any(Self::transmits) => Passage::Sheet,
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -436,7 +448,8 @@ impl<S> SurfaceModel<S> {
             | Self::MetallicRoughness { .. }
             | Self::Layered { .. }
             | Self::Plastic { .. }
-            | Self::Measured { .. } => Passage::Closed,
+            | Self::Measured { .. }
+            | Self::Blend { .. } => Passage::Closed,
             Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::FilmedDielectric { .. }

@@ -24,6 +24,7 @@
 //! and on world space.
 
 mod asked;
+mod blend;
 mod builder;
 mod camera;
 mod check;
@@ -61,6 +62,7 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
+pub use self::blend::BLEND_DEPTH;
 pub(in crate::scene) use self::camera::Film;
 pub use self::camera::{Lens, Raster, Resolution};
 pub use self::clear_sky::ClearSky;

@@ -35,6 +35,8 @@ pub enum Parameter {
     ClothRoughness,
     /// `alpha` of [`SurfaceModel::RoughConductor`] and [`SurfaceModel::RoughDielectric`].
     Alpha,
+    /// `weight` of [`SurfaceModel::Blend`].
+    Weight,
 }
 
 impl Parameter {
@@ -49,6 +51,7 @@ impl Parameter {
             Self::Metallic
             | Self::Roughness
             | Self::Alpha
+            | Self::Weight
             | Self::Specular
             | Self::Transmission
             | Self::DiffuseTransmission
@@ -82,6 +85,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. },
                 Parameter::Alpha,
             ) => *alpha = number,
+            (Self::Blend { weight, .. }, Parameter::Weight) => *weight = number,
             (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
             (
                 Self::Absorber
@@ -92,6 +96,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 | Self::Conductor { .. }
                 | Self::RoughConductor { .. }
                 | Self::Measured { .. }
+                | Self::Blend { .. }
                 | Self::FilmedConductor { .. }
                 | Self::FilmedDielectric { .. }
                 | Self::Sheet { .. }

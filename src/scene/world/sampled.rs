@@ -49,6 +49,13 @@ impl<S> SurfaceModel<S> {
                 let places = sample(places, "wvls", Role::Index)?;
                 SurfaceModel::Measured { table: table.clone(), places }
             }
+            Self::Blend { parts, weight } => {
+                let [first, second] = &**parts;
+                // By way of a pointer, or each depth would be a function of its own.
+                let sample: &mut dyn FnMut(&S, &'static str, Role) -> Result<T, E> = &mut sample;
+                let [first, second] = [first.sampled(&mut *sample)?, second.sampled(&mut *sample)?];
+                SurfaceModel::Blend { parts: Box::new([first, second]), weight: *weight }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -105,6 +112,7 @@ impl<S> SurfaceModel<S> {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
