@@ -1,6 +1,7 @@
 //! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
 mod blender;
+mod blends;
 mod built;
 mod common;
 mod errors;

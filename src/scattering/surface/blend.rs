@@ -4,9 +4,9 @@
 //! axes of the two are turned into one. Directions are drawn by one of the two, more often by the
 //! one that scatters more, and have the density of both.
 //!
-//! The parts are rows in the tables of their models, whatever these are: parts may be blends again.
-//! What they are made of is looked up for every question. That is some of what a question costs, and
-//! eight blends of all models at once would be more than all others have to be.
+//! The parts are rows in the tables of their models, whatever these are: they may be blends again.
+//! What they are made of is looked up for every question. That is some of what a question costs,
+//! and eight blends of all models at once would be more than all others have to be.
 
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
