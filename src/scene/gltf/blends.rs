@@ -127,7 +127,16 @@ impl Import<'_> {
     }
 }
 
-/// What [`Import::blend`] reads, of parts that are materials with these indices.
-pub fn written([first, second]: [usize; 2], weight: f32) -> Value {
-    json!({"bsdf": BLEND, "first": first, "second": second, "weight": weight})
+/// What [`Import::blend`] reads; `place` writes a part, with the key that names it, as a material,
+/// and says its index.
+pub fn written(
+    parts: &[Bsdf; 2],
+    weight: f32,
+    mut place: impl FnMut(&Bsdf, &str) -> usize,
+) -> Value {
+    let mut body = json!({"bsdf": BLEND, "weight": weight});
+    for (part, key) in parts.iter().zip(PARTS) {
+        body[key] = json!(place(part, key));
+    }
+    body
 }

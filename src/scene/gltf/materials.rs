@@ -520,6 +520,15 @@ fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
     Ok((alpha(body)?, distribution(body)?, multiple_scattering))
 }
 
+/// What [`facets`] reads, beside other keys.
+pub fn with_facets(mut body: Value, of: (f32, Distribution, bool)) -> Value {
+    let (alpha, distribution, multiple_scattering) = of;
+    body["alpha"] = alpha.into();
+    body["distribution"] = distribution.name().into();
+    body["multiple_scattering"] = multiple_scattering.into();
+    body
+}
+
 /// A table in a file, read once.
 fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
     let Some(uri) = body.word("file")? else {

@@ -79,6 +79,20 @@ impl Import<'_> {
         &mut self,
         index: Option<usize>,
         label: &str,
+        of: (&Bsdf, Option<&Emission>),
+    ) -> Result<Textures, SceneError> {
+        let mut textures = self.own_textures(index, label, of)?;
+        if let Some(index) = index {
+            self.paint_blend(&mut textures, (index, label), of.0)?;
+        }
+        Ok(textures)
+    }
+
+    /// The same without those of parts.
+    fn own_textures(
+        &mut self,
+        index: Option<usize>,
+        label: &str,
         (bsdf, emission): (&Bsdf, Option<&Emission>),
     ) -> Result<Textures, SceneError> {
         let document = self.document;
@@ -128,9 +142,6 @@ impl Import<'_> {
                 self.warnings.add(label, text);
             }
             textures.parameters.extend(paints);
-        }
-        if let Some(index) = index {
-            findings.note(self.paint_blend(&mut textures, (index, label), bsdf));
         }
         let layers = findings.note(self.paint_layers(bsdf, material, label));
         textures.parameters.extend(layers.into_iter().flatten());

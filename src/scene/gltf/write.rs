@@ -11,10 +11,11 @@ use glam::{DAffine3, DMat4, Vec3};
 use hecs::Entity;
 use serde_json::{Map, Value, json};
 
+use super::cameras::written_film;
 use super::extension::EXTENSION;
 use super::layers::write_layers;
+use super::materials::with_facets;
 use super::{blends, films, plastics, sheets};
-use crate::film::filter::Filter;
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -310,22 +311,20 @@ impl Writer {
                 json!({"bsdf": "diffuse", "reflectance": of(reflectance)})
             }
             Bsdf::Conductor { eta, k } => json!({"bsdf": "conductor", "eta": of(eta), "k": of(k)}),
-            Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering } => {
-                json!({"bsdf": "rough_conductor", "eta": of(eta), "k": of(k), "alpha": alpha,
-                    "distribution": distribution.name(),
-                    "multiple_scattering": multiple_scattering})
+            &Bsdf::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
+                let body = json!({"bsdf": "rough_conductor", "eta": of(eta), "k": of(k)});
+                with_facets(body, (alpha, distribution, multiple_scattering))
             }
             Bsdf::RoughDielectric {
                 ior,
-                exterior_ior,
+                exterior_ior: before,
                 alpha,
                 distribution,
                 multiple_scattering,
             } => {
-                json!({"bsdf": "rough_dielectric", "ior": of(ior),
-                    "exterior_ior": of(exterior_ior), "alpha": alpha,
-                    "distribution": distribution.name(),
-                    "multiple_scattering": multiple_scattering})
+                let body = json!({"bsdf": "rough_dielectric", "ior": of(ior),
+                    "exterior_ior": of(before)});
+                with_facets(body, (*alpha, *distribution, *multiple_scattering))
             }
             Bsdf::Plastic { reflectance, coat } => plastics::written(of(reflectance), coat),
             // Beside the scene, as it was.
@@ -369,18 +368,17 @@ impl Writer {
             }
             Bsdf::Null => json!({"bsdf": "null"}),
             Bsdf::Blend { parts, weight } => {
-                let mut places = [0; 2];
-                for (part, (place, which)) in
-                    parts.iter().zip(places.iter_mut().zip(["first", "second"]))
-                {
-                    let mut material = self.material(name, part, Sides::default(), None);
-                    material["name"] = json!(format!("{}, {which}", called(name)));
-                    *place = self.materials.len();
-                    self.materials.push(material);
-                }
-                blends::written(places, *weight)
+                blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }
         }
+    }
+
+    /// Writes a part of a blend as a material; its place.
+    fn part(&mut self, name: &Name, part: &Bsdf, which: &str) -> usize {
+        let mut material = self.material(name, part, Sides::default(), None);
+        material["name"] = json!(format!("{}, {which}", called(name)));
+        self.materials.push(material);
+        self.materials.len() - 1
     }
 
     /// A color that glTF knows as red, green and blue alone.
@@ -541,7 +539,7 @@ impl Writer {
                         "zfar": 1000.0},
                 }),
             };
-            let mut film = film_of(raster.unwrap_or_default());
+            let mut film = written_film(raster.unwrap_or_default());
             if let Some(Resolution(size)) = resolution {
                 film["resolution"] = json!(size);
             }
@@ -580,22 +578,6 @@ fn check_backdrops(world: &World) -> Result<(), SceneError> {
             Err(SceneError::new(name, problem, "keep the scene's own file"))
         }
     }
-}
-
-/// How the pixels of a film see; nothing where they are as others.
-fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
-    let mut film = json!({});
-    if filter != Filter::PIXEL {
-        film["filter"] = json!(filter.kind.name());
-        film["filter_radius"] = json!(filter.radius);
-    }
-    if let Some(ends) = crop {
-        film["crop"] = json!(ends);
-    }
-    if pixel_aspect != 1.0 {
-        film["pixel_aspect"] = json!(pixel_aspect);
-    }
-    film
 }
 
 fn called(name: &Name) -> String {

@@ -1,8 +1,10 @@
 //! Mixtures of two models.
 
+use super::SurfaceModel;
 use super::material::Bsdf;
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
+use crate::spectrum::Role;
 
 /// Most blends within each other, the outermost one included.
 pub const BLEND_DEPTH: usize = 4;
@@ -82,6 +84,16 @@ impl Bsdf {
             }
         }
     }
+}
+
+/// The parts with `sample` of their spectra: see [`SurfaceModel::sampled`].
+pub(super) fn sampled_parts<S, T, E>(
+    parts: &[SurfaceModel<S>; 2],
+    // By way of a pointer, or each depth would be a function of its own.
+    sample: &mut dyn FnMut(&S, &'static str, Role) -> Result<T, E>,
+) -> Result<Box<[SurfaceModel<T>; 2]>, E> {
+    let [first, second] = parts;
+    Ok(Box::new([first.sampled(&mut *sample)?, second.sampled(&mut *sample)?]))
 }
 
 /// Refuses what cannot be mixed.

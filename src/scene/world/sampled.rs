@@ -1,5 +1,6 @@
 //! Materials at other wavelengths, and as paths see them.
 
+use super::blend::sampled_parts;
 use super::{SurfaceModel, ThinFilm};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::spectrum::Role;
@@ -18,10 +19,7 @@ impl<S> SurfaceModel<S> {
             Self::Diffuse { reflectance } => SurfaceModel::Diffuse {
                 reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
             },
-            Self::Conductor { eta, k } => {
-                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
-                SurfaceModel::Conductor { eta, k }
-            }
+            Self::Conductor { eta, k } => conductor(indices(&mut sample, [eta, k], ["eta", "k"])?),
             &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
                 let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
@@ -33,8 +31,8 @@ impl<S> SurfaceModel<S> {
                 distribution,
                 multiple_scattering,
             } => {
-                let indices = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                rough_dielectric(indices, (*alpha, *distribution, *multiple_scattering))
+                let facets = (*alpha, *distribution, *multiple_scattering);
+                rough_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?, facets)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -50,11 +48,8 @@ impl<S> SurfaceModel<S> {
                 SurfaceModel::Measured { table: table.clone(), places }
             }
             Self::Blend { parts, weight } => {
-                let [first, second] = &**parts;
-                // By way of a pointer, or each depth would be a function of its own.
-                let sample: &mut dyn FnMut(&S, &'static str, Role) -> Result<T, E> = &mut sample;
-                let [first, second] = [first.sampled(&mut *sample)?, second.sampled(&mut *sample)?];
-                SurfaceModel::Blend { parts: Box::new([first, second]), weight: *weight }
+                let parts = sampled_parts(parts, &mut sample)?;
+                SurfaceModel::Blend { parts, weight: *weight }
             }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
@@ -67,12 +62,10 @@ impl<S> SurfaceModel<S> {
                 filmed_dielectric([ior, exterior_ior], film.sampled(&mut sample)?)
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+                dispersive_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?)
             }
             Self::ThinDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::ThinDielectric { ior, exterior_ior }
+                thin_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?)
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
                 SurfaceModel::Polarizer { axis_deg, extinction_ratio }
@@ -136,6 +129,21 @@ fn indices<S, T, E>(
     [one, other]: [&'static str; 2],
 ) -> Result<[T; 2], E> {
     Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
+/// Smooth metal of an index of refraction, by its parts.
+fn conductor<T>([eta, k]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::Conductor { eta, k }
+}
+
+/// Smooth glass between two indices of refraction, behind and before.
+fn dispersive_dielectric<T>([ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+}
+
+/// A pane between the same.
+fn thin_dielectric<T>([ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::ThinDielectric { ior, exterior_ior }
 }
 
 /// Rough glass between two indices of refraction, behind and before, with these facets.
