@@ -2,6 +2,7 @@
 
 mod blender;
 mod blends;
+mod brushed;
 mod built;
 mod common;
 mod errors;

@@ -2,6 +2,7 @@
 //! scenes built in code, and the evidence left behind by a failure.
 
 pub mod blends;
+pub mod brushed;
 pub mod dispersive;
 pub mod evidence;
 pub mod fields;

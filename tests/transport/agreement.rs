@@ -28,6 +28,7 @@ use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
 use crate::support::blends::BLENDS;
+use crate::support::brushed::BRUSHED;
 use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
 use crate::support::filters::FILTERS;
@@ -368,6 +369,22 @@ fn integrators_agree_per_band_on_blends() {
 #[ignore = "minutes"]
 fn integrators_agree_on_blends_closely() {
     check(blends(), [REPLICATES, 2 * ITERATIONS]);
+}
+
+fn brushed() -> impl Iterator<Item = (String, World)> {
+    BRUSHED.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_brushed_surfaces() {
+    check(brushed(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_brushed_surfaces_closely() {
+    check(brushed(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 fn layered() -> impl Iterator<Item = (String, World)> {

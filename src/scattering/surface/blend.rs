@@ -11,10 +11,11 @@
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
 use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
+use super::parts::{Part, each_kind};
 use super::rough::{PDF_MIN, TINY, choose};
 use super::tables::{Added, SURVIVAL_MIN};
 use super::{SurfaceKind, Surfaces, for_scattering};
-use crate::math::{F32s, Real, Vector, lanes};
+use crate::math::{F32s, Real, Vector};
 use crate::polarization::{Dense, Rotation, s_axis};
 use crate::scattering::event::Form;
 use crate::scattering::side::Side;
@@ -31,16 +32,9 @@ pub struct Blend {
     weight: f32,
     /// The probability of drawing by it.
     chance: f32,
-    parts: [Part; PARTS],
+    parts: [Part<SurfaceKind>; PARTS],
     scattered: f32,
     peak: f32,
-}
-
-/// A row in the table of a model.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    kind: SurfaceKind,
-    row: usize,
 }
 
 impl Blend {
@@ -110,32 +104,14 @@ macro_rules! with_table {
 }
 
 impl<const N: usize> Blends<'_, N> {
-    /// Calls `each` with every kind that one of the parts is of in some of these lanes (`among`),
-    /// its rows in the table of that kind, and the mask of the lanes.
+    /// Calls `each` with every kind that one of the parts is of in some of these lanes: see
+    /// [`each_kind`].
     fn each_kind(
         &self,
         (place, among): (usize, F32s),
-        mut each: impl FnMut(SurfaceKind, &LaneRows, F32s),
+        each: impl FnMut(SurfaceKind, &LaneRows, F32s),
     ) {
-        let blends = &self.tables.blend;
-        match self.rows {
-            LaneRows::Same(row) => {
-                let Part { kind, row } = blends[row].parts[place];
-                each(kind, &LaneRows::Same(row), among);
-            }
-            LaneRows::Each(rows) => {
-                let parts = rows.map(|row| blends[row].parts[place]);
-                let mut left = among;
-                while left.any() {
-                    let Part { kind, row } = parts[left.to_bitmask().trailing_zeros() as usize];
-                    let is_one = |part: &Part| part.kind == kind;
-                    let of_kind = parts.each_ref().map(|it| if is_one(it) { it.row } else { row });
-                    let mask = left & lanes::mask_of(parts.each_ref().map(is_one));
-                    each(kind, &LaneRows::Each(of_kind), mask);
-                    left &= !mask;
-                }
-            }
-        }
+        each_kind(self.rows, |row| self.tables.blend[row].parts[place], among, each);
     }
 
     /// The share of the surface that is of a part.
@@ -324,4 +300,4 @@ impl<const N: usize> Mixed<N> for Blend {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

@@ -3,6 +3,7 @@
 //! nothing, and a copy of every stage for every model, color and mode would be most of the program.
 
 use super::blend::Blend;
+use super::brushed::Brushed;
 use super::facing::Facing;
 use super::layered::Layered;
 use super::measured::Measured;

@@ -8,6 +8,7 @@
 
 mod absorber;
 mod blend;
+mod brushed;
 mod conductor;
 mod crossed;
 mod dielectric;
@@ -24,6 +25,7 @@ mod measured;
 mod metallic_roughness;
 pub mod model;
 mod null;
+mod parts;
 mod plastic;
 mod polarizer;
 mod retarder;
@@ -42,6 +44,7 @@ pub use tables::SURVIVAL_MIN;
 
 use absorber::Absorber;
 use blend::Blend;
+use brushed::Brushed;
 use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
@@ -102,6 +105,7 @@ macro_rules! surface_models {
             }
             mixed {
                 Blend { parts, weight } => blend: Blend,
+                Brushed { of, grain } => brushed: Brushed,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,

@@ -30,6 +30,8 @@ pub const MATERIAL: Keys = Keys {
     definition: "material",
     known: &[
         "alpha",
+        "alpha_u",
+        "alpha_v",
         "axis_deg",
         "birefringence",
         "blocked",

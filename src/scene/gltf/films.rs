@@ -71,6 +71,7 @@ pub fn iridescent(
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Layered { .. }
         | Bsdf::DispersiveDielectric { .. }

@@ -25,6 +25,7 @@ use super::blends::{self, BLEND};
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
+use super::grains;
 use super::layers::{has_painted_wall, says_more};
 use super::plastics;
 use super::sheets;
@@ -93,11 +94,30 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 7] =
-    ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
+const ROUGH_CONDUCTOR: [&str; 10] = [
+    "alpha",
+    "alpha_u",
+    "alpha_v",
+    "axis_deg",
+    "distribution",
+    "eta",
+    "k",
+    "metal",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 6] =
-    ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
+const ROUGH_DIELECTRIC: [&str; 9] = [
+    "alpha",
+    "alpha_u",
+    "alpha_v",
+    "axis_deg",
+    "distribution",
+    "exterior_ior",
+    "ior",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys that go with any model.
 const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
 
@@ -237,6 +257,7 @@ impl Import<'_> {
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
         let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
+        let bsdf = self.grained(bsdf, value, label)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
@@ -303,14 +324,16 @@ impl Import<'_> {
                 let text = "coats, cloth and colors of facets are ignored on glass";
                 self.warnings.add_like("layers of glass", label, text);
             }
-            self.glass(&layers, (is_solid, of("metallicRoughnessTexture")), label)
+            let may_be_rough =
+                of("metallicRoughnessTexture") || is_solid && grains::is_stated(value);
+            self.glass(&layers, (is_solid, may_be_rough), label)
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
                 let text = "is glass by a share: light goes through it without being refracted";
                 self.warnings.add_like("glass by a share", label, text);
             }
             Bsdf::Layered { layers }
-        } else if metallic == 1.0 && is_smooth && !is_painted {
+        } else if metallic == 1.0 && is_smooth && !is_painted && !grains::is_stated(value) {
             let k = Spectrum::Rgb(color.map(k_of_reflectance));
             Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
         } else {
@@ -416,6 +439,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
@@ -503,21 +527,35 @@ fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
-    let (alpha, distribution, multiple_scattering) = facets(body)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+    let (distribution, multiple_scattering) = facets(body)?;
+    grains::stated(
+        body,
+        || alpha(body),
+        |alpha| Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering },
+    )
 }
 
 fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
-    let (alpha, distribution, multiple_scattering) = facets(body)?;
-    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+    let (distribution, multiple_scattering) = facets(body)?;
+    grains::stated(
+        body,
+        || alpha(body),
+        |alpha| Bsdf::RoughDielectric {
+            ior,
+            exterior_ior,
+            alpha,
+            distribution,
+            multiple_scattering,
+        },
+    )
 }
 
-/// What facets are like, and whether what several of them scatter is given back.
-fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
+/// How facets are distributed, and whether what several of them scatter is given back.
+fn facets(body: &Body) -> Result<(Distribution, bool), SceneError> {
     let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    Ok((alpha(body)?, distribution(body)?, multiple_scattering))
+    Ok((distribution(body)?, multiple_scattering))
 }
 
 /// What [`facets`] reads, beside other keys.

@@ -15,6 +15,7 @@ mod edited;
 mod extension;
 pub(super) mod files;
 mod films;
+mod grains;
 mod hierarchy;
 mod instances;
 mod layers;

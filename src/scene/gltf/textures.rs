@@ -84,6 +84,7 @@ impl Import<'_> {
         let mut textures = self.own_textures(index, label, of)?;
         if let Some(index) = index {
             self.paint_blend(&mut textures, (index, label), of.0)?;
+            self.paint_grain(&mut textures, (index, label), of.0)?;
         }
         Ok(textures)
     }
@@ -310,7 +311,8 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 7] = [
+        const READ: [&str; 8] = [
+            "anisotropyTexture",
             "baseColorTexture",
             "clearcoatNormalTexture",
             "emissiveTexture",
@@ -366,6 +368,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         }
         Bsdf::MetallicRoughness { base_color, .. }
         | Bsdf::Layered { layers: Layers { base_color, .. } } => (Parameter::BaseColor, base_color),
+        Bsdf::Brushed { of, .. } => return color_of(of),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
@@ -394,6 +397,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
             (Some(*metallic), alpha.sqrt())
         }
         Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
+        Bsdf::Brushed { of, .. } => return metal_and_roughness(of, texture),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }

@@ -15,7 +15,7 @@ use super::cameras::written_film;
 use super::extension::EXTENSION;
 use super::layers::write_layers;
 use super::materials::with_facets;
-use super::{blends, films, plastics, sheets};
+use super::{blends, films, grains, plastics, sheets};
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -281,7 +281,8 @@ impl Writer {
     ) -> Value {
         let mut body = self.bsdf(name, bsdf);
         let mut material = json!({"name": called(name), "doubleSided": sides.two_sided});
-        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } = bsdf {
+        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } = bsdf.without_grain()
+        {
             // glTF's own: the body has the color until here, and no name of a model.
             let color = body["base_color"].take();
             body = json!({});
@@ -289,6 +290,9 @@ impl Writer {
                 "metallicFactor": metallic, "roughnessFactor": alpha.sqrt()});
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
+            if let Bsdf::Brushed { grain, .. } = bsdf {
+                grains::write_anisotropy(grain, *alpha, &mut material);
+            }
         }
         if let Bsdf::Layered { layers } = bsdf {
             body = json!({});
@@ -367,6 +371,7 @@ impl Writer {
                     "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
+            Bsdf::Brushed { of, grain } => grains::written(self.bsdf(name, of), grain),
             Bsdf::Blend { parts, weight } => {
                 blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }

@@ -8,7 +8,9 @@ use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Action, BLEND_DEPTH, Bsdf, Coat, Grid, InternalReflection, Parameter};
+use crate::scene::world::{
+    Action, Along, BLEND_DEPTH, Bsdf, Coat, Grain, Grid, InternalReflection, Parameter,
+};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -194,10 +196,10 @@ fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
 /// Facets reflect once, as Mitsuba has it.
 fn rough_conductor(fields: &Fields) -> Result<Surface, SceneError> {
     let [eta, k] = metal_index(fields)?;
-    let (alpha, wanted) = roughness(fields)?;
+    let ([along, alpha], wanted) = roughness(fields)?;
     let distribution = distribution(fields)?;
     let bsdf = Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false };
-    Ok(Surface { wanted, ..bsdf.into() })
+    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
 }
 
 /// Facets scatter once, as Mitsuba has it.
@@ -206,16 +208,24 @@ fn rough_dielectric(fields: &Fields) -> Result<Surface, SceneError> {
     let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
     fields.factor_of_one("specular_reflectance")?;
     fields.factor_of_one("specular_transmittance")?;
-    let (alpha, wanted) = roughness(fields)?;
+    let ([along, alpha], wanted) = roughness(fields)?;
     let distribution = distribution(fields)?;
     let multiple_scattering = false;
     let bsdf =
         Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering };
-    Ok(Surface { wanted, ..bsdf.into() })
+    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
 }
 
-/// The roughness of facets, or a picture of it.
-fn roughness(fields: &Fields) -> Result<(f32, Vec<Wanted>), SceneError> {
+/// A model whose facets have these roughnesses along u and v: the second is the model's.
+fn brushed(bsdf: Bsdf, [along, across]: [f32; 2]) -> Bsdf {
+    match along == across {
+        true => bsdf,
+        false => Bsdf::brushed(bsdf, Grain::new(Along::Alpha(along))),
+    }
+}
+
+/// The roughness of facets along u and v, or a picture of it.
+fn roughness(fields: &Fields) -> Result<([f32; 2], Vec<Wanted>), SceneError> {
     for name in ["alpha_u", "alpha_v"] {
         if fields.picture(name).is_some() {
             let problem = "pictures of facets that differ along u and v are not supported";
@@ -223,8 +233,8 @@ fn roughness(fields: &Fields) -> Result<(f32, Vec<Wanted>), SceneError> {
         }
     }
     match fields.wanted("alpha", Use::Parameter(Parameter::Alpha)) {
-        Some(wanted) => Ok((1.0, vec![wanted])),
-        None => Ok((alpha(fields)?, Vec::new())),
+        Some(wanted) => Ok(([1.0; 2], vec![wanted])),
+        None => Ok((alphas(fields)?, Vec::new())),
     }
 }
 
@@ -244,18 +254,26 @@ fn distribution(fields: &Fields) -> Result<Distribution, SceneError> {
     }
 }
 
+/// The same along u and v.
 fn alpha(fields: &Fields) -> Result<f32, SceneError> {
+    let [along, across] = alphas(fields)?;
+    if along == across {
+        return Ok(along);
+    }
+    let problem = "facets of plastic that differ along u and v are not supported";
+    Err(fields.wrong("alpha_u", problem, "use `alpha`"))
+}
+
+fn alphas(fields: &Fields) -> Result<[f32; 2], SceneError> {
     // How facets are drawn changes no image.
     fields.boolean("sample_visible")?;
-    let alpha = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
-        (None, None) => stated_alpha(fields, "alpha")?.unwrap_or(0.1),
-        (Some(along), Some(across)) if along == across => along,
-        (_, _) => {
-            let problem = "facets that differ along u and v are not supported";
-            return Err(fields.wrong("alpha_u", problem, "use `alpha`"));
-        }
+    let alphas = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
+        (None, None) => [stated_alpha(fields, "alpha")?.unwrap_or(0.1); 2],
+        (Some(along), Some(across)) => [along, across],
+        (Some(_), None) => return Err(fields.wrong("alpha_v", "is missing", "state both")),
+        (None, Some(_)) => return Err(fields.wrong("alpha_u", "is missing", "state both")),
     };
-    Ok(alpha as f32)
+    Ok(alphas.map(|alpha| alpha as f32))
 }
 
 /// What Mitsuba has is the model of Baek et al.: light that is reflected within is lost.

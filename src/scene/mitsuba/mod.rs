@@ -258,6 +258,7 @@ impl Import<'_> {
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
             | Bsdf::Blend { .. }
+            | Bsdf::Brushed { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
@@ -385,7 +386,7 @@ impl Import<'_> {
 /// What a material is to the other side of a surface; none if the world has no such one.
 fn turned(material: Material) -> Option<Material> {
     let is_same = material.sides.two_sided && material.emission.is_none();
-    let bsdf = match material.bsdf {
+    let bsdf = match material.bsdf.clone() {
         Bsdf::Dielectric { ior, exterior_ior } => {
             Bsdf::Dielectric { ior: exterior_ior, exterior_ior: ior }
         }
@@ -396,6 +397,10 @@ fn turned(material: Material) -> Option<Material> {
             let (ior, exterior_ior) = (exterior_ior, ior);
             Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
         }
+        Bsdf::Brushed { of, grain } if of.transmits() => {
+            let inner = turned(Material { bsdf: *of, ..material.clone() })?;
+            Bsdf::brushed(inner.bsdf, grain)
+        }
         bsdf @ (Bsdf::ThinDielectric { .. } | Bsdf::Null) => bsdf,
         bsdf @ (Bsdf::Absorber
         | Bsdf::Diffuse { .. }
@@ -405,7 +410,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
-        | Bsdf::Blend { .. })
+        | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. })
             if is_same =>
         {
             bsdf
@@ -419,6 +425,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }

@@ -37,6 +37,13 @@ pub enum Parameter {
     Alpha,
     /// `weight` of [`SurfaceModel::Blend`].
     Weight,
+    /// The strength of [`Along::Strength`](super::Along::Strength).
+    Strength,
+    /// The first number of [`Grain::direction`](super::Grain::direction), from -1 to 1 as from 0 to
+    /// 1.
+    GrainRight,
+    /// The second one, likewise.
+    GrainUp,
 }
 
 impl Parameter {
@@ -52,6 +59,9 @@ impl Parameter {
             | Self::Roughness
             | Self::Alpha
             | Self::Weight
+            | Self::Strength
+            | Self::GrainRight
+            | Self::GrainUp
             | Self::Specular
             | Self::Transmission
             | Self::DiffuseTransmission
@@ -85,6 +95,9 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. },
                 Parameter::Alpha,
             ) => *alpha = number,
+            (Self::Brushed { of, grain }, parameter) => {
+                return grain.set(parameter, number) || of.set(parameter, value);
+            }
             (Self::Blend { weight, .. }, Parameter::Weight) => *weight = number,
             (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
             (

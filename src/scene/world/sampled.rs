@@ -1,6 +1,7 @@
 //! Materials at other wavelengths, and as paths see them.
 
 use super::blend::sampled_parts;
+use super::grain::sampled_within;
 use super::{SurfaceModel, ThinFilm};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::spectrum::Role;
@@ -51,6 +52,9 @@ impl<S> SurfaceModel<S> {
                 let parts = sampled_parts(parts, &mut sample)?;
                 SurfaceModel::Blend { parts, weight: *weight }
             }
+            Self::Brushed { of, grain } => {
+                SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -92,10 +96,15 @@ impl<S> SurfaceModel<S> {
             Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::Conductor { eta, k }
             }
-            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
+            rough @ Self::RoughDielectric { .. } if rough.is_nothing() => Self::Null,
             Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::DispersiveDielectric { ior, exterior_ior }
             }
+            Self::Brushed { of, grain } if of.is_smooth(&grain) => of.simplified(),
+            Self::Brushed { of, grain } => match of.is_nothing() {
+                true => Self::Null,
+                false => Self::Brushed { of, grain },
+            },
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -116,6 +125,13 @@ impl<S> SurfaceModel<S> {
             | Self::Sheet { .. }
             | Self::Null => self,
         }
+    }
+}
+
+impl<S: PartialEq> SurfaceModel<S> {
+    /// Whether it is rough glass between equal indices of refraction.
+    fn is_nothing(&self) -> bool {
+        matches!(self, Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior)
     }
 }
 

@@ -7,7 +7,7 @@ use super::super::glossy::GlossyTable;
 use super::super::layered::tests::random as random_layers;
 use super::super::rough::tests::{Numbers, directions};
 use super::*;
-use crate::math::LANES;
+use crate::math::{LANES, lanes};
 use crate::polarization::{Distribution, Kernel, Stokes};
 use crate::scene::world::{Coat, InternalReflection};
 
@@ -61,10 +61,10 @@ fn blend(first: Model, second: Model, weight: f32) -> Model {
 }
 
 /// A model in tables.
-struct Tabled {
-    tables: Surfaces<1>,
-    kind: SurfaceKind,
-    rows: LaneRows,
+pub struct Tabled {
+    pub tables: Surfaces<1>,
+    pub kind: SurfaceKind,
+    pub rows: LaneRows,
 }
 
 /// Runs code for the model of a row.
@@ -75,23 +75,23 @@ macro_rules! of {
 }
 
 impl Tabled {
-    fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let mut tables = Surfaces::default();
         let row = tables.append(model) as usize;
         Self { tables, kind: SurfaceKind::of(model), rows: LaneRows::Same(row) }
     }
 
-    fn value(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+    pub fn value(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let way = [given, drawn];
         let [value] = of!(self, models => value(models, &self.rows, &facing(), way, Side::Sensor));
         value
     }
 
-    fn pdf(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
+    pub fn pdf(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         of!(self, models => pdf(models, &self.rows, &facing(), [given, drawn]))
     }
 
-    fn draw(&self, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
+    pub fn draw(&self, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
         let u = [numbers.lanes(), numbers.lanes(), numbers.lanes()];
         of!(self, models => {
             let lanes = models.lanes(&self.rows);
@@ -99,14 +99,14 @@ impl Tabled {
         })
     }
 
-    fn kernel(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> (Dense<F32s>, Vector<F32s>) {
+    pub fn kernel(&self, given: Vector<F32s>, drawn: Vector<F32s>) -> (Dense<F32s>, Vector<F32s>) {
         let ([kernel], axis) =
             of!(self, models => dense(models, &self.rows, &facing(), (-given, drawn)));
         (kernel, axis)
     }
 
     /// Light from `given` that leaves along `drawn`, between frames across both.
-    fn scatter(&self, given: Vector<F32s>, drawn: Vector<F32s>, light: [F32s; 4]) -> [F32s; 4] {
+    pub fn scatter(&self, given: Vector<F32s>, drawn: Vector<F32s>, light: [F32s; 4]) -> [F32s; 4] {
         let (kernel, axis) = self.kernel(given, drawn);
         let across = s_axis(drawn, -given);
         let arriving = Rotation::between(across, axis, -given).apply(Stokes(light));
@@ -117,25 +117,25 @@ impl Tabled {
     }
 }
 
-fn facing() -> Facing {
+pub fn facing() -> Facing {
     let up = Vector::splat([0.0, 0.0, 1.0]);
     Facing { geometric: up, shading: up, two_sided: F32s::splat(1.0).simd_gt(F32s::ZERO) }
 }
 
-fn pure(numbers: &mut Numbers) -> [F32s; 4] {
+pub fn pure(numbers: &mut Numbers) -> [F32s; 4] {
     let v = directions(numbers.lanes() * F32s::splat(2.0) - F32s::ONE, numbers.lanes());
     [F32s::ONE, v.x, v.y, v.z]
 }
 
 /// One side or the other, both of the same or not.
-fn ways(numbers: &mut Numbers, case: u32) -> [Vector<F32s>; 2] {
+pub fn ways(numbers: &mut Numbers, case: u32) -> [Vector<F32s>; 2] {
     let turn = |v: Vector<F32s>, back: bool| if back { -v } else { v };
     let (given, drawn) = (numbers.directions(), numbers.directions());
     [turn(given, case & 1 == 1), turn(drawn, case & 2 == 2)]
 }
 
 #[track_caller]
-fn alike(found: F32s, expected: F32s, scale: F32s, context: &dyn std::fmt::Debug) {
+pub fn alike(found: F32s, expected: F32s, scale: F32s, context: &dyn std::fmt::Debug) {
     let off = (found - expected).abs() - (scale * F32s::splat(1e-5) + F32s::splat(1e-7));
     assert!(off.simd_le(F32s::ZERO).all(), "{found:?} {expected:?} {context:?}");
 }
