@@ -212,6 +212,22 @@ impl<F: Real> Kernel<F> for SpheroidBlock<F> {
 pub struct Dense<F>(pub [[F; 4]; 4]);
 
 impl<F: Real> Dense<F> {
+    /// The same between other axes: `arriving` leads from the new one to the old before the event,
+    /// and `leaving` from the old one to the new behind it.
+    #[inline(always)]
+    pub fn turned(self, arriving: Rotation<F>, leaving: Rotation<F>) -> Self {
+        let [first, second, third, fourth] = self.0.map(|row| arriving.collect_row(row));
+        let Rotation { cos2, sin2 } = leaving;
+        let along = |a: F, b: F| cos2.mul_add(a, sin2 * b);
+        let beside = |a: F, b: F| cos2.mul_add(b, -(sin2 * a));
+        Self([
+            first,
+            std::array::from_fn(|n| along(second[n], third[n])),
+            std::array::from_fn(|n| beside(second[n], third[n])),
+            fourth,
+        ])
+    }
+
     /// Of light that goes the same way in the other direction through something straight on, where
     /// x is the same axis: reciprocity (Sekera 1966, "Scattering matrices and reciprocity
     /// relationships for various representations of the state of polarization") transposes Jones

@@ -65,12 +65,145 @@ impl Distribution {
     }
 }
 
-/// The facets about eight vertices.
+/// How rough facets are along directions of the surface: what the distributions are stretched by.
+///
+/// Heitz 2014, section 5: all of them are those of an even surface whose slopes are stretched.
+pub trait Slopes: Copy {
+    /// The roughness; of what differs by direction, the root of the product of both.
+    fn alpha(&self) -> F32s;
+
+    /// The root of `alpha^2 / (pi D)` of GGX, for a half vector of this cosine and squared sine to
+    /// the normal.
+    fn spread(&self, normal: Vector<F32s>, half: Vector<F32s>, of: [F32s; 2]) -> F32s;
+
+    /// The squared slope of a half vector, over the squared roughness along it, with the squares
+    /// of its cosine and sine.
+    fn steepness(&self, normal: Vector<F32s>, half: Vector<F32s>, of: [F32s; 2]) -> F32s;
+
+    /// `sqrt(cos^2 + alpha^2 sin^2)` of a direction: twice it over the cosine is `1 + 2 L` with `L`
+    /// of GGX.
+    fn slope_length(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
+
+    /// `alpha sin` of a direction.
+    fn width(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
+
+    /// A direction in a space in which the facets are those of a hemisphere.
+    fn stretch(&self, normal: Vector<F32s>, v: Vector<F32s>) -> Vector<F32s>;
+}
+
+/// The same in all directions.
 #[derive(Clone, Copy, Debug)]
-pub struct Facets {
+pub struct Even {
     /// The root mean square of Beckmann's slopes; of the others, the slope that a half of all
     /// facets exceeds. From [`ALPHA_MIN`] to 1.
     alpha: F32s,
+}
+
+impl Slopes for Even {
+    #[inline(always)]
+    fn alpha(&self) -> F32s {
+        self.alpha
+    }
+
+    #[inline(always)]
+    fn spread(&self, _: Vector<F32s>, _: Vector<F32s>, [cos, sin2]: [F32s; 2]) -> F32s {
+        (cos * cos).mul_add(self.alpha * self.alpha, sin2)
+    }
+
+    #[inline(always)]
+    fn steepness(&self, _: Vector<F32s>, _: Vector<F32s>, [cos2, sin2]: [F32s; 2]) -> F32s {
+        sin2 / (cos2 * (self.alpha * self.alpha))
+    }
+
+    #[inline(always)]
+    fn slope_length(&self, _: Vector<F32s>, _: Vector<F32s>, cos: F32s) -> F32s {
+        let one = F32s::splat(1.0);
+        let alpha2 = self.alpha * self.alpha;
+        ((one - alpha2) * cos).mul_add(cos, alpha2).fast_max(F32s::splat(0.0)).sqrt()
+    }
+
+    #[inline(always)]
+    fn width(&self, _: Vector<F32s>, _: Vector<F32s>, cos: F32s) -> F32s {
+        let one = F32s::splat(1.0);
+        let sin = (one - cos * cos).fast_max(F32s::splat(TINY)).sqrt();
+        self.alpha * sin
+    }
+
+    #[inline(always)]
+    fn stretch(&self, normal: Vector<F32s>, v: Vector<F32s>) -> Vector<F32s> {
+        let along = normal * v.dot(normal);
+        ((v - along) * self.alpha + along).normalize()
+    }
+}
+
+/// Along a direction of the surface, and across it: as brushed metal.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretched {
+    /// A unit vector along the surface.
+    along: Vector<F32s>,
+    /// As [`Even`]'s, along it and across.
+    alpha: [F32s; 2],
+}
+
+impl Stretched {
+    /// The parts of a vector along the direction, and across, times the roughness there.
+    #[inline(always)]
+    fn parts(&self, normal: Vector<F32s>, v: Vector<F32s>) -> [F32s; 2] {
+        let [along, across] = self.plain(normal, v);
+        [along * self.alpha[0], across * self.alpha[1]]
+    }
+
+    #[inline(always)]
+    fn plain(&self, normal: Vector<F32s>, v: Vector<F32s>) -> [F32s; 2] {
+        [v.dot(self.along), v.dot(normal.cross(self.along))]
+    }
+}
+
+impl Slopes for Stretched {
+    #[inline(always)]
+    fn alpha(&self) -> F32s {
+        (self.alpha[0] * self.alpha[1]).sqrt()
+    }
+
+    #[inline(always)]
+    fn spread(&self, normal: Vector<F32s>, half: Vector<F32s>, [cos, _]: [F32s; 2]) -> F32s {
+        let [along, across] = self.plain(normal, half);
+        let ratio = self.alpha[1] / self.alpha[0];
+        let sides = (along * along).mul_add(ratio, across * across / ratio);
+        (cos * cos).mul_add(self.alpha[0] * self.alpha[1], sides)
+    }
+
+    #[inline(always)]
+    fn steepness(&self, normal: Vector<F32s>, half: Vector<F32s>, [cos2, _]: [F32s; 2]) -> F32s {
+        let [along, across] = self.plain(normal, half);
+        let [along, across] = [along / self.alpha[0], across / self.alpha[1]];
+        along.mul_add(along, across * across) / cos2
+    }
+
+    #[inline(always)]
+    fn slope_length(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s {
+        let [along, across] = self.parts(normal, v);
+        cos.mul_add(cos, along.mul_add(along, across * across)).sqrt()
+    }
+
+    #[inline(always)]
+    fn width(&self, normal: Vector<F32s>, v: Vector<F32s>, _: F32s) -> F32s {
+        let [along, across] = self.parts(normal, v);
+        along.mul_add(along, across * across).fast_max(F32s::splat(TINY * TINY)).sqrt()
+    }
+
+    #[inline(always)]
+    fn stretch(&self, normal: Vector<F32s>, v: Vector<F32s>) -> Vector<F32s> {
+        let [along, across] = self.parts(normal, v);
+        let side = normal.cross(self.along);
+        (normal * v.dot(normal) + self.along * along + side * across).normalize()
+    }
+}
+
+/// The facets about eight vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Facets<S = Even> {
+    slopes: S,
     /// Mask of those with Beckmann's distribution.
     beckmann: F32s,
 }
@@ -107,18 +240,34 @@ pub struct FacetRefraction {
 /// Keeps denominators off zero that only directions within the surface would make so.
 const TINY: f32 = 1e-12;
 
-impl Facets {
+impl Facets<Even> {
     /// Those of roughness `alpha`, of Beckmann's distribution where the mask holds.
     #[inline(always)]
     pub fn new(alpha: F32s, beckmann: F32s) -> Self {
-        let least = F32s::splat(ALPHA_MIN);
-        Self { alpha: alpha.fast_max(least).fast_min(F32s::splat(1.0)), beckmann }
+        Self { slopes: Even { alpha: within(alpha) }, beckmann }
     }
+}
 
+/// A roughness that is computed with.
+#[inline(always)]
+fn within(alpha: F32s) -> F32s {
+    alpha.fast_max(F32s::splat(ALPHA_MIN)).fast_min(F32s::splat(1.0))
+}
+
+impl Facets<Stretched> {
+    /// Those of these roughnesses along a unit vector of the surface, and across it, of Beckmann's
+    /// distribution where the mask holds.
+    #[inline(always)]
+    pub fn stretched(along: Vector<F32s>, alpha: [F32s; 2], beckmann: F32s) -> Self {
+        Self { slopes: Stretched { along, alpha: alpha.map(within) }, beckmann }
+    }
+}
+
+impl<S: Slopes> Facets<S> {
     /// Their roughness, from [`ALPHA_MIN`] to 1.
     #[inline(always)]
     pub fn alpha(&self) -> F32s {
-        self.alpha
+        self.slopes.alpha()
     }
 
     /// Light between the directions `given` and `drawn`, both away from the surface of the unit
@@ -136,14 +285,19 @@ impl Facets {
         let above = cosines[0].simd_gt(zero) & cosines[1].simd_gt(zero);
         let [cos_given, cos_drawn] = cosines;
         let (cos, sin2) = cos_and_sin2(normal, half);
-        let mut value = self.ggx(cos, sin2) * self.seen_by_both(cos_given, cos_drawn);
+        let [length_given, length_drawn] = [(given, cos_given), (drawn, cos_drawn)]
+            .map(|(v, cos)| self.slopes.slope_length(normal, v, cos));
+        let sum = cos_given.mul_add(length_drawn, cos_drawn * length_given);
+        // G2 / (4 cos i cos o) of GGX.
+        let seen = F32s::splat(0.5) / sum.fast_max(F32s::splat(TINY));
+        let mut value = self.ggx(normal, half, [cos, sin2]) * seen;
         if self.beckmann.any() {
             let shadowed = F32s::splat(1.0)
-                + beckmann_lambda(self.alpha, cos_given)
-                + beckmann_lambda(self.alpha, cos_drawn);
+                + self.beckmann_lambda(normal, given, cos_given)
+                + self.beckmann_lambda(normal, drawn, cos_drawn);
             let seen = F32s::splat(1.0)
                 / (F32s::splat(4.0) * cos_given * cos_drawn * shadowed).fast_max(F32s::splat(TINY));
-            let beckmann = self.beckmann(cos, sin2) * seen;
+            let beckmann = self.beckmann(normal, half, [cos, sin2]) * seen;
             value = Real::select(self.beckmann, beckmann, value);
         }
         let cos_half = given.dot(half).fast_max(zero).fast_min(F32s::splat(1.0));
@@ -157,10 +311,12 @@ impl Facets {
     pub fn pdf(&self, normal: Vector<F32s>, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let zero = F32s::splat(0.0);
         let (cos_given, cos_drawn) = (given.dot(normal), drawn.dot(normal));
-        let (cos, sin2) = cos_and_sin2(normal, half_vector(given, drawn));
+        let half = half_vector(given, drawn);
+        let (cos, sin2) = cos_and_sin2(normal, half);
         let above = cos_given.simd_gt(zero) & cos_drawn.simd_gt(zero);
-        let seen = F32s::splat(2.0) * (cos_given + self.slope_length(cos_given));
-        above & (self.ggx(cos, sin2) / seen)
+        let length = self.slopes.slope_length(normal, given, cos_given);
+        let seen = F32s::splat(2.0) * (cos_given + length);
+        above & (self.ggx(normal, half, [cos, sin2]) / seen)
     }
 
     /// Draws a direction for a path that comes from `given`, by two numbers in [0, 1). It may lie
@@ -194,16 +350,19 @@ impl Facets {
             & given_half.simd_gt(zero)
             & drawn_half.simd_lt(zero);
         let (cos, sin2) = cos_and_sin2(normal, half);
-        let ggx = self.ggx(cos, sin2);
+        let ggx = self.ggx(normal, half, [cos, sin2]);
         // G1 of GGX.
-        let seen =
-            |cos: F32s| (cos + cos) / (cos + self.slope_length(cos)).fast_max(F32s::splat(TINY));
-        let of_given = seen(cos_given);
-        let mut spread = ggx * of_given * seen(below);
+        let seen = |v: Vector<F32s>, cos: F32s| {
+            let length = self.slopes.slope_length(normal, v, cos);
+            (cos + cos) / (cos + length).fast_max(F32s::splat(TINY))
+        };
+        let of_given = seen(given, cos_given);
+        let mut spread = ggx * of_given * seen(drawn, below);
         if self.beckmann.any() {
             let one = F32s::splat(1.0);
-            let seen = |cos: F32s| one / (one + beckmann_lambda(self.alpha, cos));
-            let beckmann = self.beckmann(cos, sin2) * seen(cos_given) * seen(below);
+            let seen = |v, cos| one / (one + self.beckmann_lambda(normal, v, cos));
+            let of_both = seen(given, cos_given) * seen(drawn, below);
+            let beckmann = self.beckmann(normal, half, [cos, sin2]) * of_both;
             spread = Real::select(self.beckmann, beckmann, spread);
         }
         // The sum's length is that of its part along the normal of the facets.
@@ -230,11 +389,7 @@ impl Facets {
         u: [F32s; 2],
     ) -> Vector<F32s> {
         let one = F32s::splat(1.0);
-        let stretch = |v: Vector<F32s>| {
-            let along = normal * v.dot(normal);
-            ((v - along) * self.alpha + along).normalize()
-        };
-        let seen = stretch(given);
+        let seen = self.slopes.stretch(normal, given);
         let up = seen.dot(normal);
         // A cap of directions z from the normal that are reflected towards `seen`.
         let z = (one - u[1]).mul_add(one + up, -up);
@@ -244,54 +399,39 @@ impl Facets {
         let bitangent = normal.cross(tangent);
         let cap = tangent
             .mul_add(radius * cosine, bitangent.mul_add(radius * sine, normal.mul_add(z, seen)));
-        stretch(cap)
-    }
-
-    /// `sqrt(cos^2 + alpha^2 sin^2)`: twice it over the cosine is `1 + 2 L` with `L` of GGX.
-    #[inline(always)]
-    fn slope_length(&self, cos: F32s) -> F32s {
-        let one = F32s::splat(1.0);
-        let alpha2 = self.alpha * self.alpha;
-        ((one - alpha2) * cos).mul_add(cos, alpha2).fast_max(F32s::splat(0.0)).sqrt()
-    }
-
-    /// `G2 / (4 cos i cos o)` of GGX.
-    #[inline(always)]
-    fn seen_by_both(&self, cos_given: F32s, cos_drawn: F32s) -> F32s {
-        let sum = cos_given
-            .mul_add(self.slope_length(cos_drawn), cos_drawn * self.slope_length(cos_given));
-        F32s::splat(0.5) / sum.fast_max(F32s::splat(TINY))
+        self.slopes.stretch(normal, cap)
     }
 
     /// D of GGX.
     #[inline(always)]
-    fn ggx(&self, cos: F32s, sin2: F32s) -> F32s {
-        let alpha2 = self.alpha * self.alpha;
-        let spread = (cos * cos).mul_add(alpha2, sin2);
+    fn ggx(&self, normal: Vector<F32s>, half: Vector<F32s>, of: [F32s; 2]) -> F32s {
+        let alpha2 = self.alpha() * self.alpha();
+        let spread = self.slopes.spread(normal, half, of);
         alpha2 * F32s::splat(FRAC_1_PI) / (spread * spread).fast_max(F32s::splat(TINY * TINY))
     }
 
     /// D of Beckmann.
     #[inline(always)]
-    fn beckmann(&self, cos: F32s, sin2: F32s) -> F32s {
+    fn beckmann(&self, normal: Vector<F32s>, half: Vector<F32s>, of: [F32s; 2]) -> F32s {
+        let [cos, sin2] = of;
         let cos2 = (cos * cos).fast_max(F32s::splat(TINY));
-        let alpha2 = self.alpha * self.alpha;
-        let exponent = (sin2 / (cos2 * alpha2)).fast_min(F32s::splat(80.0));
+        let alpha2 = self.alpha() * self.alpha();
+        let steepness = self.slopes.steepness(normal, half, [cos2, sin2]);
+        let exponent = steepness.fast_min(F32s::splat(80.0));
         (-exponent).exp() / (F32s::splat(PI) * alpha2 * cos2 * cos2)
     }
-}
 
-/// L of Beckmann's distribution, in the rational form of Walter et al. 2007 (equation 27), which
-/// is off by 0.35 % at most.
-#[inline(always)]
-fn beckmann_lambda(alpha: F32s, cos: F32s) -> F32s {
-    let one = F32s::splat(1.0);
-    let sin = (one - cos * cos).fast_max(F32s::splat(TINY)).sqrt();
-    let a = cos.fast_max(F32s::splat(0.0)) / (alpha * sin);
-    let above = F32s::splat(0.396).mul_add(a, F32s::splat(-1.259)).mul_add(a, one);
-    let below = F32s::splat(2.181).mul_add(a, F32s::splat(3.535)) * a;
-    let shadowed = above / below.fast_max(F32s::splat(TINY));
-    a.simd_lt(F32s::splat(1.6)) & shadowed
+    /// L of Beckmann's distribution, in the rational form of Walter et al. 2007 (equation 27),
+    /// which is off by 0.35 % at most.
+    #[inline(always)]
+    fn beckmann_lambda(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s {
+        let one = F32s::splat(1.0);
+        let a = cos.fast_max(F32s::splat(0.0)) / self.slopes.width(normal, v, cos);
+        let above = F32s::splat(0.396).mul_add(a, F32s::splat(-1.259)).mul_add(a, one);
+        let below = F32s::splat(2.181).mul_add(a, F32s::splat(3.535)) * a;
+        let shadowed = above / below.fast_max(F32s::splat(TINY));
+        a.simd_lt(F32s::splat(1.6)) & shadowed
+    }
 }
 
 /// The unit vector between two.

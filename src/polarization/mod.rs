@@ -50,6 +50,8 @@ pub use fresnel::{
     Interface, Pane, conductor, conductor_reflectance, dielectric, dielectric_reflectance, pane,
 };
 pub use kernel::{Block, Dense, Kernel, SpheroidBlock};
-pub use microfacet::{ALPHA_MIN, Distribution, FacetReflection, FacetRefraction, Facets};
+pub use microfacet::{
+    ALPHA_MIN, Distribution, Even, FacetReflection, FacetRefraction, Facets, Slopes, Stretched,
+};
 pub use physical::physical;
 pub use stokes::Stokes;

@@ -310,7 +310,7 @@ impl Interfaces {
         }
         let mut indices = vec![[1.0_f32; N]];
         let index = |solid: &Solid| {
-            let ior = match optics.materials[solid.material as usize].model {
+            let ior = match *optics.materials[solid.material as usize].model.without_grain() {
                 SurfaceModel::Dielectric { ior, .. } => [ior; N],
                 SurfaceModel::DispersiveDielectric { ior, .. }
                 | SurfaceModel::RoughDielectric { ior, .. } => ior,
@@ -320,6 +320,8 @@ impl Interfaces {
                 | SurfaceModel::Layered { .. }
                 | SurfaceModel::Plastic { .. }
                 | SurfaceModel::Measured { .. }
+                | SurfaceModel::Blend { .. }
+                | SurfaceModel::Brushed { .. }
                 | SurfaceModel::FilmedConductor { .. }
                 | SurfaceModel::FilmedDielectric { .. }
                 | SurfaceModel::RoughConductor { .. }

@@ -7,6 +7,7 @@ use std::ops::{Deref, Range};
 use glam::Vec3;
 
 use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
+use crate::math::elementary::sin_cos;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::{NONE, Optics, Shapes};
 use crate::scene::emitter::{Emitter, EmitterModel};
@@ -113,7 +114,8 @@ pub fn paint<const N: usize>(
         }
         let mut model = scene.optics.materials[scene.material_row(primitive)].model.clone();
         let painted = paint_row(&mut model, surfaces, hits, row, scene);
-        if nest(&mut model, surfaces, paths, row, scene) || painted {
+        let nested = nest(&mut model, surfaces, paths, row, scene);
+        if comb(&mut model, surfaces, hits, row, scene) || nested || painted {
             surfaces.model[row] = models.tables.append(&model);
         }
     }
@@ -131,7 +133,7 @@ fn paint_row<const N: usize>(
     let Some(painting) = scene.optics.painting.as_deref() else { return false };
     let primitive = surfaces.primitive[row];
     let Some((textures, _)) = textures_at(scene, painting, primitive) else { return false };
-    let on = scene.shapes.painted(primitive).filter(|_| !textures.parameters.is_empty());
+    let on = scene.shapes.painted(primitive).filter(|_| textures.feed_model());
     if let Some(on) = &on {
         *model = painting.model_at(model.clone(), textures, (on, [hits.u[row], hits.v[row]]));
     }
@@ -148,6 +150,10 @@ fn nest<const N: usize>(
     row: usize,
     scene: &Scene<N>,
 ) -> bool {
+    let model = match model {
+        SurfaceModel::Brushed { of, .. } => of,
+        model => model,
+    };
     let SurfaceModel::RoughDielectric { ior, exterior_ior, .. } = model else { return false };
     let Some(interfaces) = &scene.interfaces else { return false };
     if scene.shapes.surfaces[surfaces.surface[row] as usize].solid == NONE {
@@ -159,6 +165,45 @@ fn nest<const N: usize>(
     *exterior_ior = [1.0; N];
     true
 }
+
+/// Gives facets that are stretched their direction where a row has been hit; whether there are any.
+fn comb<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    surfaces: &SurfaceColumns,
+    hits: &HitColumns,
+    row: usize,
+    scene: &Scene<N>,
+) -> bool {
+    if !model.has_grain() {
+        return false;
+    }
+    let of = |columns| Vec3::from(lanes::row_of(columns, row));
+    let normal = of(&surfaces.shading_normal);
+    let shapes = &scene.shapes;
+    let surface = &shapes.surfaces[surfaces.surface[row] as usize];
+    let (triangle, weights) = (shapes.painted(surfaces.primitive[row]), [hits.u[row], hits.v[row]]);
+    let stated = triangle.and_then(|on| on.frame((0, |place| place), weights, normal));
+    let [right, up] = stated.unwrap_or_else(|| {
+        let (x, y) = (surface.axis_x, surface.axis_y);
+        // Spheres have a direction round them, but at their poles.
+        let round = if triangle.is_none() { x.cross(y).cross(normal) } else { Vec3::ZERO };
+        let along = [round, x, y].map(|axis| axis.reject_from_normalized(normal));
+        let right = along.iter().find(|axis| axis.length_squared() > ALONG_MIN);
+        let right = right.map_or(Vec3::X, |axis| axis.normalize());
+        [right, normal.cross(right)]
+    });
+    model.for_each_grain(&mut |grain| {
+        let (sine, cosine) = sin_cos(f64::from(grain.turn));
+        let [x, y] = grain.direction;
+        let [sine, cosine] = [sine as f32, cosine as f32];
+        let along = right * (cosine * x - sine * y) + up * (sine * x + cosine * y);
+        grain.place = along.try_normalize().unwrap_or(right).to_array();
+    });
+    true
+}
+
+/// Squared sine between an axis and a normal below which the axis says no direction.
+const ALONG_MIN: f32 = 1e-6;
 
 /// Finds the shading normals of painted surfaces where they have been hit.
 pub fn paint_normals<const N: usize>(

@@ -138,8 +138,9 @@ impl<const N: usize> Scene<N> {
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
         let passes_any_way = materials.iter().any(|it| it.kind.passes_any_way());
+        let has_grain = optics.materials.iter().any(|material| material.model.has_grain());
         let has_models_by_place =
-            optics.painting.is_some() || (passes_any_way && interfaces.is_some());
+            optics.painting.is_some() || has_grain || (passes_any_way && interfaces.is_some());
         let has_straight_on = !straight_on_kinds.is_empty();
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =

@@ -18,6 +18,10 @@ pub struct Needs {
 }
 
 impl Needs {
+    /// What says where pictures have their right.
+    pub const TO_THE_RIGHT: Self =
+        Self { coordinates: [true, false], colors: false, tangents: true };
+
     /// Those of the textures of a material.
     pub fn of(textures: &Textures) -> Self {
         let has_set = |set| textures.textures().any(|texture| texture.set == set);

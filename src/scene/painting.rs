@@ -35,9 +35,7 @@ impl<const N: usize> Painting<N> {
         textures: &Textures,
         at: (&Painted, [f32; 2]),
     ) -> SurfaceModel<[f32; N]> {
-        for (parameter, paint) in &textures.parameters {
-            model.set(*parameter, self.value(paint, parameter.role(), at));
-        }
+        set_all(&mut model, textures, &|paint, role| self.value(paint, role, at));
         model
     }
 
@@ -47,9 +45,7 @@ impl<const N: usize> Painting<N> {
         textures: &Textures,
         carried: &Carried<N>,
     ) -> SurfaceModel<[f32; N]> {
-        for (parameter, paint) in &textures.parameters {
-            model.set(*parameter, columns(paint.mean(), parameter.role(), carried));
-        }
+        set_all(&mut model, textures, &|paint, role| columns(paint.mean(), role, carried));
         model
     }
 
@@ -73,6 +69,22 @@ impl<const N: usize> Painting<N> {
             Some(Role::Reflectance) => value.map(|value| value.clamp(0.0, 1.0)),
             Some(Role::Emission | Role::Coefficient | Role::Index | Role::Waves | Role::Spread)
             | None => value,
+        }
+    }
+}
+
+/// Gives a model, and the parts that it has, the values of paints.
+fn set_all<const N: usize>(
+    model: &mut SurfaceModel<[f32; N]>,
+    textures: &Textures,
+    value: &impl Fn(&Paint, Option<Role>) -> [f32; N],
+) {
+    for (parameter, paint) in &textures.parameters {
+        model.set(*parameter, value(paint, parameter.role()));
+    }
+    if let SurfaceModel::Blend { parts, .. } = model {
+        for (part, textures) in parts.iter_mut().zip(&textures.parts) {
+            set_all(part, textures, value);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The scene floor: what files of glTF and Mitsuba mean, what is refused, and the shipped scenes.
 
 mod blender;
+mod blends;
+mod brushed;
 mod built;
 mod common;
 mod errors;

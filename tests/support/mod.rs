@@ -1,6 +1,8 @@
 //! What the tests of whole renders share: rendering in replicates, statistics of the differences,
 //! scenes built in code, and the evidence left behind by a failure.
 
+pub mod blends;
+pub mod brushed;
 pub mod dispersive;
 pub mod evidence;
 pub mod fields;

@@ -27,6 +27,8 @@ use sunstone::internals::scattering::Scene;
 use sunstone::internals::scene::World;
 use sunstone::internals::spectrum::Color;
 
+use crate::support::blends::BLENDS;
+use crate::support::brushed::BRUSHED;
 use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
 use crate::support::filters::FILTERS;
@@ -345,6 +347,44 @@ fn integrators_agree_on_painted_surfaces() {
 #[ignore = "minutes"]
 fn integrators_agree_on_painted_surfaces_closely() {
     check(painted(), [REPLICATES, 2 * ITERATIONS]);
+}
+
+fn blends() -> impl Iterator<Item = (String, World)> {
+    BLENDS.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_blends() {
+    check(blends(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_per_band_on_blends() {
+    check_bands(built(&BLENDS[..1]), [16, ITERATIONS / 8], 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_blends_closely() {
+    check(blends(), [REPLICATES, 2 * ITERATIONS]);
+}
+
+fn brushed() -> impl Iterator<Item = (String, World)> {
+    BRUSHED.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_brushed_surfaces() {
+    check(brushed(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_brushed_surfaces_closely() {
+    check(brushed(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 fn layered() -> impl Iterator<Item = (String, World)> {

@@ -13,6 +13,7 @@ mod analyzers;
 mod auto;
 mod bands;
 mod boundaries;
+mod brushed;
 mod contacts;
 mod convergence;
 mod door;

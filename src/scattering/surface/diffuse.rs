@@ -71,7 +71,8 @@ impl<const N: usize> Connecting<N> for &[Diffuse<N>] {
     ) -> Drawn<N> {
         let normal = facing.shading_towards(given);
         let (direction, cosine) = warp::cosine_hemisphere(normal, [first, second]);
-        Drawn { direction, pdf: warp::cosine_pdf(cosine), weight: reflectance(self, rows) }
+        let (pdf, weight) = (warp::cosine_pdf(cosine), reflectance(self, rows));
+        Drawn { direction, pdf, weight, lost: F32s::ZERO }
     }
 
     #[inline(always)]

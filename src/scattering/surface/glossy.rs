@@ -2,6 +2,8 @@
 //! all of them: each is some hundreds of instructions, beside which a call and a choice cost
 //! nothing, and a copy of every stage for every model, color and mode would be most of the program.
 
+use super::blend::Blend;
+use super::brushed::Brushed;
 use super::facing::Facing;
 use super::layered::Layered;
 use super::measured::Measured;
@@ -10,7 +12,7 @@ use super::model::{Connecting, Drawn, LaneRows, ModelLanes, Surface};
 use super::plastic::Plastic;
 use super::rough_conductor::RoughConductor;
 use super::rough_dielectric::RoughDielectric;
-use super::surface_models;
+use super::{Surfaces, surface_models};
 use crate::math::{F32s, Vector};
 use crate::polarization::SpheroidBlock;
 use crate::scattering::event::{Elements, Form, spheroids};
@@ -31,6 +33,19 @@ pub trait Glossy<const N: usize>: Surface {
 
     /// Those of some rows.
     fn lanes<'a>(models: &ModelLanes<'a, Self>) -> Self::Lanes<'a>;
+}
+
+/// A glossy model with rows of other models for parts, in their tables.
+pub trait Mixed<const N: usize>: Surface {
+    /// Eight of them.
+    type Lanes<'a>: Lobes<N>;
+    /// Whether light may go through.
+    const TRANSMITS: bool;
+    /// What their kernels are.
+    const FORM: Form;
+
+    /// Those of some rows.
+    fn lanes<'a>(tables: &'a Surfaces<N>, rows: &LaneRows) -> Self::Lanes<'a>;
 }
 
 /// Eight glossy surfaces; see [`Connecting`].
@@ -74,6 +89,9 @@ macro_rules! declare {
         glossy {
             $($glossy:ident { $($glossy_of:ident),* } => $glossy_table:ident: $glossy_model:ty,)*
         }
+        mixed {
+            $($mixed:ident { $($mixed_of:ident),* } => $mixed_table:ident: $mixed_model:ty,)*
+        }
         either $either:tt
         straight_on $straight_on:tt
     ) => {
@@ -82,6 +100,8 @@ macro_rules! declare {
         pub enum GlossyTable<'a, const N: usize> {
             $(#[doc = concat!("Of `SurfaceModel::", stringify!($glossy), "`.")]
             $glossy(&'a [$glossy_model]),)*
+            $(#[doc = concat!("Of `SurfaceModel::", stringify!($mixed), "`: all tables.")]
+            $mixed(&'a Surfaces<N>),)*
         }
 
         /// Eight surfaces of a glossy model.
@@ -89,6 +109,8 @@ macro_rules! declare {
         pub enum GlossyLanes<'a, const N: usize> {
             $(#[doc = concat!("Of `SurfaceModel::", stringify!($glossy), "`.")]
             $glossy(<$glossy_model as Glossy<N>>::Lanes<'a>),)*
+            $(#[doc = concat!("Of `SurfaceModel::", stringify!($mixed), "`.")]
+            $mixed(<$mixed_model as Mixed<N>>::Lanes<'a>),)*
         }
 
         impl<'a, const N: usize> Connecting<N> for GlossyTable<'a, N> {
@@ -109,6 +131,9 @@ macro_rules! declare {
                     $(Self::$glossy(table) => GlossyLanes::$glossy(
                         <$glossy_model as Glossy<N>>::lanes(&ModelLanes::new(table, *rows)),
                     ),)*
+                    $(Self::$mixed(tables) => GlossyLanes::$mixed(
+                        <$mixed_model as Mixed<N>>::lanes(tables, rows),
+                    ),)*
                 }
             }
 
@@ -121,6 +146,7 @@ macro_rules! declare {
             ) -> F32s {
                 let transmits = match of {
                     $(GlossyLanes::$glossy(_) => <$glossy_model as Glossy<N>>::TRANSMITS,)*
+                    $(GlossyLanes::$mixed(_) => <$mixed_model as Mixed<N>>::TRANSMITS,)*
                 };
                 match transmits {
                     true => facing.is_on_sides(given, drawn),
@@ -138,6 +164,7 @@ macro_rules! declare {
             ) -> [F32s; N] {
                 match of {
                     $(GlossyLanes::$glossy(of) => of.values(facing, given, drawn, side),)*
+                    $(GlossyLanes::$mixed(of) => of.values(facing, given, drawn, side),)*
                 }
             }
 
@@ -150,6 +177,7 @@ macro_rules! declare {
             ) -> F32s {
                 match of {
                     $(GlossyLanes::$glossy(of) => of.pdf(facing, given, drawn),)*
+                    $(GlossyLanes::$mixed(of) => of.pdf(facing, given, drawn),)*
                 }
             }
 
@@ -164,6 +192,7 @@ macro_rules! declare {
             ) -> Drawn<N> {
                 match of {
                     $(GlossyLanes::$glossy(of) => of.draw(facing, given, u, side),)*
+                    $(GlossyLanes::$mixed(of) => of.draw(facing, given, u, side),)*
                 }
             }
 
@@ -179,6 +208,10 @@ macro_rules! declare {
                         let (kernels, axis) = of.kernels(facing, k_in, k_out);
                         (spheroids(&kernels), axis)
                     })*
+                    $(GlossyLanes::$mixed(of) => {
+                        let (kernels, axis) = of.kernels(facing, k_in, k_out);
+                        (spheroids(&kernels), axis)
+                    })*
                 }
             }
 
@@ -187,6 +220,9 @@ macro_rules! declare {
                 match of {
                     $(GlossyLanes::$glossy(_) => {
                         matches!(<$glossy_model as Glossy<N>>::FORM, Form::Dense)
+                    })*
+                    $(GlossyLanes::$mixed(_) => {
+                        matches!(<$mixed_model as Mixed<N>>::FORM, Form::Dense)
                     })*
                 }
             }
@@ -200,6 +236,10 @@ macro_rules! declare {
             ) -> DenseKernels<N> {
                 match of {
                     $(GlossyLanes::$glossy(of) => {
+                        let (kernels, axis) = of.kernels(facing, k_in, k_out);
+                        (kernels.map(Elements::dense), axis)
+                    })*
+                    $(GlossyLanes::$mixed(of) => {
                         let (kernels, axis) = of.kernels(facing, k_in, k_out);
                         (kernels.map(Elements::dense), axis)
                     })*

@@ -426,7 +426,7 @@ impl<const N: usize> Lobes<N> for Layereds<N> {
         let mut weight = self.values(facing, given, direction, side);
         let scale = !is_lost & (cos.abs() / pdf);
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: is_lost }
     }
 
     #[inline(always)]
@@ -448,30 +448,10 @@ impl<const N: usize> Lobes<N> for Layereds<N> {
         let leaving = Rotation::between(leaving, axis, k_out);
         let mut kernels = [Dense([[F32s::splat(1.0); 4]; 4]); N];
         for (n, kernel) in kernels.iter_mut().enumerate() {
-            let Dense(own) = lobes[n].beside(depolarized[n]).dense();
-            *kernel = Dense(turned(arriving, own, leaving));
+            *kernel = lobes[n].beside(depolarized[n]).dense().turned(arriving, leaving);
         }
         (kernels, axis)
     }
-}
-
-/// A matrix between the axes before and behind it.
-#[inline(always)]
-fn turned(
-    arriving: Rotation<F32s>,
-    own: [[F32s; 4]; 4],
-    leaving: Rotation<F32s>,
-) -> [[F32s; 4]; 4] {
-    let [first, second, third, fourth] = own.map(|row| arriving.collect_row(row));
-    let Rotation { cos2, sin2 } = leaving;
-    let along = |a: F32s, b: F32s| cos2.mul_add(a, sin2 * b);
-    let beside = |a: F32s, b: F32s| cos2.mul_add(b, -(sin2 * a));
-    [
-        first,
-        std::array::from_fn(|n| along(second[n], third[n])),
-        std::array::from_fn(|n| beside(second[n], third[n])),
-        fourth,
-    ]
 }
 
 impl<const N: usize> Glossy<N> for Layered<N> {
@@ -514,4 +494,4 @@ impl<const N: usize> Glossy<N> for Layered<N> {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

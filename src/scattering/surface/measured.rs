@@ -133,9 +133,10 @@ impl<const N: usize> Lobes<N> for MeasuredLanes<'_, N> {
         let normal = facing.shading_towards(given);
         let (direction, pdf) = self.mixture.draw(normal, given, [u[0], u[1]]);
         let mut weight = self.values(facing, given, direction, side);
-        let scale = direction.dot(normal).fast_max(F32s::ZERO) / pdf;
+        let cos = direction.dot(normal);
+        let scale = cos.fast_max(F32s::ZERO) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: cos.simd_le(F32s::ZERO) }
     }
 
     fn kernels(

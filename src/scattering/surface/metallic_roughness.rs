@@ -25,7 +25,7 @@ use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak};
 use crate::math::F32s;
 use crate::polarization::albedo::{POWERS, TERMS};
 use crate::polarization::{
-    Albedo, CoatAlbedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel,
+    Albedo, CoatAlbedo, Distribution, Even, FacetReflection, Facets, Slopes, SpheroidBlock, fresnel,
 };
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
@@ -105,8 +105,8 @@ impl<const N: usize> Surface for MetallicRoughness<N> {
 
 /// Eight of them.
 #[derive(Clone, Copy)]
-pub struct MetallicRoughnesses<const N: usize> {
-    facets: Facets,
+pub struct MetallicRoughnesses<const N: usize, S = Even> {
+    facets: Facets<S>,
     metallic: F32s,
     coat: F32s,
     ior: F32s,
@@ -123,7 +123,26 @@ pub struct MetallicRoughnesses<const N: usize> {
     multiple: F32s,
 }
 
-impl<const N: usize> MetallicRoughnesses<N> {
+impl<const N: usize, S> MetallicRoughnesses<N, S> {
+    /// Those of some rows, with these facets.
+    #[inline(always)]
+    pub fn new(models: &ModelLanes<MetallicRoughness<N>>, facets: Facets<S>) -> Self {
+        Self {
+            facets,
+            metallic: models.field(|model| model.metallic),
+            coat: models.field(|model| model.coat),
+            ior: models.field(|model| model.ior),
+            k: models.spectrum(|model| &model.k),
+            base: models.spectrum(|model| &model.base),
+            gain: models.spectrum(|model| &model.metal.gain),
+            of_coat: models.spectrum(|model| &model.of_coat.reflected),
+            of_facets: models.spectrum(|model| &model.of_facets.terms),
+            color: mean(&models.spectrum(|model| &model.color)),
+            single: mean(&models.spectrum(|model| &model.metal.single)),
+            multiple: mean(&models.spectrum(|model| &model.metal.multiple)),
+        }
+    }
+
     /// What the coat lets through of light of the cosine, and what facets that reflect all leave
     /// out.
     #[inline(always)]
@@ -152,11 +171,12 @@ impl<const N: usize> MetallicRoughnesses<N> {
     }
 }
 
-impl<const N: usize> Rough<N> for MetallicRoughnesses<N> {
+impl<const N: usize, S: Slopes> Rough<N> for MetallicRoughnesses<N, S> {
     type Kernel = SpheroidBlock<F32s>;
+    type Slopes = S;
 
     #[inline(always)]
-    fn facets(&self) -> &Facets {
+    fn facets(&self) -> &Facets<S> {
         &self.facets
     }
 
@@ -222,19 +242,6 @@ impl<const N: usize> Glossy<N> for MetallicRoughness<N> {
     #[inline(always)]
     fn lanes<'a>(models: &ModelLanes<'a, Self>) -> MetallicRoughnesses<N> {
         let alpha = models.field(|model| model.alpha);
-        MetallicRoughnesses {
-            facets: Facets::new(alpha, F32s::splat(0.0)),
-            metallic: models.field(|model| model.metallic),
-            coat: models.field(|model| model.coat),
-            ior: models.field(|model| model.ior),
-            k: models.spectrum(|model| &model.k),
-            base: models.spectrum(|model| &model.base),
-            gain: models.spectrum(|model| &model.metal.gain),
-            of_coat: models.spectrum(|model| &model.of_coat.reflected),
-            of_facets: models.spectrum(|model| &model.of_facets.terms),
-            color: mean(&models.spectrum(|model| &model.color)),
-            single: mean(&models.spectrum(|model| &model.metal.single)),
-            multiple: mean(&models.spectrum(|model| &model.metal.multiple)),
-        }
+        MetallicRoughnesses::new(models, Facets::new(alpha, F32s::splat(0.0)))
     }
 }

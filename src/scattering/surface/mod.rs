@@ -7,6 +7,8 @@
 //! and a description of it, a file here and a line in the list.
 
 mod absorber;
+mod blend;
+mod brushed;
 mod conductor;
 mod crossed;
 mod dielectric;
@@ -23,6 +25,7 @@ mod measured;
 mod metallic_roughness;
 pub mod model;
 mod null;
+mod parts;
 mod plastic;
 mod polarizer;
 mod retarder;
@@ -35,11 +38,13 @@ mod thin_dielectric;
 
 pub use crossed::Crossed;
 pub use facing::Facing;
-pub use glossy::{Glossy, GlossyTable};
+pub use glossy::{Glossy, GlossyTable, Mixed};
 pub use model::{Connecting, ModelLanes, Specular, StraightOn, Surface};
 pub use tables::SURVIVAL_MIN;
 
 use absorber::Absorber;
+use blend::Blend;
+use brushed::Brushed;
 use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
@@ -66,7 +71,8 @@ use crate::scene::world::SurfaceModel;
 /// takes, the name of its table, and its type. By sort: `ends` are models at which paths end (one
 /// event for all of them), `specular`, `connecting` and `straight_on` the three sorts of `model`,
 /// of which the last are no vertices of a path; `either` is specular and straight on, and `glossy`
-/// are connecting models that stages take for one. Rows are grouped in this order.
+/// are connecting models that stages take for one; `mixed` are such that have rows of other models
+/// for parts. Rows are grouped in this order.
 macro_rules! surface_models {
     ([$($then:tt)*] $arguments:tt) => {
         $($then)*! {
@@ -96,6 +102,10 @@ macro_rules! surface_models {
                 Layered { layers } => layered: Layered<N>,
                 Plastic { reflectance, coat } => plastic: Plastic<N>,
                 Measured { table, places } => measured: Measured<N>,
+            }
+            mixed {
+                Blend { parts, weight } => blend: Blend,
+                Brushed { of, grain } => brushed: Brushed,
             }
             either {
                 ThinDielectric { ior, exterior_ior } => thin_dielectric: ThinDielectric<N>,
@@ -134,6 +144,7 @@ macro_rules! declare {
         glossy {
             $($glossy:ident { $($glossy_of:ident),* } => $glossy_table:ident: $glossy_model:ty,)*
         }
+        mixed { $($mixed:ident { $($mixed_of:ident),* } => $mixed_table:ident: $mixed_model:ty,)* }
         either { $($both:ident { $($both_of:ident),* } => $both_table:ident: $both_model:ty,)* }
         straight_on {
             $($pass:ident { $($pass_of:ident),* } => $pass_table:ident: $pass_model:ty,)*
@@ -146,6 +157,7 @@ macro_rules! declare {
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($one), "`].")] $one,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($any), "`].")] $any,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($glossy), "`].")] $glossy,)*
+            $(#[doc = concat!("See [`SurfaceModel::", stringify!($mixed), "`].")] $mixed,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($both), "`].")] $both,)*
             $(#[doc = concat!("See [`SurfaceModel::", stringify!($pass), "`].")] $pass,)*
         }
@@ -158,6 +170,7 @@ macro_rules! declare {
                 $(Self::$both,)*
                 $(Self::$any,)*
                 $(Self::$glossy,)*
+                $(Self::$mixed,)*
                 $(Self::$pass,)*
             ];
 
@@ -173,6 +186,7 @@ macro_rules! declare {
                     $(Self::$one => false,)*
                     $(Self::$any => false,)*
                     $(Self::$glossy => false,)*
+                    $(Self::$mixed => false,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACTS,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACTS,)*
                 }
@@ -188,6 +202,7 @@ macro_rules! declare {
                     $(Self::$one => true,)*
                     $(Self::$any => true,)*
                     $(Self::$glossy => true,)*
+                    $(Self::$mixed => true,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::ACHROMATIC,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::ACHROMATIC,)*
                 }
@@ -199,6 +214,7 @@ macro_rules! declare {
                 const N: usize = 1;
                 match self {
                     $(Self::$glossy => <$glossy_model as Glossy<N>>::TRANSMITS,)*
+                    $(Self::$mixed => <$mixed_model as Mixed<N>>::TRANSMITS,)*
                     $(Self::$end)|*
                     $(| Self::$one)*
                     $(| Self::$any)*
@@ -216,14 +232,20 @@ macro_rules! declare {
                     $(Self::$one => Form::Depolarizer,)*
                     $(Self::$any => Form::Depolarizer,)*
                     $(Self::$glossy => Form::Depolarizer,)*
+                    $(Self::$mixed => Form::Depolarizer,)*
                     $(Self::$both => <$both_model as StraightOn<N>>::FORM,)*
                     $(Self::$pass => <$pass_model as StraightOn<N>>::FORM,)*
                 }
             }
 
             /// Those with an event of their own.
-            const MET: &[Self] =
-                &[$(Self::$one,)* $(Self::$both,)* $(Self::$any,)* $(Self::$glossy,)*];
+            const MET: &[Self] = &[
+                $(Self::$one,)*
+                $(Self::$both,)*
+                $(Self::$any,)*
+                $(Self::$glossy,)*
+                $(Self::$mixed,)*
+            ];
 
             /// The kind of a model with parameters of any sort.
             pub fn of<S>(model: &SurfaceModel<S>) -> Self {
@@ -232,6 +254,7 @@ macro_rules! declare {
                     $(SurfaceModel::$one { .. } => Self::$one,)*
                     $(SurfaceModel::$any { .. } => Self::$any,)*
                     $(SurfaceModel::$glossy { .. } => Self::$glossy,)*
+                    $(SurfaceModel::$mixed { .. } => Self::$mixed,)*
                     $(SurfaceModel::$both { .. } => Self::$both,)*
                     $(SurfaceModel::$pass { .. } => Self::$pass,)*
                 }
@@ -245,6 +268,7 @@ macro_rules! declare {
                     $(Self::$one => Sort::Specular,)*
                     $(Self::$any => Sort::Connecting,)*
                     $(Self::$glossy => Sort::Connecting,)*
+                    $(Self::$mixed => Sort::Connecting,)*
                     $(Self::$both => Sort::Either,)*
                     $(Self::$pass => Sort::StraightOn,)*
                 }
@@ -267,6 +291,10 @@ macro_rules! declare {
                         <$glossy_model as Glossy<N>>::FORM,
                         <GlossyTable<'_, N> as Connecting<N>>::ACHROMATIC,
                     ),)*
+                    $(Self::$mixed => (
+                        <$mixed_model as Mixed<N>>::FORM,
+                        <GlossyTable<'_, N> as Connecting<N>>::ACHROMATIC,
+                    ),)*
                     $(Self::$both => (
                         <<$both_model as Specular<N>>::Kernel as Elements>::FORM,
                         <$both_model as Specular<N>>::ACHROMATIC,
@@ -284,6 +312,7 @@ macro_rules! declare {
             $($one_table: Vec<$one_model>,)*
             $($any_table: Vec<$any_model>,)*
             $($glossy_table: Vec<$glossy_model>,)*
+            $($mixed_table: Vec<$mixed_model>,)*
             $($both_table: Vec<$both_model>,)*
             $($pass_table: Vec<$pass_model>,)*
         }
@@ -295,6 +324,7 @@ macro_rules! declare {
                 $(self.$one_table.clone_from(&from.$one_table);)*
                 $(self.$any_table.clone_from(&from.$any_table);)*
                 $(self.$glossy_table.clone_from(&from.$glossy_table);)*
+                $(self.$mixed_table.clone_from(&from.$mixed_table);)*
                 $(self.$both_table.clone_from(&from.$both_table);)*
                 $(self.$pass_table.clone_from(&from.$pass_table);)*
             }
@@ -306,6 +336,7 @@ macro_rules! declare {
                     $(self.$one_table.len(),)*
                     $(self.$any_table.len(),)*
                     $(self.$glossy_table.len(),)*
+                    $(self.$mixed_table.len(),)*
                     $(self.$both_table.len(),)*
                     $(self.$pass_table.len(),)*
                 ]
@@ -319,6 +350,7 @@ macro_rules! declare {
                 $(self.$one_table.truncate(next());)*
                 $(self.$any_table.truncate(next());)*
                 $(self.$glossy_table.truncate(next());)*
+                $(self.$mixed_table.truncate(next());)*
                 $(self.$both_table.truncate(next());)*
                 $(self.$pass_table.truncate(next());)*
             }
@@ -337,6 +369,10 @@ macro_rules! declare {
                     })*
                     $(SurfaceModel::$glossy { $($glossy_of),* } => {
                         append(&mut self.$glossy_table, <$glossy_model>::of($($glossy_of),*))
+                    })*
+                    $(SurfaceModel::$mixed { $($mixed_of),* } => {
+                        let row = <$mixed_model>::of(self, $($mixed_of),*);
+                        append(&mut self.$mixed_table, row)
                     })*
                     $(SurfaceModel::$both { $($both_of),* } => {
                         append(&mut self.$both_table, <$both_model>::of($($both_of),*))
@@ -368,6 +404,7 @@ macro_rules! declare {
                     $(SurfaceKind::$glossy => {
                         Some(GlossyTable::$glossy(&self.$glossy_table))
                     })*
+                    $(SurfaceKind::$mixed => Some(GlossyTable::$mixed(self)),)*
                     $(SurfaceKind::$end)|*
                     $(| SurfaceKind::$one)*
                     $(| SurfaceKind::$any)*
@@ -417,6 +454,7 @@ macro_rules! dispatch_surface {
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
         glossy { $($glossy:ident $glossy_of:tt => $glossy_table:ident: $glossy_model:ty,)* }
+        mixed { $($mixed:ident $mixed_of:tt => $mixed_table:ident: $mixed_model:ty,)* }
         either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
         straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
     ) => {
@@ -433,7 +471,8 @@ macro_rules! dispatch_surface {
                 let $models = $surfaces.$any_table();
                 $of_any
             })*
-            $($crate::scattering::surface::SurfaceKind::$glossy)|* => {
+            $($crate::scattering::surface::SurfaceKind::$glossy)|*
+            $(| $crate::scattering::surface::SurfaceKind::$mixed)* => {
                 match $surfaces.glossy($kind) {
                     Some($models) => $of_any,
                     None => $else,
@@ -462,6 +501,7 @@ macro_rules! dispatch_straight_on {
         specular { $($one:ident $one_of:tt => $one_table:ident: $one_model:ty,)* }
         connecting { $($any:ident $any_of:tt => $any_table:ident: $any_model:ty,)* }
         glossy { $($glossy:ident $glossy_of:tt => $glossy_table:ident: $glossy_model:ty,)* }
+        mixed { $($mixed:ident $mixed_of:tt => $mixed_table:ident: $mixed_model:ty,)* }
         either { $($both:ident $both_of:tt => $both_table:ident: $both_model:ty,)* }
         straight_on { $($pass:ident $pass_of:tt => $pass_table:ident: $pass_model:ty,)* }
     ) => {
@@ -477,7 +517,8 @@ macro_rules! dispatch_straight_on {
             $($crate::scattering::surface::SurfaceKind::$end)|*
             $(| $crate::scattering::surface::SurfaceKind::$one)*
             $(| $crate::scattering::surface::SurfaceKind::$any)*
-            $(| $crate::scattering::surface::SurfaceKind::$glossy)* => {}
+            $(| $crate::scattering::surface::SurfaceKind::$glossy)*
+            $(| $crate::scattering::surface::SurfaceKind::$mixed)* => {}
         }
     };
 }

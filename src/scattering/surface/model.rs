@@ -218,6 +218,8 @@ pub struct Drawn<const N: usize> {
     pub pdf: F32s,
     /// Scattering function times the shading normal's cosine, over the density; finite.
     pub weight: [F32s; N],
+    /// Mask of those that the density does not count: they have been lost, and weigh nothing.
+    pub lost: F32s,
 }
 
 /// Rows of a table that eight lanes look at.

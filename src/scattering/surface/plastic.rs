@@ -37,8 +37,8 @@ use super::rough::{FacetPlane, Rough, is_above, peak};
 use crate::math::{F32s, Real, Vector};
 use crate::polarization::albedo::{POWERS, TERMS, mean_over_cosines};
 use crate::polarization::{
-    Albedo, Block, CoatAlbedo, Dense, Distribution, FacetReflection, Facets, Rotation, Stokes,
-    fresnel, s_axis,
+    Albedo, Block, CoatAlbedo, Dense, Distribution, Even, FacetReflection, Facets, Rotation,
+    Stokes, fresnel, s_axis,
 };
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
@@ -174,6 +174,7 @@ impl<const N: usize> Plastics<N> {
 
 impl<const N: usize> Rough<N> for Plastics<N> {
     type Kernel = Dense<F32s>;
+    type Slopes = Even;
 
     #[inline(always)]
     fn facets(&self) -> &Facets {

@@ -16,7 +16,7 @@ use super::model::Drawn;
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::mean_over_cosines;
 use crate::polarization::{
-    ALPHA_MIN, Albedo, Block, FacetReflection, Facets, SpheroidBlock, fresnel, s_axis,
+    ALPHA_MIN, Albedo, Block, Even, FacetReflection, Facets, Slopes, SpheroidBlock, fresnel, s_axis,
 };
 use crate::scattering::event::Elements;
 use crate::scattering::side::Side;
@@ -133,8 +133,11 @@ pub struct FacetPlane {
 
 /// Eight rough surfaces, from which directions are drawn by facets, or else by the cosine.
 pub trait Rough<const N: usize> {
+    /// How rough their facets are by direction.
+    type Slopes: Slopes;
+
     /// The facets.
-    fn facets(&self) -> &Facets;
+    fn facets(&self) -> &Facets<Self::Slopes>;
 
     /// The probability of drawing by facets for a path that comes from a direction of the cosine
     /// `cos`, and the share of the rest that is like what they leave out: see [`Mixture`].
@@ -165,19 +168,19 @@ pub trait Rough<const N: usize> {
 /// Directions that are drawn by facets, with some chance, or else by the cosine, or towards the
 /// cosines that facets leave out most of.
 #[derive(Clone, Copy)]
-pub struct Mixture {
+pub struct Mixture<S = Even> {
     /// The facets.
-    pub facets: Facets,
+    pub facets: Facets<S>,
     /// The probability of drawing by them.
     pub chance: F32s,
     /// The share of the rest that is drawn by [`Grazing`].
     pub grazing: F32s,
 }
 
-impl Mixture {
+impl<S: Slopes> Mixture<S> {
     /// That of rough surfaces for paths that come from directions of the cosine `cos`.
     #[inline(always)]
-    fn of<const N: usize>(rough: &impl Rough<N>, cos: F32s) -> Self {
+    fn of<const N: usize>(rough: &impl Rough<N, Slopes = S>, cos: F32s) -> Self {
         let [chance, grazing] = rough.chances(cos);
         Self { facets: *rough.facets(), chance, grazing }
     }
@@ -246,7 +249,7 @@ pub struct Grazing {
 impl Grazing {
     /// About cosines like the roughness of these facets.
     #[inline(always)]
-    pub fn of(facets: &Facets) -> Self {
+    pub fn of(facets: &Facets<impl Slopes>) -> Self {
         let (one, scale) = (F32s::splat(1.0), facets.alpha() * F32s::splat(2.0));
         let scale2 = scale * scale;
         Self { scale2, integral: (one + one / scale2).ln() }
@@ -293,9 +296,10 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
         let u = [u[0], u[1]];
         let (direction, pdf) = Mixture::of(self, given.dot(normal)).draw(normal, given, u);
         let mut weight = Lobes::values(self, facing, given, direction, side);
-        let scale = direction.dot(normal).fast_max(F32s::splat(0.0)) / pdf;
+        let cos = direction.dot(normal);
+        let scale = cos.fast_max(F32s::splat(0.0)) / pdf;
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: cos.simd_le(F32s::ZERO) }
     }
 
     #[inline(always)]

@@ -5,7 +5,9 @@ use super::model::{ModelLanes, Surface, strongest};
 use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak};
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
-use crate::polarization::{Albedo, Distribution, FacetReflection, Facets, SpheroidBlock, fresnel};
+use crate::polarization::{
+    Albedo, Distribution, Even, FacetReflection, Facets, Slopes, SpheroidBlock, fresnel,
+};
 use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 
@@ -42,6 +44,14 @@ impl<const N: usize> RoughConductor<N> {
     }
 }
 
+impl<const N: usize> RoughConductor<N> {
+    /// Mask of rows with Beckmann's distribution.
+    #[inline(always)]
+    pub fn beckmann(models: &ModelLanes<Self>) -> F32s {
+        models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5))
+    }
+}
+
 impl<const N: usize> Surface for RoughConductor<N> {
     fn scattered(&self) -> f32 {
         let Reflected { single, multiple, .. } = self.reflected;
@@ -57,8 +67,8 @@ impl<const N: usize> Surface for RoughConductor<N> {
 
 /// Eight of them.
 #[derive(Clone, Copy)]
-pub struct RoughConductors<const N: usize> {
-    facets: Facets,
+pub struct RoughConductors<const N: usize, S = Even> {
+    facets: Facets<S>,
     eta: [F32s; N],
     k: [F32s; N],
     /// Of [`Albedo`].
@@ -69,7 +79,21 @@ pub struct RoughConductors<const N: usize> {
     multiple: F32s,
 }
 
-impl<const N: usize> RoughConductors<N> {
+impl<const N: usize, S> RoughConductors<N, S> {
+    /// Those of some rows, with these facets.
+    #[inline(always)]
+    pub fn new(models: &ModelLanes<RoughConductor<N>>, facets: Facets<S>) -> Self {
+        Self {
+            facets,
+            eta: models.spectrum(|model| &model.eta),
+            k: models.spectrum(|model| &model.k),
+            terms: models.spectrum(|model| &model.albedo.terms),
+            gain: models.spectrum(|model| &model.reflected.gain),
+            single: mean(&models.spectrum(|model| &model.reflected.single)),
+            multiple: mean(&models.spectrum(|model| &model.reflected.multiple)),
+        }
+    }
+
     /// What is reflected several times, per gain.
     #[inline(always)]
     fn several(&self, reflection: &FacetReflection) -> F32s {
@@ -78,11 +102,12 @@ impl<const N: usize> RoughConductors<N> {
     }
 }
 
-impl<const N: usize> Rough<N> for RoughConductors<N> {
+impl<const N: usize, S: Slopes> Rough<N> for RoughConductors<N, S> {
     type Kernel = SpheroidBlock<F32s>;
+    type Slopes = S;
 
     #[inline(always)]
-    fn facets(&self) -> &Facets {
+    fn facets(&self) -> &Facets<S> {
         &self.facets
     }
 
@@ -128,15 +153,6 @@ impl<const N: usize> Glossy<N> for RoughConductor<N> {
     #[inline(always)]
     fn lanes<'a>(models: &ModelLanes<'a, Self>) -> RoughConductors<N> {
         let alpha = models.field(|model| model.alpha);
-        let beckmann = models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5));
-        RoughConductors {
-            facets: Facets::new(alpha, beckmann),
-            eta: models.spectrum(|model| &model.eta),
-            k: models.spectrum(|model| &model.k),
-            terms: models.spectrum(|model| &model.albedo.terms),
-            gain: models.spectrum(|model| &model.reflected.gain),
-            single: mean(&models.spectrum(|model| &model.reflected.single)),
-            multiple: mean(&models.spectrum(|model| &model.reflected.multiple)),
-        }
+        RoughConductors::new(models, Facets::new(alpha, Self::beckmann(models)))
     }
 }

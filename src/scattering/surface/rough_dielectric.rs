@@ -23,7 +23,8 @@ use super::rough::{FacetLobe, Grazing, MISSING_MIN, NARROW, PDF_MIN, choose};
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
-    Albedo, Block, Distribution, FacetRefraction, Facets, SpheroidBlock, fresnel, s_axis,
+    Albedo, Block, Distribution, Even, FacetRefraction, Facets, Slopes, SpheroidBlock, fresnel,
+    s_axis,
 };
 use crate::scattering::event::Form;
 use crate::scattering::side::Side;
@@ -104,6 +105,14 @@ fn sides(ior: f32, albedos: &[Albedo; SIDES], is_given_back: bool) -> [OfSide; S
     std::array::from_fn(of)
 }
 
+impl<const N: usize> RoughDielectric<N> {
+    /// Mask of rows with Beckmann's distribution.
+    #[inline(always)]
+    pub fn beckmann(models: &ModelLanes<Self>) -> F32s {
+        models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5))
+    }
+}
+
 impl<const N: usize> Surface for RoughDielectric<N> {
     const NESTS: bool = true;
 
@@ -121,8 +130,8 @@ impl<const N: usize> Surface for RoughDielectric<N> {
 
 /// Eight of them.
 #[derive(Clone, Copy)]
-pub struct RoughDielectrics<const N: usize> {
-    facets: Facets,
+pub struct RoughDielectrics<const N: usize, S = Even> {
+    facets: Facets<S>,
     ior: [F32s; N],
     /// Whether all wavelengths have the same index.
     is_gray: bool,
@@ -139,8 +148,8 @@ struct LanesOfSide {
 }
 
 /// Eight surfaces as they are for light of one side each.
-struct Sided<'a, const N: usize> {
-    of: &'a RoughDielectrics<N>,
+struct Sided<'a, const N: usize, S> {
+    of: &'a RoughDielectrics<N, S>,
     /// Mask of those that are looked at from the front.
     front: F32s,
     /// The shading normal there.
@@ -160,9 +169,9 @@ struct Once {
     half: Vector<F32s>,
 }
 
-impl<'a, const N: usize> Sided<'a, N> {
+impl<'a, const N: usize, S: Slopes> Sided<'a, N, S> {
     #[inline(always)]
-    fn new(of: &'a RoughDielectrics<N>, facing: &Facing, given: Vector<F32s>) -> Self {
+    fn new(of: &'a RoughDielectrics<N, S>, facing: &Facing, given: Vector<F32s>) -> Self {
         let normal = facing.shading_towards(given);
         Self {
             of,
@@ -251,7 +260,25 @@ impl<'a, const N: usize> Sided<'a, N> {
     }
 }
 
-impl<const N: usize> RoughDielectrics<N> {
+impl<const N: usize, S> RoughDielectrics<N, S> {
+    /// Those of some rows, with these facets.
+    #[inline(always)]
+    pub fn new(models: &ModelLanes<RoughDielectric<N>>, facets: Facets<S>) -> Self {
+        let ior = models.spectrum(|model| &model.ior);
+        let side = |side: usize| LanesOfSide {
+            terms: models.spectrum(|model| &model.sides[side].terms),
+            through: models.field(|model| model.sides[side].through),
+            back: models.field(|model| model.sides[side].back),
+            beyond: models.field(|model| model.sides[side].beyond),
+        };
+        Self {
+            facets,
+            ior,
+            is_gray: ior.iter().all(|of| of.simd_eq(ior[0]).all()),
+            sides: [side(0), side(1)],
+        }
+    }
+
     /// How many wavelengths differ.
     #[inline(always)]
     fn kinds(&self) -> usize {
@@ -259,7 +286,7 @@ impl<const N: usize> RoughDielectrics<N> {
     }
 }
 
-impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
+impl<const N: usize, S: Slopes> Lobes<N> for RoughDielectrics<N, S> {
     type Kernel = SpheroidBlock<F32s>;
 
     #[inline(always)]
@@ -349,7 +376,7 @@ impl<const N: usize> Lobes<N> for RoughDielectrics<N> {
         let is_lost = by_facets & (cos.simd_gt(F32s::splat(0.0)) ^ reflects);
         let scale = !is_lost & (cos.abs() / pdf);
         weight.iter_mut().for_each(|weight| *weight *= scale);
-        Drawn { direction, pdf, weight }
+        Drawn { direction, pdf, weight, lost: is_lost }
     }
 
     #[inline(always)]
@@ -374,20 +401,8 @@ impl<const N: usize> Glossy<N> for RoughDielectric<N> {
 
     #[inline(always)]
     fn lanes<'a>(models: &ModelLanes<'a, Self>) -> RoughDielectrics<N> {
-        let beckmann = models.field(|model| model.beckmann).simd_gt(F32s::splat(0.5));
-        let ior = models.spectrum(|model| &model.ior);
-        let side = |side: usize| LanesOfSide {
-            terms: models.spectrum(|model| &model.sides[side].terms),
-            through: models.field(|model| model.sides[side].through),
-            back: models.field(|model| model.sides[side].back),
-            beyond: models.field(|model| model.sides[side].beyond),
-        };
-        RoughDielectrics {
-            facets: Facets::new(models.field(|model| model.alpha), beckmann),
-            ior,
-            is_gray: ior.iter().all(|of| of.simd_eq(ior[0]).all()),
-            sides: [side(0), side(1)],
-        }
+        let alpha = models.field(|model| model.alpha);
+        RoughDielectrics::new(models, Facets::new(alpha, Self::beckmann(models)))
     }
 }
 

@@ -6,9 +6,9 @@ use crate::scene::baked;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Conductor, Dielectric, Diffuse, DispersiveDielectric, FilmedConductor,
-        FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic, RoughConductor,
-        RoughDielectric, ThinDielectric,
+        Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric,
+        FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
+        RoughConductor, RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
     let expected = [
@@ -26,6 +26,8 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         Layered,
         Plastic,
         Measured,
+        Blend,
+        Brushed,
     ];
     assert_eq!(met, expected.map(Met::Surface));
     let sorts: Vec<Sort> = SurfaceKind::MET.iter().map(|kind| kind.sort()).collect();

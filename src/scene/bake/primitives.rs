@@ -135,10 +135,15 @@ pub fn primitives(
     Ok(tables)
 }
 
-/// What the textures of a material go by.
+/// What the textures of a material go by, and its facets.
 fn needs(world: &World, material: Entity) -> Needs {
     let textures = world.entities().get::<&Textures>(material);
-    textures.map_or(Needs::default(), |textures| Needs::of(&textures))
+    let needs = textures.map_or(Needs::default(), |textures| Needs::of(&textures));
+    let bsdf = world.entities().get::<&Bsdf>(material);
+    match bsdf.is_ok_and(|bsdf| bsdf.has_grain()) {
+        true => needs.and(Needs::TO_THE_RIGHT),
+        false => needs,
+    }
 }
 
 /// How a tangent stands where the triangles of a mesh do.
@@ -190,7 +195,7 @@ fn surface(
         exterior,
         unstated: sides.map(|(_, is_unstated)| is_unstated),
         is_opaque: passage == Passage::Closed,
-        is_body: match bsdf {
+        is_body: match bsdf.without_grain() {
             Bsdf::Dielectric { exterior_ior, .. } => *exterior_ior == 1.0,
             Bsdf::DispersiveDielectric { exterior_ior, .. }
             | Bsdf::RoughDielectric { exterior_ior, .. } => {
@@ -203,6 +208,8 @@ fn surface(
             | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
+            | Bsdf::Brushed { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::RoughConductor { .. }

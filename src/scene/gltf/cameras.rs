@@ -3,6 +3,7 @@
 use gltf::json::Root;
 use gltf::json::camera::{Camera, Orthographic, Perspective, Type};
 use gltf::json::validation::Checked;
+use serde_json::{Value, json};
 
 use super::Import;
 use super::document::Document;
@@ -190,4 +191,20 @@ fn orthographic_lens(camera: &Orthographic, body: &Body) -> Result<Lens, SceneEr
         }
     }
     Ok(Lens::Orthographic { half_width: camera.xmag, half_height: camera.ymag })
+}
+
+/// How the pixels of a film see; nothing where they are as others.
+pub fn written_film(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
+    let mut film = json!({});
+    if filter != Filter::PIXEL {
+        film["filter"] = json!(filter.kind.name());
+        film["filter_radius"] = json!(filter.radius);
+    }
+    if let Some(ends) = crop {
+        film["crop"] = json!(ends);
+    }
+    if pixel_aspect != 1.0 {
+        film["pixel_aspect"] = json!(pixel_aspect);
+    }
+    film
 }

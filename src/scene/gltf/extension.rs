@@ -30,6 +30,8 @@ pub const MATERIAL: Keys = Keys {
     definition: "material",
     known: &[
         "alpha",
+        "alpha_u",
+        "alpha_v",
         "axis_deg",
         "birefringence",
         "blocked",
@@ -41,6 +43,7 @@ pub const MATERIAL: Keys = Keys {
         "extinction_ratio",
         "file",
         "film",
+        "first",
         "handedness",
         "incandescent",
         "internal_reflection",
@@ -52,10 +55,13 @@ pub const MATERIAL: Keys = Keys {
         "reflectance",
         "retardance_deg",
         "roughness",
+        "second",
         "specular",
         "stokes",
         "thickness_um",
         "transmittance",
+        "weight",
+        "weight_texture",
     ],
     planned: &[],
 };
@@ -150,6 +156,9 @@ pub const SPECTRUM: Keys =
 /// Keys of the real part of an index of refraction.
 pub const INDEX: Keys =
     Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
+/// Keys of a picture, as of glTF's own.
+pub const TEXTURE: Keys =
+    Keys { definition: "texture", known: &["extensions", "index", "texCoord"], planned: &[] };
 /// Keys of a film on a surface.
 pub const THIN_FILM: Keys =
     Keys { definition: "thin_film", known: &["eta", "k", "thickness_nm"], planned: &[] };
@@ -170,7 +179,7 @@ pub const EMISSION: Keys = Keys {
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 21] = [
+pub const ALL: [&Keys; 22] = [
     &MATERIAL,
     &NODE,
     &CAMERA,
@@ -191,6 +200,7 @@ pub const ALL: [&Keys; 21] = [
     &SELLMEIER,
     &CAUCHY,
     &THIN_FILM,
+    &TEXTURE,
     &EMISSION,
 ];
 
@@ -203,6 +213,7 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("scene", "environment") => Some(&ENVIRONMENT),
         ("environment", "sky") => Some(&CLEAR_SKY),
         ("material", "film") => Some(&THIN_FILM),
+        ("material", "weight_texture") => Some(&TEXTURE),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),

@@ -70,6 +70,8 @@ pub fn iridescent(
         | Bsdf::RoughDielectric { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Layered { .. }
         | Bsdf::DispersiveDielectric { .. }

@@ -21,9 +21,11 @@ use hecs::Entity;
 use serde_json::Value;
 
 use super::Import;
+use super::blends::{self, BLEND};
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
+use super::grains;
 use super::layers::{has_painted_wall, says_more};
 use super::plastics;
 use super::sheets;
@@ -92,11 +94,30 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 7] =
-    ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
+const ROUGH_CONDUCTOR: [&str; 10] = [
+    "alpha",
+    "alpha_u",
+    "alpha_v",
+    "axis_deg",
+    "distribution",
+    "eta",
+    "k",
+    "metal",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 6] =
-    ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
+const ROUGH_DIELECTRIC: [&str; 9] = [
+    "alpha",
+    "alpha_u",
+    "alpha_v",
+    "axis_deg",
+    "distribution",
+    "exterior_ior",
+    "ior",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys that go with any model.
 const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
 
@@ -126,7 +147,8 @@ impl Import<'_> {
                 let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
                 // Of what light goes through, both sides are seen.
-                let is_open = matches!(&bsdf, Bsdf::Layered { layers } if layers.transmits());
+                let is_layered = matches!(&bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
+                let is_open = is_layered && bsdf.transmits();
                 let sides = Sides { two_sided: material.double_sided || is_open };
                 (label, Material { bsdf, sides, emission })
             }
@@ -195,7 +217,7 @@ impl Import<'_> {
         Ok(Skin { material: entity, boundary })
     }
 
-    fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
+    pub fn bsdf(&mut self, index: usize, label: &str) -> Result<Bsdf, SceneError> {
         let document = self.document;
         let value = &document.value["materials"][index];
         let material = &document.root.materials[index];
@@ -205,6 +227,10 @@ impl Import<'_> {
         }
         let body = Body::of(value, label, &MATERIAL)?;
         if let Some(model) = body.word("bsdf")? {
+            if model == BLEND {
+                check_keys((model, &blends::KEYS), &body)?;
+                return self.blend(index, &body);
+            }
             return dispersed(
                 extension_model(model, &body, (material, &document.files))?,
                 value,
@@ -231,6 +257,7 @@ impl Import<'_> {
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
         let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
+        let bsdf = self.grained(bsdf, value, label)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
@@ -239,7 +266,7 @@ impl Import<'_> {
 
     /// The radiance: a color, which is emissiveFactor if the extension has no spectrum in its
     /// place, times emissiveStrength.
-    fn emission(&self, index: usize, label: &str) -> Result<Option<Emission>, SceneError> {
+    pub fn emission(&self, index: usize, label: &str) -> Result<Option<Emission>, SceneError> {
         let document = self.document;
         let material = &document.root.materials[index];
         let body = Body::of(&document.value["materials"][index], label, &MATERIAL)?;
@@ -297,14 +324,16 @@ impl Import<'_> {
                 let text = "coats, cloth and colors of facets are ignored on glass";
                 self.warnings.add_like("layers of glass", label, text);
             }
-            self.glass(&layers, (is_solid, of("metallicRoughnessTexture")), label)
+            let may_be_rough =
+                of("metallicRoughnessTexture") || is_solid && grains::is_stated(value);
+            self.glass(&layers, (is_solid, may_be_rough), label)
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
                 let text = "is glass by a share: light goes through it without being refracted";
                 self.warnings.add_like("glass by a share", label, text);
             }
             Bsdf::Layered { layers }
-        } else if metallic == 1.0 && is_smooth && !is_painted {
+        } else if metallic == 1.0 && is_smooth && !is_painted && !grains::is_stated(value) {
             let k = Spectrum::Rgb(color.map(k_of_reflectance));
             Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
         } else {
@@ -409,6 +438,8 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
@@ -424,17 +455,14 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
 
 /// The model that `bsdf` names.
 fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError> {
-    let names = MODELS.map(|model| model.name);
+    let mut names = MODELS.map(|model| model.name).to_vec();
+    names.insert(1, BLEND);
     let remedy = format!("use one of {}", names.join(", "));
     let Some(Model { keys, read, .. }) = MODELS.iter().find(|known| known.name == model) else {
         let problem = format!("`{model}` is not a model");
         return Err(SceneError::new(body.field("bsdf"), problem, remedy));
     };
-    if let Some(key) = body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
-        let remedy = format!("a {model} takes: {}", keys.join(", "));
-        let problem = format!("means nothing for a {model}");
-        return Err(SceneError::new(body.field(key), problem, remedy));
-    }
+    check_keys((model, keys), body)?;
     let bsdf = read(body, of)?;
     bsdf.check().map_err(|fault| match fault.field.as_str() {
         "ior" if !body.has("ior") => SceneError::at(body.label(), fault.of(KHR_IOR)),
@@ -442,6 +470,18 @@ fn extension_model(model: &str, body: &Body, of: Of) -> Result<Bsdf, SceneError>
         _ => body.place(fault),
     })?;
     Ok(bsdf)
+}
+
+/// Refuses keys that a model does not take.
+fn check_keys((model, keys): (&str, &[&str]), body: &Body) -> Result<(), SceneError> {
+    match body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
+        None => Ok(()),
+        Some(key) => {
+            let remedy = format!("a {model} takes: {}", keys.join(", "));
+            let problem = format!("means nothing for a {model}");
+            Err(SceneError::new(body.field(key), problem, remedy))
+        }
+    }
 }
 
 fn diffuse(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
@@ -487,21 +527,44 @@ fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
-    let (alpha, distribution, multiple_scattering) = facets(body)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+    let (distribution, multiple_scattering) = facets(body)?;
+    grains::stated(
+        body,
+        || alpha(body),
+        |alpha| Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering },
+    )
 }
 
 fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
-    let (alpha, distribution, multiple_scattering) = facets(body)?;
-    Ok(Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering })
+    let (distribution, multiple_scattering) = facets(body)?;
+    grains::stated(
+        body,
+        || alpha(body),
+        |alpha| Bsdf::RoughDielectric {
+            ior,
+            exterior_ior,
+            alpha,
+            distribution,
+            multiple_scattering,
+        },
+    )
 }
 
-/// What facets are like, and whether what several of them scatter is given back.
-fn facets(body: &Body) -> Result<(f32, Distribution, bool), SceneError> {
+/// How facets are distributed, and whether what several of them scatter is given back.
+fn facets(body: &Body) -> Result<(Distribution, bool), SceneError> {
     let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    Ok((alpha(body)?, distribution(body)?, multiple_scattering))
+    Ok((distribution(body)?, multiple_scattering))
+}
+
+/// What [`facets`] reads, beside other keys.
+pub fn with_facets(mut body: Value, of: (f32, Distribution, bool)) -> Value {
+    let (alpha, distribution, multiple_scattering) = of;
+    body["alpha"] = alpha.into();
+    body["distribution"] = distribution.name().into();
+    body["multiple_scattering"] = multiple_scattering.into();
+    body
 }
 
 /// A table in a file, read once.

@@ -7,6 +7,7 @@
 
 mod accessors;
 mod animations;
+mod blends;
 mod cameras;
 mod document;
 mod edit;
@@ -14,6 +15,7 @@ mod edited;
 mod extension;
 pub(super) mod files;
 mod films;
+mod grains;
 mod hierarchy;
 mod instances;
 mod layers;
@@ -243,6 +245,8 @@ struct Import<'a> {
     geometries: BTreeMap<(usize, usize, Option<usize>), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
+    /// The blends whose parts are being read, by index in the file.
+    blending: Vec<usize>,
     /// Whether pictures have been decoded.
     has_pictures: bool,
     /// Whether a camera is to be put in.
@@ -275,6 +279,7 @@ impl<'a> Import<'a> {
             shared,
             geometries: BTreeMap::new(),
             elements: 0,
+            blending: Vec::new(),
             has_pictures: false,
             wants_frame: false,
             unlit: Vec::new(),

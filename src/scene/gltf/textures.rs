@@ -80,6 +80,21 @@ impl Import<'_> {
         &mut self,
         index: Option<usize>,
         label: &str,
+        of: (&Bsdf, Option<&Emission>),
+    ) -> Result<Textures, SceneError> {
+        let mut textures = self.own_textures(index, label, of)?;
+        if let Some(index) = index {
+            self.paint_blend(&mut textures, (index, label), of.0)?;
+            self.paint_grain(&mut textures, (index, label), of.0)?;
+        }
+        Ok(textures)
+    }
+
+    /// The same without those of parts.
+    fn own_textures(
+        &mut self,
+        index: Option<usize>,
+        label: &str,
         (bsdf, emission): (&Bsdf, Option<&Emission>),
     ) -> Result<Textures, SceneError> {
         let document = self.document;
@@ -95,7 +110,8 @@ impl Import<'_> {
             false => (&material["pbrMetallicRoughness"]["baseColorTexture"], "baseColorTexture"),
         };
         let base = findings.note(self.texture(&slot(base, key, Coding::Srgb))).flatten();
-        let by_vertices = self.colors_of(index);
+        // Colors of vertices are of a mesh, which is not of a part.
+        let by_vertices = if self.blending.is_empty() { self.colors_of(index) } else { None };
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
         if let (true, Bsdf::Absorber, Some(factor)) =
             (is_unlit, bsdf, emission.and_then(|emission| emission.radiance.rgb()))
@@ -298,7 +314,8 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 7] = [
+        const READ: [&str; 8] = [
+            "anisotropyTexture",
             "baseColorTexture",
             "clearcoatNormalTexture",
             "emissiveTexture",
@@ -354,10 +371,12 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         }
         Bsdf::MetallicRoughness { base_color, .. }
         | Bsdf::Layered { layers: Layers { base_color, .. } } => (Parameter::BaseColor, base_color),
+        Bsdf::Brushed { of, .. } => return color_of(of),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::RoughDielectric { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }
@@ -381,11 +400,13 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
             (Some(*metallic), alpha.sqrt())
         }
         Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
+        Bsdf::Brushed { of, .. } => return metal_and_roughness(of, texture),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Dielectric { .. }
         | Bsdf::DispersiveDielectric { .. }

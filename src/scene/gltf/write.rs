@@ -11,10 +11,11 @@ use glam::{DAffine3, DMat4, Vec3};
 use hecs::Entity;
 use serde_json::{Map, Value, json};
 
+use super::cameras::written_film;
 use super::extension::EXTENSION;
 use super::layers::write_layers;
-use super::{films, plastics, sheets};
-use crate::film::filter::Filter;
+use super::materials::with_facets;
+use super::{blends, films, grains, plastics, sheets};
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -117,12 +118,12 @@ impl Writer {
                 let error = SceneError::new(&name.0, problem, "keep the scene's own file");
                 findings.note::<()>(Err(error));
             }
-            self.numbers.insert(entity, self.materials.len());
             let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
             if by_heat.is_some() {
                 material["extensions"][EXTENSION]["incandescent"] = json!(true);
             }
             self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
+            self.numbers.insert(entity, self.materials.len());
             self.materials.push(material);
         }
         findings.note(check_backdrops(world));
@@ -280,7 +281,8 @@ impl Writer {
     ) -> Value {
         let mut body = self.bsdf(name, bsdf);
         let mut material = json!({"name": called(name), "doubleSided": sides.two_sided});
-        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } = bsdf {
+        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } = bsdf.without_grain()
+        {
             // glTF's own: the body has the color until here, and no name of a model.
             let color = body["base_color"].take();
             body = json!({});
@@ -288,6 +290,9 @@ impl Writer {
                 "metallicFactor": metallic, "roughnessFactor": alpha.sqrt()});
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
+            if let Bsdf::Brushed { grain, .. } = bsdf {
+                grains::write_anisotropy(grain, *alpha, &mut material);
+            }
         }
         if let Bsdf::Layered { layers } = bsdf {
             body = json!({});
@@ -310,22 +315,20 @@ impl Writer {
                 json!({"bsdf": "diffuse", "reflectance": of(reflectance)})
             }
             Bsdf::Conductor { eta, k } => json!({"bsdf": "conductor", "eta": of(eta), "k": of(k)}),
-            Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering } => {
-                json!({"bsdf": "rough_conductor", "eta": of(eta), "k": of(k), "alpha": alpha,
-                    "distribution": distribution.name(),
-                    "multiple_scattering": multiple_scattering})
+            &Bsdf::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
+                let body = json!({"bsdf": "rough_conductor", "eta": of(eta), "k": of(k)});
+                with_facets(body, (alpha, distribution, multiple_scattering))
             }
             Bsdf::RoughDielectric {
                 ior,
-                exterior_ior,
+                exterior_ior: before,
                 alpha,
                 distribution,
                 multiple_scattering,
             } => {
-                json!({"bsdf": "rough_dielectric", "ior": of(ior),
-                    "exterior_ior": of(exterior_ior), "alpha": alpha,
-                    "distribution": distribution.name(),
-                    "multiple_scattering": multiple_scattering})
+                let body = json!({"bsdf": "rough_dielectric", "ior": of(ior),
+                    "exterior_ior": of(before)});
+                with_facets(body, (*alpha, *distribution, *multiple_scattering))
             }
             Bsdf::Plastic { reflectance, coat } => plastics::written(of(reflectance), coat),
             // Beside the scene, as it was.
@@ -368,7 +371,19 @@ impl Writer {
                     "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
+            Bsdf::Brushed { of, grain } => grains::written(self.bsdf(name, of), grain),
+            Bsdf::Blend { parts, weight } => {
+                blends::written(parts, *weight, |part, which| self.part(name, part, which))
+            }
         }
+    }
+
+    /// Writes a part of a blend as a material; its place.
+    fn part(&mut self, name: &Name, part: &Bsdf, which: &str) -> usize {
+        let mut material = self.material(name, part, Sides::default(), None);
+        material["name"] = json!(format!("{}, {which}", called(name)));
+        self.materials.push(material);
+        self.materials.len() - 1
     }
 
     /// A color that glTF knows as red, green and blue alone.
@@ -529,7 +544,7 @@ impl Writer {
                         "zfar": 1000.0},
                 }),
             };
-            let mut film = film_of(raster.unwrap_or_default());
+            let mut film = written_film(raster.unwrap_or_default());
             if let Some(Resolution(size)) = resolution {
                 film["resolution"] = json!(size);
             }
@@ -568,22 +583,6 @@ fn check_backdrops(world: &World) -> Result<(), SceneError> {
             Err(SceneError::new(name, problem, "keep the scene's own file"))
         }
     }
-}
-
-/// How the pixels of a film see; nothing where they are as others.
-fn film_of(Raster { filter, crop, pixel_aspect }: Raster) -> Value {
-    let mut film = json!({});
-    if filter != Filter::PIXEL {
-        film["filter"] = json!(filter.kind.name());
-        film["filter_radius"] = json!(filter.radius);
-    }
-    if let Some(ends) = crop {
-        film["crop"] = json!(ends);
-    }
-    if pixel_aspect != 1.0 {
-        film["pixel_aspect"] = json!(pixel_aspect);
-    }
-    film
 }
 
 fn called(name: &Name) -> String {

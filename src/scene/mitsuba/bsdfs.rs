@@ -8,7 +8,9 @@ use crate::math::Range;
 use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Action, Bsdf, Coat, Grid, InternalReflection, Parameter};
+use crate::scene::world::{
+    Action, Along, BLEND_DEPTH, Bsdf, Coat, Grain, Grid, InternalReflection, Parameter,
+};
 use crate::spectrum::{Spectrum, metal, metal_names};
 
 /// A surface as read.
@@ -22,6 +24,10 @@ pub struct Surface {
     pub wanted: Vec<Wanted>,
     /// How much of it is there all over, from 0 to 1.
     pub even: f32,
+    /// The parts of a blend.
+    pub parts: Vec<Self>,
+    /// Whether some part was smooth, and has the least rough facets now.
+    pub has_smooth_parts: bool,
 }
 
 impl Surface {
@@ -33,15 +39,20 @@ impl Surface {
 
 impl From<Bsdf> for Surface {
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, two_sided: false, wanted: Vec::new(), even: 1.0 }
+        let (wanted, parts) = (Vec::new(), Vec::new());
+        Self { bsdf, two_sided: false, wanted, even: 1.0, parts, has_smooth_parts: false }
     }
 }
+
+/// The type of blends.
+pub const BLEND: &str = "blendbsdf";
 
 /// What reads a type.
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 16] = [
+const TYPES: [(&str, Read); 17] = [
+    (BLEND, blend),
     ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
@@ -185,10 +196,10 @@ fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
 /// Facets reflect once, as Mitsuba has it.
 fn rough_conductor(fields: &Fields) -> Result<Surface, SceneError> {
     let [eta, k] = metal_index(fields)?;
-    let (alpha, wanted) = roughness(fields)?;
+    let ([along, alpha], wanted) = roughness(fields)?;
     let distribution = distribution(fields)?;
     let bsdf = Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false };
-    Ok(Surface { wanted, ..bsdf.into() })
+    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
 }
 
 /// Facets scatter once, as Mitsuba has it.
@@ -197,16 +208,24 @@ fn rough_dielectric(fields: &Fields) -> Result<Surface, SceneError> {
     let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
     fields.factor_of_one("specular_reflectance")?;
     fields.factor_of_one("specular_transmittance")?;
-    let (alpha, wanted) = roughness(fields)?;
+    let ([along, alpha], wanted) = roughness(fields)?;
     let distribution = distribution(fields)?;
     let multiple_scattering = false;
     let bsdf =
         Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering };
-    Ok(Surface { wanted, ..bsdf.into() })
+    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
 }
 
-/// The roughness of facets, or a picture of it.
-fn roughness(fields: &Fields) -> Result<(f32, Vec<Wanted>), SceneError> {
+/// A model whose facets have these roughnesses along u and v: the second is the model's.
+fn brushed(bsdf: Bsdf, [along, across]: [f32; 2]) -> Bsdf {
+    match along == across {
+        true => bsdf,
+        false => Bsdf::brushed(bsdf, Grain::new(Along::Alpha(along))),
+    }
+}
+
+/// The roughness of facets along u and v, or a picture of it.
+fn roughness(fields: &Fields) -> Result<([f32; 2], Vec<Wanted>), SceneError> {
     for name in ["alpha_u", "alpha_v"] {
         if fields.picture(name).is_some() {
             let problem = "pictures of facets that differ along u and v are not supported";
@@ -214,8 +233,8 @@ fn roughness(fields: &Fields) -> Result<(f32, Vec<Wanted>), SceneError> {
         }
     }
     match fields.wanted("alpha", Use::Parameter(Parameter::Alpha)) {
-        Some(wanted) => Ok((1.0, vec![wanted])),
-        None => Ok((alpha(fields)?, Vec::new())),
+        Some(wanted) => Ok(([1.0; 2], vec![wanted])),
+        None => Ok((alphas(fields)?, Vec::new())),
     }
 }
 
@@ -235,18 +254,26 @@ fn distribution(fields: &Fields) -> Result<Distribution, SceneError> {
     }
 }
 
+/// The same along u and v.
 fn alpha(fields: &Fields) -> Result<f32, SceneError> {
+    let [along, across] = alphas(fields)?;
+    if along == across {
+        return Ok(along);
+    }
+    let problem = "facets of plastic that differ along u and v are not supported";
+    Err(fields.wrong("alpha_u", problem, "use `alpha`"))
+}
+
+fn alphas(fields: &Fields) -> Result<[f32; 2], SceneError> {
     // How facets are drawn changes no image.
     fields.boolean("sample_visible")?;
-    let alpha = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
-        (None, None) => stated_alpha(fields, "alpha")?.unwrap_or(0.1),
-        (Some(along), Some(across)) if along == across => along,
-        (_, _) => {
-            let problem = "facets that differ along u and v are not supported";
-            return Err(fields.wrong("alpha_u", problem, "use `alpha`"));
-        }
+    let alphas = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
+        (None, None) => [stated_alpha(fields, "alpha")?.unwrap_or(0.1); 2],
+        (Some(along), Some(across)) => [along, across],
+        (Some(_), None) => return Err(fields.wrong("alpha_v", "is missing", "state both")),
+        (None, Some(_)) => return Err(fields.wrong("alpha_u", "is missing", "state both")),
     };
-    Ok(alpha as f32)
+    Ok(alphas.map(|alpha| alpha as f32))
 }
 
 /// What Mitsuba has is the model of Baek et al.: light that is reflected within is lost.
@@ -397,13 +424,61 @@ fn retarder(fields: &Fields) -> Result<Bsdf, SceneError> {
 /// The surface within another.
 fn inner(fields: &Fields) -> Result<Surface, SceneError> {
     match fields.objects(Tag::Bsdf)[..] {
-        [(_, only)] => read(&Fields::of(fields.tree, only)),
+        [(_, only)] => read(&fields.within(only)),
         [] => Err(fields.refuse("has no bsdf in it", "add one")),
         [_, ..] => {
             let problem = "has several in it, and only one is supported";
             Err(fields.refuse(problem, "keep one: both sides are like it"))
         }
     }
+}
+
+/// Of two surfaces; the weight is that of the second.
+fn blend(fields: &Fields) -> Result<Surface, SceneError> {
+    if fields.blends >= BLEND_DEPTH {
+        let problem = format!("there are more than {BLEND_DEPTH} blends within each other");
+        return Err(fields.refuse(problem, "blend fewer"));
+    }
+    let [(_, first), (_, second)] = fields.objects(Tag::Bsdf)[..] else {
+        return Err(fields.refuse("must have two bsdfs in it", "add or remove some"));
+    };
+    let [first, second] = [part(fields, first)?, part(fields, second)?];
+    if first.two_sided != second.two_sided {
+        let problem = "one of its bsdfs is twosided and the other is not";
+        return Err(fields.refuse(problem, "put the whole blendbsdf into a twosided"));
+    }
+    let wanted = fields.wanted("weight", Use::Parameter(Parameter::Weight));
+    let weight = match wanted {
+        Some(_) => 1.0,
+        None => number(fields, "weight")?.ok_or_else(|| {
+            let remedy = "add it: a float from 0, the first bsdf, to 1, the second; or a texture";
+            fields.wrong("weight", "is missing", remedy)
+        })?,
+    };
+    let weight = weight.clamp(0.0, 1.0) as f32;
+    let parts = [&first, &second].map(|part| part.bsdf.clone());
+    Ok(Surface {
+        two_sided: first.two_sided,
+        wanted: wanted.into_iter().collect(),
+        has_smooth_parts: first.has_smooth_parts || second.has_smooth_parts,
+        parts: vec![first, second],
+        ..Bsdf::Blend { parts: Box::new(parts), weight }.into()
+    })
+}
+
+/// A surface as a part of a blend.
+fn part(fields: &Fields, object: usize) -> Result<Surface, SceneError> {
+    let own = fields.within(object);
+    let mut surface = read(&own)?;
+    if surface.even < 1.0 || surface.wants(Use::Opacity) || surface.wants(Use::Relief) {
+        let problem = "a part of a blendbsdf has holes or a normalmap of its own";
+        return Err(own.refuse(problem, "put the whole blendbsdf into them"));
+    }
+    let is_smooth;
+    (surface.bsdf, is_smooth) = surface.bsdf.into_part();
+    surface.has_smooth_parts |= is_smooth;
+    surface.bsdf.check_part().map_err(|fault| own.fault(fault, &[]))?;
+    Ok(surface)
 }
 
 fn two_sided(fields: &Fields) -> Result<Surface, SceneError> {

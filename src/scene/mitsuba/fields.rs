@@ -5,6 +5,7 @@ use std::cell::RefCell;
 
 use glam::{DAffine3, DVec3};
 
+use super::bsdfs::BLEND;
 use super::tree::{Child, NAME, Object, Property, Tag, Target, Tree, Value};
 use crate::math::Fault;
 use crate::math::text::excerpt;
@@ -14,6 +15,8 @@ use crate::scene::error::{Findings, SceneError};
 pub struct Fields<'a> {
     pub tree: &'a Tree,
     pub object: &'a Object,
+    /// How many blends it is within.
+    pub blends: usize,
     /// The names that have been asked for.
     asked: RefCell<Vec<String>>,
     /// The children that have been asked for, by number.
@@ -31,7 +34,13 @@ impl<'a> Fields<'a> {
     /// Of the object of a number.
     pub fn of(tree: &'a Tree, index: usize) -> Self {
         let object = &tree.objects[index];
-        Self { tree, object, asked: RefCell::default(), taken: RefCell::default() }
+        Self { tree, object, blends: 0, asked: RefCell::default(), taken: RefCell::default() }
+    }
+
+    /// Of an object within this one.
+    pub fn within(&self, index: usize) -> Self {
+        let blends = self.blends + usize::from(self.object.plugin == BLEND);
+        Self { blends, ..Self::of(self.tree, index) }
     }
 
     /// How errors and reports call the object.

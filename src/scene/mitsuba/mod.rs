@@ -257,6 +257,8 @@ impl Import<'_> {
             | Bsdf::Layered { .. }
             | Bsdf::Plastic { .. }
             | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
+            | Bsdf::Brushed { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
@@ -335,9 +337,13 @@ impl Import<'_> {
                 diffuse_or_black(Spectrum::Constant(reflectance)).into()
             }
         };
-        let Surface { bsdf, two_sided, mut wanted, even } = surface;
+        let Surface { bsdf, two_sided, mut wanted, even, parts, has_smooth_parts } = surface;
         wanted.extend(glow);
         let label = own.map_or_else(|| shape.label(), Object::label);
+        if has_smooth_parts {
+            let text = "blends smooth metal, which is of facets of alpha 0.001 there";
+            self.warnings.add(&label, text);
+        }
         let refuse = |problem: &str, remedy: &str| Err(SceneError::new(&label, problem, remedy));
         let mut material = Material { bsdf, sides: Sides { two_sided }, emission };
         if is_inside_out {
@@ -358,7 +364,7 @@ impl Import<'_> {
                 return refuse(problem, "use a bsdf that is not twosided");
             }
         }
-        let textures = self.textures(&wanted, even)?;
+        let textures = self.textures((&wanted, &parts), even)?;
         let put = self.world.put_material(Name(label.clone()), material);
         let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
         if !textures.is_empty() {
@@ -380,7 +386,7 @@ impl Import<'_> {
 /// What a material is to the other side of a surface; none if the world has no such one.
 fn turned(material: Material) -> Option<Material> {
     let is_same = material.sides.two_sided && material.emission.is_none();
-    let bsdf = match material.bsdf {
+    let bsdf = match material.bsdf.clone() {
         Bsdf::Dielectric { ior, exterior_ior } => {
             Bsdf::Dielectric { ior: exterior_ior, exterior_ior: ior }
         }
@@ -391,6 +397,10 @@ fn turned(material: Material) -> Option<Material> {
             let (ior, exterior_ior) = (exterior_ior, ior);
             Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
         }
+        Bsdf::Brushed { of, grain } if of.transmits() => {
+            let inner = turned(Material { bsdf: *of, ..material.clone() })?;
+            Bsdf::brushed(inner.bsdf, grain)
+        }
         bsdf @ (Bsdf::ThinDielectric { .. } | Bsdf::Null) => bsdf,
         bsdf @ (Bsdf::Absorber
         | Bsdf::Diffuse { .. }
@@ -399,7 +409,9 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::MetallicRoughness { .. }
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
-        | Bsdf::Measured { .. })
+        | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. })
             if is_same =>
         {
             bsdf
@@ -412,6 +424,8 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Layered { .. }
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
+        | Bsdf::Blend { .. }
+        | Bsdf::Brushed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }

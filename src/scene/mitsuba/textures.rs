@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::Import;
+use super::bsdfs::Surface;
 use super::fields::{Fields, Given};
 use super::spectra::Kind;
 use super::tree::{NAME, Tag};
@@ -62,9 +63,21 @@ impl Fields<'_> {
 }
 
 impl Import<'_> {
-    /// What a surface has asked for; `even` is how much of it is there all over.
-    pub fn textures(&mut self, wanted: &[Wanted], even: f32) -> Result<Textures, SceneError> {
+    /// What a surface, whose blend may have `parts`, has asked for; `even` is how much of it is
+    /// there all over.
+    pub fn textures(
+        &mut self,
+        (wanted, parts): (&[Wanted], &[Surface]),
+        even: f32,
+    ) -> Result<Textures, SceneError> {
         let mut textures = Textures::default();
+        for part in parts {
+            let of = self.textures((&part.wanted, &part.parts), 1.0)?;
+            textures.parts.push(of);
+        }
+        if textures.parts.iter().all(Textures::is_empty) {
+            textures.parts.clear();
+        }
         for Wanted { used, object } in wanted {
             let texture = self.texture(*object, *used)?;
             let paint = |reads| Paint {

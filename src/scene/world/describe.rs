@@ -9,9 +9,9 @@ use hecs::Entity;
 use super::incandescent::Incandescent;
 use super::light::{Luminaire, Projection};
 use super::{
-    Action, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Grid, Layers, Lens, MadeOf, Medium, Mesh, Name, Phase, Punctual, Raster,
-    Resolution, Sides, ThinFilm, Transform, World,
+    Action, Along, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes,
+    Environment, Filling, FillsScene, Grid, Layers, Lens, MadeOf, Medium, Mesh, Name, Phase,
+    Punctual, Raster, Resolution, Sides, ThinFilm, Transform, World,
 };
 use crate::film::filter::Filter;
 use crate::film::layout::Crop;
@@ -148,6 +148,18 @@ fn model(bsdf: &Bsdf) -> String {
         Bsdf::Measured { table, places: _ } => {
             let ([first, last], count) = (table.ends_nm(), table.wavelengths());
             format!("measured, {}, {count} wavelengths from {first} to {last} nm", table.name())
+        }
+        Bsdf::Blend { parts, weight } => {
+            let [first, second] = parts.each_ref().map(model);
+            format!("blend of ({first}) and, by weight {weight}, ({second})")
+        }
+        Bsdf::Brushed { of, grain } => {
+            let along = match grain.along {
+                Along::Alpha(alpha) => format!("alpha {alpha}"),
+                Along::Strength(strength) => format!("strength {strength}"),
+            };
+            let turn = grain.turn.to_degrees();
+            format!("{}, with {along} along a direction at {turn} degrees", model(of))
         }
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))

@@ -148,7 +148,12 @@ impl<const N: usize> Layers<[f32; N]> {
             Parameter::CoatRoughness => self.coat_alpha = number * number,
             Parameter::ClothColor => self.cloth_color = value,
             Parameter::ClothRoughness => self.cloth_alpha = number * number,
-            Parameter::Reflectance | Parameter::Alpha => return false,
+            Parameter::Reflectance
+            | Parameter::Alpha
+            | Parameter::Weight
+            | Parameter::Strength
+            | Parameter::GrainRight
+            | Parameter::GrainUp => return false,
         }
         true
     }

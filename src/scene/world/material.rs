@@ -1,5 +1,7 @@
 //! Materials: how surfaces scatter light, and whether they emit it.
 
+use super::blend::check_blend;
+use super::grain::{Grain, check_grain};
 use super::layers::COAT_IOR;
 use super::measured::MeasuredTable;
 use super::plastic::Coat;
@@ -95,6 +97,21 @@ pub enum SurfaceModel<S> {
         table: MeasuredTable,
         /// Where wavelengths are among those of the table: [`MeasuredTable::places`].
         places: S,
+    },
+    /// Two models, of which each scatters on a share of the surface.
+    Blend {
+        /// The two; see [`Bsdf::blend`].
+        parts: Box<[SurfaceModel<S>; 2]>,
+        /// Share of the second, within [0, 1].
+        weight: f32,
+    },
+    /// Rough metal, rough glass or glTF's metallic-roughness with facets that are stretched along a
+    /// direction, as those of brushed metal.
+    Brushed {
+        /// The model, with the roughness across the direction.
+        of: Box<SurfaceModel<S>>,
+        /// The direction, and the roughness along it.
+        grain: Grain,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -264,6 +281,9 @@ impl Bsdf {
                     multiple_scattering,
                 })
             }
+            Self::Brushed { of, grain } => {
+                Ok(Self::brushed(of.undispersed_within(&mut sample)?, *grain))
+            }
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -272,6 +292,7 @@ impl Bsdf {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -292,6 +313,7 @@ impl Bsdf {
             Self::RoughDielectric { ior, exterior_ior, alpha, .. } if *alpha < ALPHA_MIN => {
                 [ior, exterior_ior].into_iter().any(|of| !of.is_flat())
             }
+            Self::Brushed { of, grain } => of.is_smooth(grain) && of.disperses(),
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -301,6 +323,7 @@ impl Bsdf {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -359,6 +382,8 @@ impl Bsdf {
                 reflectance.check("reflectance", Range::UNIT)?;
                 coat.check()
             }
+            Self::Blend { parts, weight } => check_blend(parts, *weight),
+            Self::Brushed { of, grain } => check_grain(of, grain),
             Self::Dielectric { ior, exterior_ior } => {
                 let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
                 check_indices(&ior, &exterior_ior)
@@ -428,6 +453,8 @@ impl<S> SurfaceModel<S> {
     pub fn passage(&self) -> Passage {
         match self {
             Self::Layered { layers } if layers.transmits() => Passage::Sheet,
+            Self::Blend { parts, .. } if parts.iter().any(Self::transmits) => Passage::Sheet,
+            Self::Brushed { of, .. } => of.passage(),
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -436,7 +463,8 @@ impl<S> SurfaceModel<S> {
             | Self::MetallicRoughness { .. }
             | Self::Layered { .. }
             | Self::Plastic { .. }
-            | Self::Measured { .. } => Passage::Closed,
+            | Self::Measured { .. }
+            | Self::Blend { .. } => Passage::Closed,
             Self::Dielectric { .. }
             | Self::DispersiveDielectric { .. }
             | Self::FilmedDielectric { .. }

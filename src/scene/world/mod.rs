@@ -24,6 +24,7 @@
 //! and on world space.
 
 mod asked;
+mod blend;
 mod builder;
 mod camera;
 mod check;
@@ -32,6 +33,7 @@ mod describe;
 mod digest;
 mod emitted;
 mod frame;
+mod grain;
 mod incandescent;
 mod layers;
 mod light;
@@ -61,12 +63,14 @@ use std::sync::Weak;
 use hecs::Entity;
 
 pub use self::asked::{Asked, Walk};
+pub use self::blend::BLEND_DEPTH;
 pub(in crate::scene) use self::camera::Film;
 pub use self::camera::{Lens, Raster, Resolution};
 pub use self::clear_sky::ClearSky;
 pub use self::emitted::EmittedStokes;
 pub use self::frame::{PutIn, Window};
 pub(super) use self::frame::{SKY, SKY_GRADIENT};
+pub use self::grain::{Along, Grain};
 pub use self::incandescent::Incandescent;
 pub(super) use self::incandescent::share as incandescent_share;
 pub use self::layers::Layers;

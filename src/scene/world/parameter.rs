@@ -35,6 +35,15 @@ pub enum Parameter {
     ClothRoughness,
     /// `alpha` of [`SurfaceModel::RoughConductor`] and [`SurfaceModel::RoughDielectric`].
     Alpha,
+    /// `weight` of [`SurfaceModel::Blend`].
+    Weight,
+    /// The strength of [`Along::Strength`](super::Along::Strength).
+    Strength,
+    /// The first number of [`Grain::direction`](super::Grain::direction), from -1 to 1 as from 0 to
+    /// 1.
+    GrainRight,
+    /// The second one, likewise.
+    GrainUp,
 }
 
 impl Parameter {
@@ -49,6 +58,10 @@ impl Parameter {
             Self::Metallic
             | Self::Roughness
             | Self::Alpha
+            | Self::Weight
+            | Self::Strength
+            | Self::GrainRight
+            | Self::GrainUp
             | Self::Specular
             | Self::Transmission
             | Self::DiffuseTransmission
@@ -82,6 +95,10 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. },
                 Parameter::Alpha,
             ) => *alpha = number,
+            (Self::Brushed { of, grain }, parameter) => {
+                return grain.set(parameter, number) || of.set(parameter, value);
+            }
+            (Self::Blend { weight, .. }, Parameter::Weight) => *weight = number,
             (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
             (
                 Self::Absorber
@@ -92,6 +109,7 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 | Self::Conductor { .. }
                 | Self::RoughConductor { .. }
                 | Self::Measured { .. }
+                | Self::Blend { .. }
                 | Self::FilmedConductor { .. }
                 | Self::FilmedDielectric { .. }
                 | Self::Sheet { .. }

@@ -1,5 +1,7 @@
 //! Materials at other wavelengths, and as paths see them.
 
+use super::blend::sampled_parts;
+use super::grain::sampled_within;
 use super::{SurfaceModel, ThinFilm};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::spectrum::Role;
@@ -18,10 +20,7 @@ impl<S> SurfaceModel<S> {
             Self::Diffuse { reflectance } => SurfaceModel::Diffuse {
                 reflectance: sample(reflectance, "reflectance", Role::Reflectance)?,
             },
-            Self::Conductor { eta, k } => {
-                let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
-                SurfaceModel::Conductor { eta, k }
-            }
+            Self::Conductor { eta, k } => conductor(indices(&mut sample, [eta, k], ["eta", "k"])?),
             &Self::RoughConductor { ref eta, ref k, alpha, distribution, multiple_scattering } => {
                 let [eta, k] = indices(&mut sample, [eta, k], ["eta", "k"])?;
                 SurfaceModel::RoughConductor { eta, k, alpha, distribution, multiple_scattering }
@@ -33,8 +32,8 @@ impl<S> SurfaceModel<S> {
                 distribution,
                 multiple_scattering,
             } => {
-                let indices = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                rough_dielectric(indices, (*alpha, *distribution, *multiple_scattering))
+                let facets = (*alpha, *distribution, *multiple_scattering);
+                rough_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?, facets)
             }
             &Self::MetallicRoughness { ref base_color, metallic, alpha, ior, specular } => {
                 let base_color = sample(base_color, "base_color", Role::Reflectance)?;
@@ -49,6 +48,13 @@ impl<S> SurfaceModel<S> {
                 let places = sample(places, "wvls", Role::Index)?;
                 SurfaceModel::Measured { table: table.clone(), places }
             }
+            Self::Blend { parts, weight } => {
+                let parts = sampled_parts(parts, &mut sample)?;
+                SurfaceModel::Blend { parts, weight: *weight }
+            }
+            Self::Brushed { of, grain } => {
+                SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -60,12 +66,10 @@ impl<S> SurfaceModel<S> {
                 filmed_dielectric([ior, exterior_ior], film.sampled(&mut sample)?)
             }
             Self::DispersiveDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+                dispersive_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?)
             }
             Self::ThinDielectric { ior, exterior_ior } => {
-                let [ior, exterior_ior] = indices(&mut sample, [ior, exterior_ior], INDICES)?;
-                SurfaceModel::ThinDielectric { ior, exterior_ior }
+                thin_dielectric(indices(&mut sample, [ior, exterior_ior], INDICES)?)
             }
             &Self::Polarizer { axis_deg, extinction_ratio } => {
                 SurfaceModel::Polarizer { axis_deg, extinction_ratio }
@@ -92,10 +96,15 @@ impl<S> SurfaceModel<S> {
             Self::RoughConductor { eta, k, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::Conductor { eta, k }
             }
-            Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => Self::Null,
+            rough @ Self::RoughDielectric { .. } if rough.is_nothing() => Self::Null,
             Self::RoughDielectric { ior, exterior_ior, alpha, .. } if alpha < ALPHA_MIN => {
                 Self::DispersiveDielectric { ior, exterior_ior }
             }
+            Self::Brushed { of, grain } if of.is_smooth(&grain) => of.simplified(),
+            Self::Brushed { of, grain } => match of.is_nothing() {
+                true => Self::Null,
+                false => Self::Brushed { of, grain },
+            },
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -105,6 +114,7 @@ impl<S> SurfaceModel<S> {
             | Self::Layered { .. }
             | Self::Plastic { .. }
             | Self::Measured { .. }
+            | Self::Blend { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -118,6 +128,13 @@ impl<S> SurfaceModel<S> {
     }
 }
 
+impl<S: PartialEq> SurfaceModel<S> {
+    /// Whether it is rough glass between equal indices of refraction.
+    fn is_nothing(&self) -> bool {
+        matches!(self, Self::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior)
+    }
+}
+
 /// Keys of indices of refraction behind and before.
 const INDICES: [&str; 2] = ["ior", "exterior_ior"];
 
@@ -128,6 +145,21 @@ fn indices<S, T, E>(
     [one, other]: [&'static str; 2],
 ) -> Result<[T; 2], E> {
     Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
+/// Smooth metal of an index of refraction, by its parts.
+fn conductor<T>([eta, k]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::Conductor { eta, k }
+}
+
+/// Smooth glass between two indices of refraction, behind and before.
+fn dispersive_dielectric<T>([ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::DispersiveDielectric { ior, exterior_ior }
+}
+
+/// A pane between the same.
+fn thin_dielectric<T>([ior, exterior_ior]: [T; 2]) -> SurfaceModel<T> {
+    SurfaceModel::ThinDielectric { ior, exterior_ior }
 }
 
 /// Rough glass between two indices of refraction, behind and before, with these facets.

@@ -31,7 +31,7 @@ fn plain(base_color: f32, metallic: f32, alpha: f32) -> Layers<[f32; 1]> {
     }
 }
 
-fn random(numbers: &mut Numbers, alpha_min: f32) -> Layers<[f32; 1]> {
+pub fn random(numbers: &mut Numbers, alpha_min: f32) -> Layers<[f32; 1]> {
     let alpha = |numbers: &mut Numbers| alpha_min + (1.0 - alpha_min) * numbers.next();
     // Half of all shares are none or all.
     let share = |numbers: &mut Numbers| (2.0 * numbers.next() - 0.5).clamp(0.0, 1.0);
