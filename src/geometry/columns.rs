@@ -67,13 +67,14 @@ pub fn trace_visibility(
 
 /// [`trace_visibility`] past the primitives that `passes` names: where a ray meets nothing but
 /// those, its `blocked` becomes [`CROSSES`].
+// By way of a pointer: walks are large, and what a hit is asked is no loop.
 pub fn trace_visibility_past(
     blocked: &mut [u32],
     scratch: &mut TraceScratch,
     (rays, t_max): (&RayColumns, &[f32]),
     rows: Range<usize>,
     accelerator: &Accelerator,
-    passes: impl Fn(u32) -> bool,
+    passes: &dyn Fn(u32) -> bool,
 ) {
     if let Some(scene) = &accelerator.short {
         let scene = (scene, accelerator.tree.reach, Past::new(scene, passes));
@@ -217,7 +218,7 @@ fn visibility_in_short(
 struct Past([u32; SHORT_SCENE]);
 
 impl Past {
-    fn new(scene: &ShortScene, passes: impl Fn(u32) -> bool) -> Self {
+    fn new(scene: &ShortScene, passes: &dyn Fn(u32) -> bool) -> Self {
         let mut ends = [u32::MAX; SHORT_SCENE];
         let count = scene.triangles.len() + scene.spheres.len();
         for (ends, primitive) in ends[..count].iter_mut().zip(0..) {

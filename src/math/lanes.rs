@@ -55,8 +55,15 @@ pub fn store(column: &mut [f32], row: usize, end: usize, value: F32s) {
     if row + LANES <= end {
         column[row..row + LANES].copy_from_slice(&lanes);
     } else {
-        column[row..end].copy_from_slice(&lanes[..end - row]);
+        store_tail(&mut column[row..end], &lanes);
     }
+}
+
+/// The last rows of [`store`]: out of line, as there are hundreds of places that store.
+#[cold]
+#[inline(never)]
+fn store_tail<T: Copy>(column: &mut [T], lanes: &[T; LANES]) {
+    column.copy_from_slice(&lanes[..column.len()]);
 }
 
 /// Multiplies the rows from `row` to `end` (exclusive), at most eight.
@@ -77,8 +84,11 @@ pub fn load_u32(column: &[u32], row: usize) -> U32s {
 #[inline(always)]
 pub fn store_u32(column: &mut [u32], row: usize, end: usize, value: U32s) {
     let lanes = value.to_array();
-    let count = LANES.min(end - row);
-    column[row..row + count].copy_from_slice(&lanes[..count]);
+    if row + LANES <= end {
+        column[row..row + LANES].copy_from_slice(&lanes);
+    } else {
+        store_tail(&mut column[row..end], &lanes);
+    }
 }
 
 /// Steps of a packed signed number from 0 to 1.
@@ -97,8 +107,11 @@ pub fn store_signed(column: &mut [i16], row: usize, end: usize, value: F32s) {
     let steps = F32s::splat(SIGNED_STEPS);
     let steps = (value * steps).fast_max(-steps).fast_min(steps).round_int();
     let lanes = i16x8::from_i32x8_saturate(steps).to_array();
-    let live = LANES.min(end - row);
-    column[row..row + live].copy_from_slice(&lanes[..live]);
+    if row + LANES <= end {
+        column[row..row + LANES].copy_from_slice(&lanes);
+    } else {
+        store_tail(&mut column[row..end], &lanes);
+    }
 }
 
 /// The mask of the first `live` lanes; of all if there are more than eight.

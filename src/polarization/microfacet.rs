@@ -272,7 +272,7 @@ impl<S: Slopes> Facets<S> {
 
     /// Light between the directions `given` and `drawn`, both away from the surface of the unit
     /// `normal`; the same for both orders of the two.
-    #[inline(always)]
+    #[inline(never)]
     pub fn reflect(
         &self,
         normal: Vector<F32s>,
@@ -307,7 +307,7 @@ impl<S: Slopes> Facets<S> {
     /// Density per steradian of [`Facets::draw`] for `drawn`; zero where the directions are not
     /// both above the surface. Over the density of facets that are seen from `given`, it is a
     /// fourth of the reciprocal of the cosine of incidence on them, which cancels.
-    #[inline(always)]
+    #[inline(never)]
     pub fn pdf(&self, normal: Vector<F32s>, given: Vector<F32s>, drawn: Vector<F32s>) -> F32s {
         let zero = F32s::splat(0.0);
         let (cos_given, cos_drawn) = (given.dot(normal), drawn.dot(normal));
@@ -321,7 +321,7 @@ impl<S: Slopes> Facets<S> {
 
     /// Draws a direction for a path that comes from `given`, by two numbers in [0, 1). It may lie
     /// below the surface, where nothing is reflected.
-    #[inline(always)]
+    #[inline(never)]
     pub fn draw(&self, normal: Vector<F32s>, given: Vector<F32s>, u: [F32s; 2]) -> Vector<F32s> {
         let half = self.draw_half(normal, given, u);
         let twice = F32s::splat(2.0) * given.dot(half);
@@ -330,7 +330,7 @@ impl<S: Slopes> Facets<S> {
 
     /// Light between the direction `given` above the surface of the unit `normal` and `drawn` below
     /// it, with the index of refraction `eta` below over that above.
-    #[inline(always)]
+    #[inline(never)]
     pub fn refract(
         &self,
         normal: Vector<F32s>,

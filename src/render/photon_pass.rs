@@ -191,7 +191,10 @@ impl<const N: usize> PhotonPass<N> {
         self.is_complete = light_paths == asked_for;
         self.maps.0.iter_mut().for_each(|map| map.light_paths = light_paths as f32);
         if self.first_radii.is_empty() {
-            self.first_radii = self.find_radii(pool, scene, settings, shot);
+            self.first_radii = match settings.photons.radius {
+                Some(radius) => vec![radius; self.maps.0.len()],
+                None => self.find_radii(scene, self.probe(pool, scene, settings, shot)),
+            };
         }
         let shrinking = shrinking(settings.photons.alpha, shot.earlier);
         profile.time_of_threads(Stage::Store, rayon::current_num_threads(), || {
@@ -218,28 +221,17 @@ impl<const N: usize> PhotonPass<N> {
         }
     }
 
-    /// The radii to begin with: what is asked for, or the median distance from points that the
-    /// sensor sees to their 25th nearest photon, within the bounds of the place. Maps whose kernels
-    /// would hold hardly any photons are given up.
-    fn find_radii<M: LightModel<N>>(
-        &mut self,
-        pool: &Pool<N, M>,
-        scene: &Scene<N>,
-        settings: &Resolved,
-        shot: Shot,
-    ) -> Vec<f32> {
-        if let Some(radius) = settings.photons.radius {
-            return vec![radius; self.maps.0.len()];
-        }
+    /// The radii to begin with: the median distance from points that the sensor sees to their 25th
+    /// nearest photon, within the bounds of the place. Maps whose kernels would hold hardly any
+    /// photons are given up.
+    fn find_radii(&mut self, scene: &Scene<N>, probes: Vec<Vec<Probe>>) -> Vec<f32> {
         let fallback = RADIUS_OF_SCENE * scene.shapes.bounds.radius;
         // Where light hardly comes, the nearest photons are those of other places.
         let evenly = (4.0 * NEAREST as f32 / self.light_paths as f32).sqrt();
         let radius_max = RADIUS_OF_EVEN * evenly * scene.shapes.bounds.radius;
-        let probes = self.probe(pool, scene, settings, shot);
         let maps = self.maps.0.iter_mut().enumerate().zip(probes);
         let radius_of = |((index, map), mut probes): ((usize, &mut PhotonMap<N>), Vec<Probe>)| {
-            // Modes come to them in other orders.
-            probes.sort_by_key(|probe| probe.position.map(f32::to_bits));
+            sort(&mut probes);
             let step = probes.len().div_ceil(PROBES).max(1);
             let some: Vec<[f32; 3]> = probes.iter().step_by(step).map(|it| it.position).collect();
             let distances = nearest_distances(map.grid.photons(), &some, NEAREST);
@@ -311,6 +303,11 @@ impl Probe {
         let squares = others.map(|(_, &point)| from.distance_squared(point.into()));
         Self { position, apart: squares.fold(f32::INFINITY, f32::min).sqrt() }
     }
+}
+
+/// Brings them in one order: modes come to them in others.
+fn sort(probes: &mut [Probe]) {
+    probes.sort_by_key(|probe| probe.position.map(f32::to_bits));
 }
 
 /// The middle one of the lengths that are numbers and no zeros.

@@ -241,16 +241,11 @@ impl<'a, M: Connecting<N>, const N: usize> OnSurfaces<'a, M, N> {
     /// The rows in the table of those in some rows, and their normals.
     #[inline(always)]
     pub fn load(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> (LaneRows, Facing) {
-        let material = rows.rows().map(|row| self.scene.material_row(surfaces.primitive[row]));
-        let materials = self.scene.surfaces.materials();
+        let [material, models] = self.scene.rows_of_hits(surfaces, &rows.rows());
         let facing = Facing {
             geometric: rows.vectors(&surfaces.geometric_normal),
             shading: rows.vectors(&surfaces.shading_normal),
-            two_sided: two_sided(materials, &material),
-        };
-        let models = match self.scene.has_models_by_place {
-            true => rows.rows().map(|row| self.scene.model_row(surfaces, row)),
-            false => material.map(|row| materials[row].row as usize),
+            two_sided: two_sided(self.scene.surfaces.materials(), &material),
         };
         (models, facing)
     }

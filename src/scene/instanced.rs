@@ -107,7 +107,8 @@ impl Instanced {
     }
 
     /// The instance that a primitive belongs to, if any.
-    #[inline(always)]
+    // Out of line: most scenes have none, and places that ask are many.
+    #[inline(never)]
     pub fn instance_of(&self, primitive: u32) -> Option<&Instance> {
         let block = (primitive as usize).checked_sub(self.first)? >> BLOCK_SHIFT;
         self.of_block.get(block).map(|row| &self.instances[*row as usize])

@@ -1,5 +1,6 @@
 //! Where on which path events happen.
 
+use std::any::Any;
 use std::ops::Range;
 
 use glam::Vec3;
@@ -47,7 +48,7 @@ impl Sampling {
 
 /// Rows of a walk's paths that have met the same: what the stages that look for light there, or
 /// leave some, are told.
-pub struct Arrived<'a, const N: usize, C> {
+pub struct Arrived<'a, const N: usize, C: ?Sized> {
     /// All paths.
     pub paths: &'a PathTable<N, C>,
     /// The surfaces at which they are.
@@ -60,7 +61,15 @@ pub struct Arrived<'a, const N: usize, C> {
     pub path_length: u32,
 }
 
-impl<const N: usize, C> Arrived<'_, N, C> {
+impl<const N: usize, C: 'static> Arrived<'_, N, C> {
+    /// The same of [`AnyPaths`].
+    pub fn of_any(&self) -> Arrived<'_, N, dyn Any> {
+        let &Arrived { paths, surfaces, event, ref rows, path_length } = self;
+        Arrived { paths, surfaces, event, rows: rows.clone(), path_length }
+    }
+}
+
+impl<const N: usize, C: ?Sized> Arrived<'_, N, C> {
     /// The medium behind the surface of a row, for connections that go through it: where none do,
     /// the same as before it.
     pub fn beyond(&self, scene: &Scene<N>, row: usize) -> u32 {

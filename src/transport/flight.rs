@@ -21,16 +21,16 @@ use crate::scattering::surface::SURVIVAL_MIN;
 use crate::scene::baked::NONE;
 
 use super::tables::flights::{FlightTable, Progress};
-use super::tables::paths::PathTable;
+use super::tables::paths::AnyPaths;
 
 /// Flies on to the distance `t` from the segment's start, and turns the row's hit into one of the
 /// medium where it meets a particle before that, which is its end. `wavelength` is the one that
 /// distances are drawn for.
 #[inline(always)]
-pub fn fly<const N: usize, C>(
+pub fn fly<const N: usize>(
     hits: &mut HitColumns,
     flights: &mut FlightTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     scene: &Scene<N>,
     (row, t, wavelength): (usize, f32, u32),
 ) {

@@ -17,7 +17,7 @@ use crate::scattering::emitter::lamps::Lamps;
 use crate::scattering::emitter::tree::Vantage;
 use crate::scattering::medium::Medium;
 
-use super::tables::paths::PathTable;
+use super::tables::paths::AnyPaths;
 use super::tables::pieces::PieceTable;
 
 /// Of the light that a lamp would bring to a piece, if nothing took away from it, over its
@@ -41,9 +41,9 @@ pub struct PieceLanes<'a, const N: usize> {
 impl<'a, const N: usize> PieceLanes<'a, N> {
     /// The rows from `first` on of the pieces in a medium; `rows` are those of their paths.
     #[inline(always)]
-    pub fn load<C>(
+    pub fn load(
         pieces: &PieceTable,
-        paths: &PathTable<N, C>,
+        paths: &AnyPaths<N>,
         (medium, first): (&'a Medium<N>, usize),
         rows: &[usize; LANES],
     ) -> Self {

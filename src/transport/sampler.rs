@@ -70,7 +70,8 @@ pub fn path_seed(job_seed: u32, stream: Stream, path: u32) -> u32 {
 /// Two numbers in [0, 1) per lane for the vertex after `path_length` segments.
 ///
 /// `seed` is [`path_seed`], `iteration` the index in the sequence.
-#[inline(always)]
+// Out of line: it is called everywhere, once for eight vertices.
+#[inline(never)]
 pub fn draw(seed: U32s, iteration: U32s, path_length: u32, purpose: Purpose) -> [F32s; 2] {
     let set = path_length * PURPOSES + purpose as u32;
     let shuffle = mix_lanes(seed ^ U32s::splat(combine(0x5bd1_e995, set)));

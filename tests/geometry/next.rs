@@ -110,7 +110,7 @@ fn visibility_past_some_is_what_all_hits_say() {
             (&columns, &t_max),
             rows,
             &accelerator,
-            passes,
+            &passes,
         );
         let mut counts = [0; 3];
         for (&ray, &found) in rays.iter().zip(&blocked) {

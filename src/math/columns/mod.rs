@@ -121,7 +121,8 @@ pub trait ColumnWork {
 }
 
 /// Takes the rows `order` of a column to the rows from `start` on.
-#[inline(always)]
+// A call for each column, out of line: tables have dozens of them, and so do places that take rows.
+#[inline(never)]
 pub fn take<T: Copy>(to: &mut [T], from: &[T], order: &[u32], start: usize) {
     let (to, ends) = to[start..start + order.len()].as_chunks_mut::<LANES>();
     let (order, last) = order.as_chunks::<LANES>();
@@ -153,7 +154,7 @@ struct Copying {
 }
 
 impl PairWork for Copying {
-    #[inline(always)]
+    #[inline(never)]
     fn column<T: Value>(&self, to: &mut [T], from: &[T]) {
         to[self.start..self.start + self.rows.len()].copy_from_slice(&from[self.rows.clone()]);
     }
@@ -163,6 +164,7 @@ impl<T: Value> Columns for Vec<T> {
     type Fill = T;
     const ZERO: T = T::ZERO;
 
+    #[inline(never)]
     fn filled(rows: usize, fill: T) -> Self {
         vec![fill; rows]
     }

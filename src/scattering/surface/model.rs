@@ -292,11 +292,17 @@ impl<'a, M> ModelLanes<'a, M> {
     /// One parameter at every wavelength.
     #[inline(always)]
     pub fn spectrum<const N: usize>(&self, of: impl Fn(&M) -> &[f32; N]) -> [F32s; N] {
-        let mut values = [F32s::splat(0.0); N];
-        for (n, value) in values.iter_mut().enumerate() {
-            *value = self.field(|model| of(model)[n]);
+        match self.rows {
+            LaneRows::Same(row) => of(&self.models[row]).map(F32s::splat),
+            LaneRows::Each(rows) => {
+                let rows = rows.map(|row| of(&self.models[row]));
+                let mut values = [F32s::splat(0.0); N];
+                for (n, value) in values.iter_mut().enumerate() {
+                    *value = F32s::from(lanes::each(|lane| rows[lane][n]));
+                }
+                values
+            }
         }
-        values
     }
 }
 
@@ -337,13 +343,8 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let geometric = Vector::load(&surfaces.geometric_normal, row);
         let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
         let used = |lane: usize| row + lane.min(live - 1);
-        let material = |lane: usize| scene.material_row(surfaces.primitive[used(lane)]);
-        let material = LaneRows::Each(lanes::each(material));
-        let materials = scene.surfaces.materials();
-        let rows = match scene.has_models_by_place {
-            true => LaneRows::Each(lanes::each(|lane| scene.model_row(surfaces, used(lane)))),
-            false => material.map(|row| materials[row].row as usize),
-        };
+        let of_lanes = LaneRows::Each(lanes::each(used));
+        let [material, rows] = scene.rows_of_hits(surfaces, &of_lanes);
         Self {
             direction,
             geometric,
@@ -352,7 +353,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
             front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
             collapsed: F32s::splat(0.0),
             models: ModelLanes::new(models, rows),
-            materials,
+            materials: scene.surfaces.materials(),
             material,
             shapes: &scene.shapes,
             surface: lanes::each(|lane| surfaces.surface[used(lane)]),

@@ -4,7 +4,7 @@ use crate::geometry::{SurfaceColumns, offset_origin};
 use crate::math::columns::Column;
 use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 use crate::transport::vantage::towards;
 
 /// Starts the next segment of every row off its surface, of which it keeps what the choice of
@@ -12,8 +12,8 @@ use crate::transport::vantage::towards;
 ///
 /// From: scatter_surfaces, collect_sensor, scatter_light. To: trace_closest.
 /// Writes: paths (rays, last). Reads: directions, surfaces, scene.
-pub fn advance_paths<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+pub fn advance_paths<const N: usize>(
+    paths: &mut AnyPaths<N>,
     directions: &[Column; 3],
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,

@@ -5,7 +5,7 @@ use crate::math::columns::Rows;
 use crate::scattering::Scene;
 use crate::transport::piece::PieceLanes;
 use crate::transport::sampler::{Purpose, draw};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 use crate::transport::tables::pieces::PieceTable;
 
 /// Chooses a lamp for every piece of a segment in a medium, and keeps the pieces from which it is
@@ -13,9 +13,9 @@ use crate::transport::tables::pieces::PieceTable;
 ///
 /// From: list_pieces. To: connect_flights.
 /// Writes: pieces. Reads: paths, scene.
-pub fn choose_lamps<const N: usize, C>(
+pub fn choose_lamps<const N: usize>(
     pieces: &mut PieceTable,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     scene: &Scene<N>,
     path_length: u32,
 ) {

@@ -7,17 +7,17 @@ use crate::math::hash::combine;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Ends the segments of those rows of a part which do not pass: they are scattered there.
 ///
 /// From: pass_surfaces, fly_to_crossings, collect_crossed_emission. To: cross_surfaces,
 /// collect_emission.
 /// Writes: hits, flights. Reads: paths, crossing.
-pub fn choose_passage<const N: usize, C>(
+pub fn choose_passage<const N: usize>(
     hits: &mut HitColumns,
     flights: &mut FlightTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     crossing: &Crossing<N>,
     path_length: u32,
 ) {

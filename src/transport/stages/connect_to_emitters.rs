@@ -1,5 +1,7 @@
 //! Next-event estimation: connects vertices of sensor paths to emitters.
 
+use std::any::Any;
+
 use glam::Vec3;
 
 use crate::geometry::{SurfaceColumns, offset_distance, offset_origin, reach};
@@ -15,7 +17,7 @@ use crate::transport::piece::PieceLanes;
 use crate::transport::sampler::{Purpose, draw};
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::connections::{ConnectionLanes, ConnectionTable};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 use crate::transport::vantage::vantages;
 use crate::transport::{Arrived, Strategy};
 
@@ -31,11 +33,14 @@ pub fn connect_to_emitters<const N: usize, C: SensorSide<N>>(
     strategy: Strategy,
 ) {
     connections.clear();
+    let asks = arrived.event.form != Form::Depolarizer || scene.has_straight_on;
+    let is_polarized = asks && arrived.paths.carriers.columns().is_some();
+    let any = &arrived.of_any();
     for_scatterer!(scene, arrived.event.met, all => {
         let turn = |rows: Consecutive, given, drawn| {
             all.at(arrived.surfaces, rows).turn(given, drawn)
         };
-        connect(connections, arrived, (&scene, &turn), strategy);
+        connect(connections, (any, is_polarized), (&scene, &turn), strategy);
     });
 }
 
@@ -43,15 +48,14 @@ pub fn connect_to_emitters<const N: usize, C: SensorSide<N>>(
 // Called by way of a pointer: the stage is large, and is compiled once for all scatterers.
 type TurnOf<'a, const N: usize> = dyn Fn(Consecutive, Vector<F32s>, Vector<F32s>) -> Turn<N> + 'a;
 
-fn connect<const N: usize, C: SensorSide<N>>(
+fn connect<const N: usize>(
     connections: &mut ConnectionTable<N>,
-    arrived: &Arrived<N, C>,
+    (arrived, is_polarized): (&Arrived<N, dyn Any>, bool),
     (scene, turn_of): (&Scene<N>, &TurnOf<N>),
     strategy: Strategy,
 ) {
     let &Arrived { paths, surfaces, ref rows, path_length, event } = arrived;
-    let asks = event.form != Form::Depolarizer || scene.has_straight_on;
-    let has_states = scene.has_polarized_lamps() && asks && paths.carriers.columns().is_some();
+    let has_states = is_polarized && scene.has_polarized_lamps();
     let lit = medium_lit(event.met, scene).filter(|_| strategy.connects_flights());
     for row in rows.clone().step_by(LANES) {
         let live = LANES.min(rows.end - row);
@@ -125,8 +129,8 @@ fn medium_lit<const N: usize>(met: Met, scene: &Scene<N>) -> Option<u32> {
 }
 
 /// The weight of vertices in a medium beside the places on the way there that connect to lamps.
-fn weight_beside_lamps<const N: usize, C>(
-    &Arrived { paths, surfaces, .. }: &Arrived<N, C>,
+fn weight_beside_lamps<const N: usize>(
+    &Arrived { paths, surfaces, .. }: &Arrived<N, dyn Any>,
     scene: &Scene<N>,
     medium: u32,
     row: usize,
@@ -156,8 +160,8 @@ fn bidirectional_weight<const N: usize>(
 
 /// One emitter a row, and a point or direction on it.
 #[inline(always)]
-fn choose<const N: usize, C>(
-    paths: &PathTable<N, C>,
+fn choose<const N: usize>(
+    paths: &AnyPaths<N>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
     (row, live): (usize, usize),
@@ -212,8 +216,8 @@ struct Chosen<const N: usize> {
 
 /// Eight connections to be tested, off the surfaces at both ends, with what they would carry.
 #[inline(always)]
-fn segments<const N: usize, C>(
-    arrived: &Arrived<N, C>,
+fn segments<const N: usize>(
+    arrived: &Arrived<N, dyn Any>,
     scene: &Scene<N>,
     (chosen, offset): (&DirectLanes<N>, F32s),
     (value, weight): ([F32s; N], F32s),

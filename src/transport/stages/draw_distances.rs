@@ -5,15 +5,15 @@ use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Draws the optical depth at which every row would meet a particle, at the wavelength of its path.
 ///
 /// From: follow_paths. To: list_pieces, fly_to_crossings, fly_through_media.
 /// Writes: flights. Reads: paths, scene.
-pub fn draw_distances<const N: usize, C>(
+pub fn draw_distances<const N: usize>(
     flights: &mut FlightTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     scene: &Scene<N>,
     path_length: u32,
 ) {

@@ -7,7 +7,7 @@ use crate::scattering::medium::Medium;
 use crate::scene::baked::NONE;
 use crate::transport::flight::fly;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Takes every row to where it ends, and turns hits behind particles into hits of the medium. The
 /// throughput takes transmittance over density; both are summed over the wavelengths that the
@@ -16,9 +16,9 @@ use crate::transport::tables::paths::PathTable;
 /// From: draw_distances, fly_to_crossings, cross_surfaces. To: keep_pieces, collect_emission,
 /// play_roulette, partition_paths.
 /// Writes: hits, paths (beta, media), flights. Reads: paths, scene.
-pub fn fly_through_media<const N: usize, C>(
+pub fn fly_through_media<const N: usize>(
     hits: &mut HitColumns,
-    paths: &mut PathTable<N, C>,
+    paths: &mut AnyPaths<N>,
     flights: &mut FlightTable<N>,
     scene: &Scene<N>,
 ) {
@@ -53,9 +53,9 @@ struct Flown<const N: usize> {
 
 /// Rows with nothing on their way but a medium each, in which flights are drawn by extinction.
 #[inline(always)]
-fn fly_whole<const N: usize, C>(
+fn fly_whole<const N: usize>(
     hits: &mut HitColumns,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     flights: &mut FlightTable<N>,
     scene: &Scene<N>,
     (row, media): (usize, [u32; LANES]),
@@ -90,9 +90,9 @@ fn fly_whole<const N: usize, C>(
 
 /// Rows that come from the surfaces that they have crossed, to the last piece of their ways.
 #[inline(always)]
-fn fly_on<const N: usize, C>(
+fn fly_on<const N: usize>(
     hits: &mut HitColumns,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     flights: &mut FlightTable<N>,
     scene: &Scene<N>,
     (row, media): (usize, [u32; LANES]),
@@ -119,8 +119,8 @@ fn fly_on<const N: usize, C>(
 
 /// Throughput and shares of eight rows.
 #[inline(always)]
-fn weigh<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+fn weigh<const N: usize>(
+    paths: &mut AnyPaths<N>,
     Flown { depth, drawn, media, meets }: &Flown<N>,
     scene: &Scene<N>,
     row: usize,

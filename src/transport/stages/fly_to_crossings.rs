@@ -6,17 +6,17 @@ use crate::scattering::Scene;
 use crate::transport::flight::fly;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Takes the rows of a part to their crossings, unless they meet a particle of the medium before.
 ///
 /// From: draw_distances, cross_surfaces. To: collect_crossed_emission, choose_passage,
 /// fly_through_media.
 /// Writes: hits, flights. Reads: paths, crossing, scene.
-pub fn fly_to_crossings<const N: usize, C>(
+pub fn fly_to_crossings<const N: usize>(
     hits: &mut HitColumns,
     flights: &mut FlightTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     crossing: &Crossing<N>,
     scene: &Scene<N>,
 ) {

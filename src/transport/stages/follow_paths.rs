@@ -6,18 +6,18 @@ use crate::scattering::Scene;
 use crate::transport::crossing::follow;
 use crate::transport::tables::crossings::CrossingTable;
 use crate::transport::tables::flights::{Flight, FlightTable};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Follows the segments that have met surfaces which let them straight on, and turns their hits
 /// into what is behind; the distances are still those from the segments' starts.
 ///
 /// From: trace_closest. To: pass_surfaces, draw_distances.
 /// Writes: crossings, hits, flights, scratch. Reads: paths, scene.
-pub fn follow_paths<const N: usize, C>(
+pub fn follow_paths<const N: usize>(
     crossings: &mut CrossingTable<N>,
     hits: &mut HitColumns,
     (flights, scratch): (&mut FlightTable<N>, &mut TraceScratch),
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     scene: &Scene<N>,
 ) {
     crossings.clear();

@@ -2,15 +2,15 @@
 
 use crate::geometry::{HitColumns, medium_met};
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Keeps the pieces of segments in which particles were met, for the weights of connections to
 /// lamps.
 ///
 /// From: fly_through_media. To: partition_paths.
 /// Writes: paths (piece). Reads: hits, flights.
-pub fn keep_pieces<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+pub fn keep_pieces<const N: usize>(
+    paths: &mut AnyPaths<N>,
     hits: &HitColumns,
     flights: &FlightTable<N>,
 ) {

@@ -4,7 +4,7 @@ use crate::geometry::HitColumns;
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::merged::MergedRows;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 use crate::transport::tables::pieces::{Piece, PieceTable};
 
 /// Lists the pieces in the table's medium that the rows of a part are about to fly through, or
@@ -13,9 +13,9 @@ use crate::transport::tables::pieces::{Piece, PieceTable};
 ///
 /// From: draw_distances, cross_surfaces. To: choose_lamps.
 /// Writes: pieces. Reads: paths (media, rays), flights, hits, crossing, merged.
-pub fn list_pieces<const N: usize, C>(
+pub fn list_pieces<const N: usize>(
     pieces: &mut PieceTable,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
     flights: &FlightTable<N>,
     (hits, crossing): (&HitColumns, Option<&Crossing<N>>),
     merged: &MergedRows,

@@ -2,17 +2,17 @@
 
 use crate::transport::tables::connections::ConnectionTable;
 use crate::transport::tables::measured::Measured;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Adds what connections carry that nothing is in the way of, not even what lets them pass: in
 /// polarized mode that takes another part of them than in scalar mode, which is to play alike.
 ///
 /// From: trace_connections. To: connect_to_vertices.
 /// Writes: measured. Reads: connections (blocked, value, target), paths (identity).
-pub fn note_brought<const N: usize, C>(
+pub fn note_brought<const N: usize>(
     measured: &mut Measured<N>,
     connections: &ConnectionTable<N>,
-    paths: &PathTable<N, C>,
+    paths: &AnyPaths<N>,
 ) {
     for index in (0..connections.len).filter(|&index| connections.blocked[index] == 0) {
         let slot = paths.identity.slot[connections.target[index] as usize] as usize;

@@ -3,7 +3,7 @@
 use crate::geometry::{HitColumns, SurfaceColumns};
 use crate::scattering::painting::{PaintedModels, paint};
 use crate::scattering::{Scene, Side};
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Gives every row on a painted surface a row of its own in the table of its model, and its shading
 /// normal; so too on rough glass that touches other glass. Vertices of light paths may be kept, and
@@ -11,10 +11,10 @@ use crate::transport::tables::paths::PathTable;
 ///
 /// From: resolve_surfaces. To: weigh_arrival.
 /// Writes: surfaces, models. Reads: hits, paths (rays, nested), scene.
-pub fn paint_surfaces<const N: usize, C>(
+pub fn paint_surfaces<const N: usize>(
     surfaces: &mut SurfaceColumns,
     models: &mut PaintedModels<N>,
-    (hits, paths): (&HitColumns, &PathTable<N, C>),
+    (hits, paths): (&HitColumns, &AnyPaths<N>),
     scene: &Scene<N>,
     side: Side,
 ) {

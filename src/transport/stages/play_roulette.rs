@@ -6,7 +6,7 @@ use crate::scattering::Scene;
 use crate::scene::baked::NONE;
 use crate::transport::sampler::Purpose;
 use crate::transport::tables::flights::FlightTable;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Segments after which even paths that lose nothing are played for.
 const PATIENCE: u32 = 128;
@@ -25,8 +25,8 @@ const PATIENCE: u32 = 128;
 ///
 /// From: trace_closest, fly_through_media, collect_emission. To: partition_paths, pay_out.
 /// Writes: paths (odds, beta), hits. Reads: paths (identity), scene, flights.
-pub fn play_roulette<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+pub fn play_roulette<const N: usize>(
+    paths: &mut AnyPaths<N>,
     hits: &mut HitColumns,
     (scene, flights): (&Scene<N>, &FlightTable<N>),
     path_length: u32,
@@ -61,7 +61,7 @@ pub fn play_roulette<const N: usize, C>(
 ///
 /// From: play_roulette. To: scatter_surfaces, scatter_medium.
 /// Writes: paths (beta). Reads: paths (odds).
-pub fn pay_out<const N: usize, C>(paths: &mut PathTable<N, C>) {
+pub fn pay_out<const N: usize>(paths: &mut AnyPaths<N>) {
     for row in (0..paths.len).step_by(LANES) {
         let inverse = F32s::splat(1.0) / lanes::load(&paths.odds, row);
         for beta in &mut paths.beta {

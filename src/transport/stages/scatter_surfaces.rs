@@ -16,7 +16,7 @@ use crate::scattering::{Met, Scene, Side};
 use crate::transport::collapse::{collapse, have_collapsed};
 use crate::transport::mis::TurnDensities;
 use crate::transport::sampler::Purpose;
-use crate::transport::tables::carriers::{CarrierTable, ratio};
+use crate::transport::tables::carriers::{CarrierTable, Lean, lean_of, ratio};
 use crate::transport::tables::kernels::DepartureColumns;
 use crate::transport::tables::media::MediaColumns;
 use crate::transport::tables::partition::Partition;
@@ -49,13 +49,7 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
     for part in &partition.parts {
         let Met::Surface(kind) = part.event.met else { continue };
         let PathTable { rays, identity, beta, mis, media, nested, carriers, .. } = &mut *paths;
-        let lean = |row: usize, frame| {
-            let mut light = [[F32s::ZERO; 2]; N];
-            for (n, light) in light.iter_mut().enumerate() {
-                *light = carriers.lean(part, n, row, frame);
-            }
-            light
-        };
+        let lean = |row: usize, frame| lean_of(carriers, part, row, frame);
         let leans = POLARIZED && bounce.sampling == Sampling::Stokes && C::leans(part);
         let lean: Option<&Lean<N>> = if leans { Some(&lean) } else { None };
         let end = part.rows.end;
@@ -63,10 +57,6 @@ pub fn scatter_surfaces<const N: usize, const POLARIZED: bool, C: CarrierTable>(
         scatter_part::<N, POLARIZED>(&mut to, surfaces, scene, (kind, &part.rows), bounce);
     }
 }
-
-/// What [`CarrierTable::lean`] says of some rows at every wavelength.
-// By way of a pointer: the stage is large, and is compiled once for both sides.
-type Lean<'a, const N: usize> = dyn Fn(usize, (Vector<F32s>, Vector<F32s>)) -> [[F32s; 2]; N] + 'a;
 
 /// What is written of rows, and read.
 struct Departing<'a, const N: usize> {
@@ -234,7 +224,7 @@ impl<const N: usize> Departing<'_, N> {
     }
 
     /// Rows that go through their surfaces are in what is there from now on.
-    #[inline(always)]
+    #[inline(never)]
     fn enter(
         &mut self,
         surfaces: &SurfaceColumns,
@@ -252,7 +242,7 @@ impl<const N: usize> Departing<'_, N> {
     }
 
     /// What rows have met that can be nested, in scenes where it is.
-    #[inline(always)]
+    #[inline(never)]
     fn interfaces(
         &self,
         given: &LaneRows,

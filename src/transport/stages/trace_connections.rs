@@ -21,7 +21,7 @@ pub fn trace_connections<const N: usize>(
     let (rows, accelerator) = (0..*len, &scene.accelerator);
     if scene.has_straight_on {
         let passes = |primitive| scene.is_straight_on(primitive);
-        trace_visibility_past(blocked, scratch, (rays, t_max), rows, accelerator, passes);
+        trace_visibility_past(blocked, scratch, (rays, t_max), rows, accelerator, &passes);
     } else {
         trace_visibility(blocked, scratch, rays, t_max, rows, accelerator);
     }

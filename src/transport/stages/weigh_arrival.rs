@@ -6,15 +6,15 @@ use crate::geometry::{HitColumns, SurfaceColumns};
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scattering::{Met, Scene};
 use crate::transport::tables::partition::Partition;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 
 /// Brings the partial weights to the vertices just reached: by the length of the segment, unless
 /// that comes from infinity, and the cosine of arrival, or the density of the medium of the vertex.
 ///
 /// From: resolve_surfaces, paint_surfaces. To: depolarize_sensor, depolarize_light, weigh_choice.
 /// Writes: paths (mis). Reads: paths (rays), hits, surfaces, scene, partition.
-pub fn weigh_arrival<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+pub fn weigh_arrival<const N: usize>(
+    paths: &mut AnyPaths<N>,
     hits: &HitColumns,
     surfaces: &SurfaceColumns,
     (scene, partition): (&Scene<N>, &Partition),
@@ -29,8 +29,8 @@ pub fn weigh_arrival<const N: usize, C>(
     }
 }
 
-fn weigh_part<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+fn weigh_part<const N: usize>(
+    paths: &mut AnyPaths<N>,
     hits: &HitColumns,
     surfaces: &SurfaceColumns,
     (rows, density): (Range<usize>, Option<F32s>),

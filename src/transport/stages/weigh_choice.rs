@@ -8,7 +8,7 @@ use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
 use crate::scattering::emitter::direct_pdf;
 use crate::transport::emission::emitters_of_paths;
-use crate::transport::tables::paths::PathTable;
+use crate::transport::tables::paths::AnyPaths;
 use crate::transport::vantage::vantages;
 
 /// Completes the partial weights of light paths at their first vertices by the densities of
@@ -16,8 +16,8 @@ use crate::transport::vantage::vantages;
 ///
 /// From: weigh_arrival. To: depolarize_light.
 /// Writes: paths (mis). Reads: paths (identity, rays), surfaces, scene.
-pub fn weigh_choice<const N: usize, C>(
-    paths: &mut PathTable<N, C>,
+pub fn weigh_choice<const N: usize>(
+    paths: &mut AnyPaths<N>,
     surfaces: &SurfaceColumns,
     scene: &Scene<N>,
 ) {

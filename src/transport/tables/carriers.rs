@@ -19,8 +19,27 @@ use crate::polarization::{
     Arrival, Block, Departure, LightCarrier, Rotation, SensorEvent, SensorMatrix, SensorRow, Stokes,
 };
 
+/// What [`CarrierTable::lean`] says of some rows at every wavelength.
+// By way of a pointer: stages that scatter are large, and are compiled once for both sides.
+pub type Lean<'a, const N: usize> =
+    dyn Fn(usize, (Vector<F32s>, Vector<F32s>)) -> [[F32s; 2]; N] + 'a;
+
+/// [`CarrierTable::lean`] at every wavelength.
+pub fn lean_of<const N: usize>(
+    carriers: &impl CarrierTable,
+    part: &Part,
+    row: usize,
+    frame: (Vector<F32s>, Vector<F32s>),
+) -> [[F32s; 2]; N] {
+    let mut light = [[F32s::ZERO; 2]; N];
+    for (n, light) in light.iter_mut().enumerate() {
+        *light = carriers.lean(part, n, row, frame);
+    }
+    light
+}
+
 /// Columns of polarization that travel with the rows of a path table.
-pub trait CarrierTable {
+pub trait CarrierTable: 'static {
     /// Number of classes.
     const CLASSES: usize;
 

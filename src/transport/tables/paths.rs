@@ -1,5 +1,7 @@
 //! Subpaths alive, one row each.
 
+use std::any::Any;
+
 use crate::geometry::RayColumns;
 use crate::math::columns::{Channels, Column, Columns, columns};
 use crate::math::{F32s, LANES, U32s, lanes};
@@ -14,7 +16,7 @@ use super::partition::Partition;
 use super::pieces::LastPieceColumns;
 
 /// The subpaths of one side that are still being extended.
-pub struct PathTable<const N: usize, C> {
+pub struct PathTable<const N: usize, C: ?Sized> {
     /// Number of rows in use.
     pub len: usize,
     /// The current segment: from the last vertex on.
@@ -39,6 +41,10 @@ pub struct PathTable<const N: usize, C> {
     /// Polarization, for the rows that have any.
     pub carriers: C,
 }
+
+/// Paths of which nobody asks what they carry: what does not is compiled once for both sides and
+/// modes. A reference to any [`PathTable`] is one to these.
+pub type AnyPaths<const N: usize> = PathTable<N, dyn Any>;
 
 columns! {
     /// Names of rows that survive every reordering.
@@ -231,7 +237,7 @@ impl MisColumns {
     }
 }
 
-impl<const N: usize, C> PathTable<N, C> {
+impl<const N: usize, C: ?Sized> PathTable<N, C> {
     /// The last vertex of a row as those see it who choose emitters there.
     pub fn vantage(&self, row: usize) -> Vantage {
         let normal = match self.last.present() {
