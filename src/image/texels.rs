@@ -2,6 +2,8 @@
 //! WebP, OpenEXR and Radiance. Values of the first three keep the width that their file has, and
 //! color profiles are ignored, as glTF asks for.
 
+mod encode;
+
 use std::fmt;
 use std::io::Cursor;
 use std::sync::LazyLock;

@@ -3,6 +3,7 @@
 mod blender;
 mod built;
 mod common;
+mod converted;
 mod errors;
 mod far;
 mod films;

@@ -302,7 +302,8 @@ fn read_buffer(
     Ok(bytes)
 }
 
-fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
+/// The bytes of a data URI, of what follows `data:` in it.
+pub fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
     let Some((_, text)) = data.split_once(";base64,") else {
         let Some((_, text)) = data.split_once(',') else {
             let problem = "is a data URI without a comma";

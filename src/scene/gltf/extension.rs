@@ -30,10 +30,12 @@ pub const MATERIAL: Keys = Keys {
     definition: "material",
     known: &[
         "alpha",
+        "alpha_texture",
         "axis_deg",
         "birefringence",
         "blocked",
         "bsdf",
+        "coverage",
         "distribution",
         "emission",
         "eta",
@@ -166,12 +168,31 @@ pub const EMISSION: Keys = Keys {
     planned: &[],
 };
 
+/// Keys of how much of a surface is there.
+pub const COVERAGE: Keys =
+    Keys { definition: "coverage", known: &["cutoff", "share", "texture"], planned: &[] };
+/// Keys of a texture of the extension's: those of glTF.
+pub const TEXTURE_INFO: Keys = Keys {
+    definition: "texture_info",
+    known: &["extensions", "extras", "index", "texCoord"],
+    planned: &[],
+};
+/// Keys of any texture of a material.
+pub const TEXTURE: Keys = Keys {
+    definition: "texture",
+    known: &["channel", "coding", "frame", "transform"],
+    planned: &[],
+};
+
 /// A mesh can have none.
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 21] = [
+pub const ALL: [&Keys; 24] = [
     &MATERIAL,
+    &COVERAGE,
+    &TEXTURE_INFO,
+    &TEXTURE,
     &NODE,
     &CAMERA,
     &FILM,
@@ -203,6 +224,8 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("scene", "environment") => Some(&ENVIRONMENT),
         ("environment", "sky") => Some(&CLEAR_SKY),
         ("material", "film") => Some(&THIN_FILM),
+        ("material", "coverage") => Some(&COVERAGE),
+        ("coverage", "texture") | ("material", "alpha_texture") => Some(&TEXTURE_INFO),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),

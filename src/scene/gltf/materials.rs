@@ -21,6 +21,7 @@ use hecs::Entity;
 use serde_json::Value;
 
 use super::Import;
+use super::document::decode_data_uri;
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
@@ -92,13 +93,28 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 7] =
-    ["alpha", "distribution", "eta", "k", "metal", "multiple_scattering", "roughness"];
+const ROUGH_CONDUCTOR: [&str; 8] = [
+    "alpha",
+    "alpha_texture",
+    "distribution",
+    "eta",
+    "k",
+    "metal",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 6] =
-    ["alpha", "distribution", "exterior_ior", "ior", "multiple_scattering", "roughness"];
+const ROUGH_DIELECTRIC: [&str; 7] = [
+    "alpha",
+    "alpha_texture",
+    "distribution",
+    "exterior_ior",
+    "ior",
+    "multiple_scattering",
+    "roughness",
+];
 /// Keys that go with any model.
-const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
+const OF_ALL: [&str; 5] = ["bsdf", "coverage", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -510,8 +526,11 @@ fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
         return Err(body.missing("file", "a file of measured reflectance, `.pbsdf`"));
     };
     let place = body.field("file");
-    let table = MeasuredTable::new(uri, files.bytes(uri, &place, u64::MAX)?)
-        .map_err(|fault| SceneError::at(&place, fault))?;
+    let (name, bytes) = match uri.strip_prefix("data:") {
+        Some(data) => ("data", decode_data_uri(data, place.clone())?),
+        None => (uri, files.bytes(uri, &place, u64::MAX)?),
+    };
+    let table = MeasuredTable::new(name, bytes).map_err(|fault| SceneError::at(&place, fault))?;
     Ok(Bsdf::Measured { places: table.places(), table })
 }
 
