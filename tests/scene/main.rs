@@ -18,6 +18,7 @@ mod media;
 mod mended;
 mod mitsuba;
 mod mitsuba_errors;
+mod mitsuba_lights;
 mod mitsuba_textures;
 mod moving;
 mod pictures;

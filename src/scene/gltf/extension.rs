@@ -85,7 +85,7 @@ pub const ANALYZER: Keys =
 /// Keys of a punctual light.
 pub const LIGHT: Keys = Keys {
     definition: "light",
-    known: &["angular_diameter_deg", "emission", "ies", "picture", "stokes", "units"],
+    known: &["angular_diameter_deg", "emission", "falloff", "ies", "picture", "stokes", "units"],
     planned: &[],
 };
 /// Keys of a scene, or of the root of the file.

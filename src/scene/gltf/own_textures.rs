@@ -10,6 +10,9 @@ use crate::math::Range;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Bsdf, Coverage, Paint, Reads, Texture};
 
+/// Those of [`Texture::transform`].
+type Rows = [[f32; 3]; 2];
+
 /// All codings.
 const CODINGS: [Coding; 2] = [Coding::Srgb, Coding::Linear];
 /// What of a texel can be a number, by name.
@@ -111,7 +114,7 @@ fn channel_of(name: &str) -> Option<Reads> {
 }
 
 /// What a texture says in words of the extension: its coding, and its rows if it does.
-pub fn own_words(slot: &Slot) -> Result<(Coding, Option<[[f32; 3]; 2]>), SceneError> {
+pub fn own_words(slot: &Slot) -> Result<(Coding, Option<Rows>), SceneError> {
     const OF_ALL: [&str; 2] = ["coding", "transform"];
     let own = Body::of(slot.info, &slot.label, &TEXTURE)?;
     if let Some(key) = own.keys().find(|key| !OF_ALL.contains(key) && !slot.more.contains(key)) {
@@ -131,7 +134,7 @@ pub fn own_words(slot: &Slot) -> Result<(Coding, Option<[[f32; 3]; 2]>), SceneEr
 }
 
 /// The rows of a texture that says them itself.
-fn own_transform(own: &Body) -> Result<[[f32; 3]; 2], SceneError> {
+fn own_transform(own: &Body) -> Result<Rows, SceneError> {
     let row = |value: &Value| {
         let numbers = value.as_array()?.iter().map(|it| Some(it.as_f64()? as f32));
         let numbers: Vec<f32> = numbers.collect::<Option<_>>()?;

@@ -25,9 +25,9 @@ use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name, Phase, Picture,
-    Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform, Window,
-    World,
+    Falloff, Filling, FillsScene, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name, Phase,
+    Picture, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
+    Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 
@@ -146,7 +146,12 @@ impl<'a> Writer<'a> {
                 let mut painter = Painter { world, stored, lists, name: &name.0, material };
                 findings.note(painter.paint(&bsdf, &textures));
             }
-            if let Bsdf::Measured { table, places: _ } = &bsdf {
+            if let Bsdf::Measured { table, places } = &bsdf {
+                if *places != table.places() {
+                    let problem = "is measured at one wavelength for all, which is not written";
+                    let error = SceneError::new(&name.0, problem, "keep the scene's own file");
+                    findings.note::<()>(Err(error));
+                }
                 let stored = self.stored.file(table.bytes(), self.world);
                 let stored = stored.map_err(|error| SceneError::new(&name.0, error, ""));
                 if let Some(number) = findings.note(stored) {
@@ -416,7 +421,7 @@ impl<'a> Writer<'a> {
                 PunctualKind::Directional | PunctualKind::Sun { .. } => {
                     json!({"type": "directional"})
                 }
-                PunctualKind::Spot { inner, outer } => json!({
+                PunctualKind::Spot { inner, outer, .. } => json!({
                     "type": "spot",
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer},
                 }),
@@ -426,6 +431,9 @@ impl<'a> Writer<'a> {
             let mut body = json!({"units": "radiometric", "emission": emission});
             if let PunctualKind::Sun { diameter } = kind {
                 body["angular_diameter_deg"] = json!(diameter.to_degrees());
+            }
+            if let PunctualKind::Spot { falloff: falloff @ Falloff::Angle, .. } = kind {
+                body["falloff"] = json!(falloff.name());
             }
             self.stokes(&name, stokes.as_ref(), &mut body);
             if let Some(Luminaire(photometry)) = measured {

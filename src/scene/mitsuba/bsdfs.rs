@@ -22,6 +22,8 @@ pub struct Surface {
     pub wanted: Vec<Wanted>,
     /// How much of it is there all over, from 0 to 1.
     pub even: f32,
+    /// The object that names a measured table, which is the model in place of `bsdf`.
+    pub measured: Option<usize>,
 }
 
 impl Surface {
@@ -33,7 +35,7 @@ impl Surface {
 
 impl From<Bsdf> for Surface {
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, two_sided: false, wanted: Vec::new(), even: 1.0 }
+        Self { bsdf, two_sided: false, wanted: Vec::new(), even: 1.0, measured: None }
     }
 }
 
@@ -41,12 +43,13 @@ impl From<Bsdf> for Surface {
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 16] = [
+const TYPES: [(&str, Read); 17] = [
     ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", diffuse),
     ("mask", mask),
+    ("measured_polarized", measured),
     ("normalmap", normal_map),
     ("null", |_| Ok(one_sided(Bsdf::Null))),
     ("plastic", plastic),
@@ -133,6 +136,19 @@ fn reflectance(fields: &Fields, name: &str) -> Result<(Spectrum, Vec<Wanted>), S
             Ok((reflectance, Vec::new()))
         }
     }
+}
+
+/// A table in a file, which is read where files are.
+fn measured(fields: &Fields) -> Result<Surface, SceneError> {
+    // It is of how Mitsuba draws directions.
+    fields.ignore(&["alpha_sample"]);
+    if fields.text("filename")?.is_none() {
+        return Err(fields.wrong("filename", "is missing", "add it"));
+    }
+    fields.number("wavelength")?;
+    let here = std::ptr::from_ref(fields.object);
+    let measured = fields.tree.objects.iter().position(|it| std::ptr::from_ref(it) == here);
+    Ok(Surface { measured, ..Bsdf::Absorber.into() })
 }
 
 /// What reflects nothing absorbs everything.

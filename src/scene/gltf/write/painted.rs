@@ -295,9 +295,12 @@ impl Painter<'_> {
             info["texCoord"] = json!(texture.set);
         }
         if texture.transform != PLAIN {
-            match of_khr(texture.transform) {
-                Some(transform) => info["extensions"]["KHR_texture_transform"] = transform,
-                None => info["extensions"][EXTENSION]["transform"] = json!(texture.transform),
+            let (transform, is_near, is_exact) = of_khr(texture.transform);
+            if is_near {
+                info["extensions"]["KHR_texture_transform"] = transform;
+            }
+            if !is_exact {
+                info["extensions"][EXTENSION]["transform"] = json!(texture.transform);
             }
         }
         if texture.coding != coding {
@@ -345,17 +348,28 @@ impl Painter<'_> {
     }
 }
 
-/// What KHR_texture_transform has the rows read as, if it says exactly these.
-fn of_khr(rows: [[f32; 3]; 2]) -> Option<Value> {
+/// What KHR_texture_transform can say of the rows, and whether it is near to them, and all of it:
+/// there is no shear in it, and the rows of what is turned have been rounded.
+fn of_khr(rows: [[f32; 3]; 2]) -> (Value, bool, bool) {
+    const NEAR: f32 = 1e-5;
     let [[a, b, across], [c, d, down]] = rows.map(|row| row.map(f64::from));
-    let rotation = if [a, c] == [0.0; 2] { atan2(b, d) } else { atan2(-c, a) };
+    let rotation = match ([b, c] == [0.0; 2], [a, c] == [0.0; 2]) {
+        // No half turn, but a mirror.
+        (true, _) => 0.0,
+        (false, true) => atan2(b, d),
+        (false, false) => atan2(-c, a),
+    };
     let (sine, cosine) = sin_cos(rotation);
     let mut transform = json!({"offset": [across, down],
         "scale": [a * cosine - c * sine, b * sine + d * cosine]});
     if rotation != 0.0 {
         transform["rotation"] = json!(rotation);
     }
-    (transform_of(&transform, "") == Ok(rows)).then_some(transform)
+    let Ok(read) = transform_of(&transform, "") else { return (transform, false, false) };
+    let largest = rows.as_flattened().iter().fold(0.0_f32, |most, it| most.max(it.abs()));
+    let pairs = read.as_flattened().iter().zip(rows.as_flattened());
+    let error = pairs.fold(0.0_f32, |most, (own, wanted)| most.max((own - wanted).abs()));
+    (transform, error <= NEAR * largest, read == rows)
 }
 
 #[cfg(test)]
@@ -367,13 +381,15 @@ mod tests {
         for (transform, is_exact) in [
             (json!({"offset": [0.5, -3.0], "scale": [2.0, 0.25]}), true),
             (json!({"scale": [-1.0, 1.0]}), true),
-            (json!({"scale": [0.1, -0.3], "rotation": 0.4}), true),
-            (json!({"rotation": 1.1, "offset": [1e-3, 7.0]}), true),
+            (json!({"scale": [0.1, -0.3], "rotation": 0.4}), false),
+            (json!({"rotation": 1.1, "offset": [1e-3, 7.0]}), false),
         ] {
             let rows = transform_of(&transform, "").unwrap();
-            assert_eq!(of_khr(rows).is_some(), is_exact, "{transform}");
+            let (_, is_near, exact) = of_khr(rows);
+            assert!(is_near && (exact || !is_exact), "{transform}");
         }
         // It is sheared, as no such place is.
-        assert_eq!(of_khr([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]), None);
+        let (_, is_near, is_exact) = of_khr([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]);
+        assert!(!is_near && !is_exact);
     }
 }

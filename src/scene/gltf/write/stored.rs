@@ -17,7 +17,8 @@ use crate::scene::world::{Picture, World, half_hash};
 /// What stands in the document for the URI of a file until it is known; no key of glTF begins so.
 const OPEN: &str = "\0stored";
 /// What files are, by the bytes that they start with: what their names end in, and their type.
-const FORMATS: [(&[u8], &str, &str); 5] = [
+const FORMATS: [(&[u8], &str, &str); 6] = [
+    (b"BM", "bmp", "image/bmp"),
     (b"\x89PNG", "png", "image/png"),
     (b"\xff\xd8\xff", "jpg", "image/jpeg"),
     (b"RIFF", "webp", "image/webp"),
