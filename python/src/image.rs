@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{PyArray4, PyArrayMethods, PyReadonlyArray4, PyUntypedArrayMethods};
+use numpy::{
+    PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray3, PyReadonlyArray4, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use sunstone::internals::image::layers::{Layer, LayerKind};
 use sunstone::internals::image::png;
 use sunstone::internals::image::visualize::{Map, View, panels, visualize};
 use sunstone::internals::spectrum::Curves;
@@ -21,8 +24,11 @@ const CHUNK: usize = 1024;
 pub type Array<'py> = Bound<'py, PyArray4<f32>>;
 /// A band as Python has it: its name, and its center and width in nanometers.
 pub type Row = (String, f32, f32);
-/// What an image is to Python: values, variances, what the channels stand for, and metadata.
-pub type Parts<'py> = (Array<'py>, Option<Array<'py>>, Option<Channels>, Vec<(String, String)>);
+/// Layers by name, each an array of shape (height, width, channels).
+pub type Layers<'py> = Vec<(&'static str, Bound<'py, PyArray3<f32>>)>;
+/// What an image is to Python: values, variances, what the channels stand for, metadata, layers.
+pub type Parts<'py> =
+    (Array<'py>, Option<Array<'py>>, Option<Channels>, Vec<(String, String)>, Layers<'py>);
 
 /// What the channels of an image stand for; of red, green and blue Python has None.
 #[derive(Clone, FromPyObject, IntoPyObject)]
@@ -95,7 +101,43 @@ pub fn parts(py: Python<'_>, image: StokesImage) -> PyResult<Parts<'_>> {
         Some(planes) => Some(array(py, planes, image.shape())?),
         None => None,
     };
-    Ok((stokes, variance, Channels::of(&image.color), image.metadata))
+    let layers = layers_of(py, &image)?;
+    Ok((stokes, variance, Channels::of(&image.color), image.metadata, layers))
+}
+
+fn layers_of<'py>(py: Python<'py>, image: &StokesImage) -> PyResult<Layers<'py>> {
+    let layer = |layer: &Layer| {
+        let channels = layer.planes.len();
+        let array = PyArray3::zeros(py, [image.height, image.width, channels], false);
+        {
+            let mut writable = array.readwrite();
+            let values = writable.as_slice_mut()?;
+            for (channel, plane) in layer.planes.iter().enumerate() {
+                let places = values[channel..].iter_mut().step_by(channels);
+                places.zip(plane).for_each(|(place, value)| *place = *value);
+            }
+        }
+        Ok((layer.kind.name(), array))
+    };
+    image.layers.iter().map(layer).collect()
+}
+
+/// The layer of a name that an array is.
+fn layer(name: &str, array: &PyReadonlyArray3<f32>, size: [usize; 2]) -> PyResult<Layer> {
+    let kind: LayerKind = name.parse().map_err(|text: String| ERROR.says(text))?;
+    let channels = kind.channels().len();
+    let (&[height, width, count], [wanted_height, wanted_width]) = (array.shape(), size) else {
+        return Err(ERROR.says(format!("the layer {name} has not three axes")));
+    };
+    if [height, width, count] != [wanted_height, wanted_width, channels] {
+        return Err(ERROR.says(format!(
+            "the layer {name} has the shape ({height}, {width}, {count}): must be \
+             ({wanted_height}, {wanted_width}, {channels})"
+        )));
+    }
+    let values = array.as_slice()?;
+    let plane = |channel: usize| values[channel..].iter().step_by(channels).copied().collect();
+    Ok(Layer { kind, planes: (0..channels).map(plane).collect() })
 }
 
 fn array<'py>(
@@ -169,8 +211,12 @@ pub fn save_image(
     variance: Option<PyReadonlyArray4<f32>>,
     channels: Option<Channels>,
     metadata: Vec<(String, String)>,
+    layers: Vec<(String, PyReadonlyArray3<f32>)>,
 ) -> PyResult<()> {
-    let image = image(&stokes, variance.as_ref(), channels, metadata)?;
+    let mut image = image(&stokes, variance.as_ref(), channels, metadata)?;
+    let size = [image.height, image.width];
+    image.layers =
+        layers.iter().map(|(name, array)| layer(name, array, size)).collect::<PyResult<_>>()?;
     let saved = wait_for(
         py,
         None,

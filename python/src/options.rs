@@ -9,7 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sunstone::internals::cli::color::{ColorArguments, ColorName, of_arguments};
 use sunstone::internals::cli::white::WhiteName;
+use sunstone::internals::image::layers::LayerKind;
 use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX};
+use sunstone::internals::scene::world::{Asked, Walk};
 use sunstone::{Crop, FilterKind, Integrator, Mode, Options, Photons, Sampling, Settings, White};
 
 use crate::errors::{RENDER_ERROR, of_settings};
@@ -18,9 +20,18 @@ use crate::keys::{extract, flag};
 /// Options that only photons have.
 const OF_PHOTONS: [&str; 4] = ["photons", "samples_per_iteration", "radius", "alpha"];
 
-/// Checked settings of options by name; those that are not there are the command line's.
-pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
-    let integrator = integrator(options)?;
+/// Checked settings of options by name; those that are not there are what the scene asks for, and
+/// else the command line's.
+pub fn settings(options: &Bound<PyDict>, asked: &Asked) -> PyResult<Settings> {
+    let integrator = match integrator(options)? {
+        None if !is_there(options, &[&["integrator"], &OF_PHOTONS[..]].concat())? => {
+            asked.walk.map(|walk| match walk {
+                Walk::FromSensor => Integrator::Path,
+                Walk::FromEmitters => Integrator::Light,
+            })
+        }
+        named => named,
+    };
     let photons = photons(options, integrator)?;
     let (spp, iterations) = (option(options, "spp")?, option(options, "iterations")?);
     if spp.is_some() && iterations.is_some() {
@@ -30,6 +41,7 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
     let variance = is_set(options, "variance")?;
     let light = of_arguments(&light(options)?).map_err(|text| RENDER_ERROR.says(text))?;
     let of_photons = photons.samples.unwrap_or(1).max(1);
+    let spp = spp.or(asked.samples.filter(|_| iterations.is_none()));
     let samples = spp.unwrap_or(default.samples.next_multiple_of(of_photons));
     let options = Options {
         integrator,
@@ -44,17 +56,30 @@ pub fn settings(options: &Bound<PyDict>) -> PyResult<Settings> {
         iterations,
         replicates: replicates(options, variance, iterations.unwrap_or(samples / of_photons))?,
         variance,
-        path_length_max: option(options, "max_path_length")?.unwrap_or(PATH_LENGTH_MAX),
-        roulette_after: option(options, "roulette_after")?,
+        path_length_max: option(options, "max_path_length")?
+            .or(asked.path_length_max)
+            .unwrap_or(PATH_LENGTH_MAX),
+        roulette_after: option(options, "roulette_after")?.or(asked.roulette_after),
         sampling: named(options, "sampling", &Sampling::ALL, Sampling::name)?
             .unwrap_or(default.sampling),
-        seed: option(options, "seed")?.unwrap_or(default.seed),
+        seed: option(options, "seed")?.or(asked.seed).unwrap_or(default.seed),
         photons,
         time_limit: time_limit(options)?,
+        layers: layers(options)?,
         part: None,
         ..light
     };
     Settings::new(options).map_err(of_settings)
+}
+
+/// Whether any of some options is there.
+fn is_there(options: &Bound<PyDict>, names: &[&str]) -> PyResult<bool> {
+    for name in names {
+        if options.get_item(name)?.is_some_and(|value| !value.is_none()) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// An option, if it is there; a number that does not fit is refused in words.
@@ -141,6 +166,19 @@ fn parsed<T: FromStr<Err = String>>(options: &Bound<PyDict>, name: &str) -> PyRe
     };
     let wrong = |rule: String| RENDER_ERROR.says(format!("{name}: {rule}, not {text}"));
     text.parse().map(Some).map_err(wrong)
+}
+
+/// What the camera sees first: names, in a list or in a text with commas between them.
+fn layers(options: &Bound<PyDict>) -> PyResult<Vec<LayerKind>> {
+    let Some(value) = options.get_item("layers")?.filter(|value| !value.is_none()) else {
+        return Ok(Vec::new());
+    };
+    let names: Vec<String> = match value.cast::<PyString>() {
+        Ok(text) => text.to_cow()?.split(',').map(str::to_owned).collect(),
+        Err(_) => extract("layers", &value)?,
+    };
+    let kind = |name: &String| name.parse().map_err(|text: String| RENDER_ERROR.says(text));
+    names.iter().map(kind).collect()
 }
 
 /// The part of the film that is rendered: four whole numbers of pixels, or a text as the command

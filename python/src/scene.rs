@@ -198,12 +198,12 @@ impl Scene {
 
     /// Width and height of the film in pixels.
     fn film_size(&self, options: &Bound<PyDict>) -> PyResult<[u32; 2]> {
-        self.placed.film_size(&settings(options)?.options()).map_err(of_settings)
+        self.placed.film_size(&self.settings(options)?.options()).map_err(of_settings)
     }
 
     /// What is to be known of a render before it begins.
     fn notes(&self, py: Python, options: &Bound<PyDict>) -> PyResult<Vec<String>> {
-        let (settings, threads) = (settings(options)?, option(options, "threads")?);
+        let (settings, threads) = (self.settings(options)?, option(options, "threads")?);
         let notes = self.ask(py, threads, move |placed| placed.notes(&settings))?;
         notes.map(told).map_err(of_render)
     }
@@ -215,7 +215,7 @@ impl Scene {
         options: &Bound<'py, PyDict>,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<(Parts<'py>, Vec<String>)> {
-        let (settings, threads) = (settings(options)?, option(options, "threads")?);
+        let (settings, threads) = (self.settings(options)?, option(options, "threads")?);
         let (placed, stop) = (self.placed.clone(), Stop::default());
         let user = User::enter(&self.users, py)?;
         let is_heard = progress.is_some();
@@ -249,6 +249,10 @@ impl Scene {
     /// A world in its place.
     pub fn of(placed: PlacedWorld) -> Self {
         Self { placed, source: None, users: Arc::default() }
+    }
+
+    fn settings(&self, options: &Bound<PyDict>) -> PyResult<Settings> {
+        settings(options, self.placed.world().asked())
     }
 
     fn source(&self) -> PyResult<&Source> {

@@ -38,7 +38,7 @@ class Image:
     Images pickle and copy with all that they hold.
     """
 
-    __slots__ = ("_bands", "_metadata", "_responses", "_stokes", "_variance", "_wavelength_nm")
+    __slots__ = ("_bands", "_layers", "_metadata", "_responses", "_stokes", "_variance", "_wavelength_nm")
 
     def __init__(
         self,
@@ -49,6 +49,7 @@ class Image:
         bands: Iterable[Band | tuple[str, float, float]] | None = None,
         responses: str | None = None,
         metadata: Mapping[str, str] | None = None,
+        layers: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         """An image of arrays, which are copied only where they have to be.
 
@@ -62,6 +63,8 @@ class Image:
                 center and width in nanometers of each.
             responses: or else the curves that they have, as `Image.responses` of another has them.
             metadata: facts about the image, names to texts.
+            layers: what the camera sees first, by the names that `Scene.render` takes, each of
+                shape (height, width, its channels).
         """
         given = {"wavelength_nm": wavelength_nm, "bands": bands, "responses": responses}
         if len(names := [name for name, value in given.items() if value is not None]) > 1:
@@ -77,6 +80,17 @@ class Image:
                 shapes = f"{self._variance.shape}, and the values {self._stokes.shape}"
                 raise Error(f"variance has the shape {shapes}: give one to each value")
         self._metadata = dict(metadata or {})
+        self._layers = {
+            name: np.require(values, np.float32, ("C", "W", "A"))
+            for name, values in (layers or {}).items()
+        }
+        for name, array in self._layers.items():
+            if array.ndim != 3 or array.shape[:2] != self._stokes.shape[:2]:
+                height, width = self._stokes.shape[:2]
+                raise Error(
+                    f"the layer {name!r} has the shape {array.shape}: must be ({height}, {width}, "
+                    "its channels)"
+                )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Image:
@@ -90,7 +104,7 @@ class Image:
 
     @classmethod
     def _of(cls, parts: _sunstone._Parts) -> Image:
-        stokes, variance, channels, metadata = parts
+        stokes, variance, channels, metadata, layers = parts
         return cls(
             stokes,
             variance=variance,
@@ -98,6 +112,7 @@ class Image:
             bands=channels if isinstance(channels, list) else None,
             responses=channels if isinstance(channels, str) else None,
             metadata=dict(metadata),
+            layers=dict(layers),
         )
 
     @property
@@ -202,7 +217,20 @@ class Image:
             variance=None if self._variance is None else self._variance[:, :, one].copy(),
             wavelength_nm=center_nm,
             metadata=self._metadata,
+            layers=self._layers,
         )
+
+    @property
+    def layers(self) -> dict[str, Array]:
+        """What the camera sees first, by name, each of shape (height, width, channels).
+
+        >>> image = scene.render(layers=["depth", "normal", "material"])
+        >>> image.layers["depth"][..., 0]    # in meters, infinite where nothing is
+
+        Numbers of "material" and "object" count from 1, 0 is nothing; their names are lists of
+        JSON in `metadata`, under "materials" and "objects". They are the image's own.
+        """
+        return self._layers
 
     @property
     def metadata(self) -> dict[str, str]:
@@ -224,6 +252,7 @@ class Image:
             self._variance,
             self._channels,
             [(str(name), str(text)) for name, text in self._metadata.items()],
+            list(self._layers.items()),
         )
 
     def png(
@@ -256,12 +285,14 @@ class Image:
             ends = f"{self._bands[0].center_nm:g} to {self._bands[-1].center_nm:g} nm"
             channels = f"{len(names)} bands from {ends}"
         variance = ", with variances" if self._variance is not None else ""
-        return f"<sunstone.Image: {what} of {width} x {height} pixels, {channels}{variance}>"
+        layers = f", with {', '.join(self._layers)}" if self._layers else ""
+        size = f"{width} x {height}"
+        return f"<sunstone.Image: {what} of {size} pixels, {channels}{variance}{layers}>"
 
     def __reduce__(self) -> tuple[object, ...]:
         rows = None if self._bands is None else [(*band,) for band in self._bands]
         kept = (self._stokes, self._variance, self._wavelength_nm, self._metadata)
-        return _image, (*kept, rows, self._responses)
+        return _image, (*kept, rows, self._responses, self._layers)
 
 
 def _image(
@@ -271,6 +302,7 @@ def _image(
     metadata: dict[str, str],
     bands: list[tuple[str, float, float]] | None = None,
     responses: str | None = None,
+    layers: dict[str, Array] | None = None,
 ) -> Image:
     return Image(
         stokes,
@@ -279,6 +311,7 @@ def _image(
         bands=bands,
         responses=responses,
         metadata=metadata,
+        layers=layers,
     )
 
 

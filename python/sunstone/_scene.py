@@ -230,10 +230,10 @@ class Scene(Editable):
     def render(
         self,
         *,
-        integrator: Integrator = "auto",
+        integrator: Integrator | None = None,
         mode: Mode = "polarized",
         spp: int | None = None,
-        seed: int = 0,
+        seed: int | None = None,
         width: int | None = None,
         height: int | None = None,
         filter: Filter | None = None,
@@ -255,6 +255,7 @@ class Scene(Editable):
         roulette_after: int | None = None,
         sampling: Sampling = "stokes",
         variance: bool = False,
+        layers: Sequence[str] | str | None = None,
         replicates: int | None = None,
         photons: int | None = None,
         samples_per_iteration: int | None = None,
@@ -270,11 +271,13 @@ class Scene(Editable):
         with KeyboardInterrupt.
 
         Args:
-            integrator: how light is found; "auto" takes what suits the scene.
+            integrator: how light is found; "auto" takes what suits the scene, and is the default.
+                What a scene of Mitsuba asks for goes before the defaults of this, of `spp`, `seed`,
+                `max_path_length` and `roulette_after`.
             mode: "polarized" measures S0 to S3, "intensity" S0 of polarized light, "scalar" S0 as
                 if light had no polarization.
             spp: samples per pixel, 64 by default.
-            seed: seed of all randomness, from 0 to 2^32 - 1.
+            seed: seed of all randomness, from 0, which is the default, to 2^32 - 1.
             width: width in pixels; by default the scene's, or 512.
             height: height in pixels; by default what follows from the width and the camera.
             filter: how light about a pixel counts for it: "box", "tent", "gaussian", "mitchell",
@@ -313,6 +316,8 @@ class Scene(Editable):
             sampling: what directions are drawn by where light is polarized; with "intensity" all
                 modes trace the same paths.
             variance: also estimate the variance of every value.
+            layers: what else the image tells of what the camera sees first, in `Image.layers`:
+                "depth", "normal", "albedo", "position", "uv", "material", "object".
             replicates: independent replicates that the samples are split into.
             photons: light paths an iteration, by "ppm".
             samples_per_iteration: samples per pixel an iteration, by "ppm".

@@ -13,7 +13,8 @@ _Array = npt.NDArray[np.float32]
 # of red, green and blue.
 _Row = tuple[str, float, float]
 _Channels = float | str | list[_Row] | None
-_Parts = tuple[_Array, _Array | None, _Channels, list[tuple[str, str]]]
+_Layers = list[tuple[str, _Array]]
+_Parts = tuple[_Array, _Array | None, _Channels, list[tuple[str, str]], _Layers]
 
 _Job = tuple[
     int, str, dict[str, Any], str, str | None, float | None, str | None, bool, tuple[str, ...]
@@ -126,6 +127,7 @@ def save_image(
     variance: _Array | None,
     channels: _Channels,
     metadata: list[tuple[str, str]],
+    layers: _Layers,
 ) -> None: ...
 def checked_bands(rows: list[_Row]) -> list[_Row]: ...
 def about_channels(channels: _Channels) -> tuple[list[str], list[float | None]]: ...

@@ -25,6 +25,9 @@ const NAME: usize = 60;
 const KEYS: [&str; 4] = ["defaults", "farm", "jobs", "version"];
 const KEYS_OF_FARM: [&str; 2] = ["parts", "tasks"];
 
+/// The key of parameters of scenes of Mitsuba; the kind of their edits, too.
+const DEFINE: &str = "define";
+
 /// All that a file asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile {
@@ -342,6 +345,13 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
         None => Table::new(),
     };
     let unset = unset(table.remove("unset"), wrong);
+    let mut defaults = defaults.clone();
+    let common = definitions(defaults.remove(DEFINE), wrong);
+    let define = definitions(table.remove(DEFINE), wrong);
+    if let Some(key) = define.keys().find(|key| set.contains_key(*key)) {
+        wrong.push(format!("`{}` is stated twice", excerpt(key, NAME)));
+    }
+    let set: Table = set.into_iter().chain(define).collect();
     let sweep = table.remove("sweep");
     let names = names_of_axes(sweep.as_ref());
     let axes = axes(sweep, wrong);
@@ -352,8 +362,10 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
             wrong.push(format!("`{}` is stated twice", excerpt(key, NAME)));
         }
     }
-    let mut options = defaults.clone();
+    let mut options = defaults;
     options.append(table);
+    let common = common.into_iter().filter(|(key, _)| !own.contains(key));
+    let set: Table = common.chain(set).collect();
     let (edits, more): (Table, Table) = set.into_iter().partition(|(key, _)| key.contains('/'));
     options.extend(more);
     let edits = edits.into_iter().map(|(key, value)| Edit::new(key, value));
@@ -366,6 +378,20 @@ fn asked(defaults: &Table, table: &mut Table, first: usize, wrong: &mut Vec<Stri
 fn names_of_axes(sweep: Option<&Value>) -> Vec<String> {
     let axes = sweep.and_then(Value::as_array).into_iter().flatten();
     axes.filter_map(|axis| Some(axis.get("name")?.as_str()?.to_owned())).collect()
+}
+
+/// Parameters of a scene of Mitsuba, as edits of them.
+fn definitions(define: Option<Value>, wrong: &mut Vec<String>) -> Table {
+    match define {
+        Some(Value::Object(define)) => {
+            define.into_iter().map(|(name, value)| (format!("{DEFINE}/{name}"), value)).collect()
+        }
+        Some(_) => {
+            wrong.push("`define` is not a table of parameters and their values".to_owned());
+            Table::new()
+        }
+        None => Table::new(),
+    }
 }
 
 /// What is taken away.

@@ -34,6 +34,8 @@ pub struct Order {
     pub view: View,
     /// What is other than in the scene file.
     pub edits: Vec<Edit>,
+    /// In words, which of the settings the scene asks for, if it does.
+    pub asked: Option<String>,
     /// What is rendered of it: an image, or a part of one.
     pub settings: Settings,
     /// Where that goes, from the current folder.

@@ -298,6 +298,8 @@ impl<'a> Work<'a> {
             return Ok(None);
         }
         warnings.extend(world.warnings().map(|warning| format!("warning: {warning}")));
+        warnings
+            .extend(order.asked.iter().map(|asked| format!("note: as the scene asks: {asked}")));
         let files = world.world().files();
         *inputs = batch.checksums.of_all(files, &batch.folder).map_err(JobError::Inputs)?;
         refuse_overwriting(order, files)?;

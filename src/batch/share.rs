@@ -122,6 +122,7 @@ mod tests {
             scene_name: PathBuf::new(),
             view: View::default(),
             edits: Vec::new(),
+            asked: None,
             settings: Settings::new(options).unwrap(),
             output: format!("here/{index}.exr").into(),
             output_name: format!("{index}.exr"),

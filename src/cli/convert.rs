@@ -10,10 +10,11 @@ use super::CliError;
 use super::files::{FileArguments, refuse_overwriting, require_gltf, say};
 
 const NOTES: &str = "\
-The file has all that was understood of the scene, its meshes too, and stands by itself; what glTF \
-has no words for is in the extension SUNSTONE_polarization. No camera and no light is put in. What \
-is not written as it is, a warning tells. Angles of view have single precision, so an image of it \
-has other last bits.";
+The file has all that was understood of the scene, its meshes too; what glTF has no words for is \
+in the extension SUNSTONE_polarization. Pictures and measured tables are in a .glb; of a .gltf \
+they are copied beside it, unless they lie in its folder or below: no file there is replaced by \
+another. No camera and no light is put in. What is not written as it is, a warning tells. Angles \
+of view have single precision, so an image of it may have other last bits.";
 
 /// `convert` as typed.
 #[derive(Debug, Args)]
@@ -22,7 +23,7 @@ pub struct ConvertArguments {
     /// The scene: .xml, .gltf or .glb
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Where to write it: .gltf
+    /// Where to write it: .gltf or .glb
     #[arg(value_name = "GLTF")]
     pub output: PathBuf,
     /// What the scene may read.
@@ -48,5 +49,8 @@ pub(super) fn convert(arguments: &ConvertArguments) -> Result<(), CliError> {
     let written = Written::of(&world)?;
     let warnings = world.warnings().iter().chain(written.warnings());
     warnings.for_each(|warning| say(format_args!("warning: {warning}")));
-    Ok(written.save(output)?)
+    for file in written.save(output)? {
+        say(format_args!("note: beside it: {}", file.display()));
+    }
+    Ok(())
 }

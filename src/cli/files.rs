@@ -53,7 +53,12 @@ pub(super) fn require_html(path: &Path) -> Result<(), CliError> {
 
 /// Refuses to write a scene into anything but glTF.
 pub(super) fn require_gltf(path: &Path) -> Result<(), CliError> {
-    require(path, "gltf", "scenes are written as glTF files")
+    if ["gltf", "glb"].contains(&extension(path).as_str()) {
+        return Ok(());
+    }
+    let path = path.display();
+    let text = format!("{path} must end in .gltf or .glb: scenes are written as glTF files");
+    Err(CliError::Usage(text))
 }
 
 fn require(path: &Path, wanted: &str, why: &str) -> Result<(), CliError> {

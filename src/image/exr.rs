@@ -78,12 +78,7 @@ pub fn write(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
     }
     let frame = image.frame();
     let (names, planes): (Vec<String>, Vec<usize>) = channels(&frame).into_iter().unzip();
-    let described = |name| ChannelDescription::named(Text::new_or_panic(name), SampleType::F32);
-    let list = names.into_iter().map(described).collect();
-    let header = Header::new(Text::default(), (frame.width, frame.height), list)
-        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
-        .with_shared_attributes(shared_attributes(image))
-        .with_attributes(attributes(image, path)?);
+    let header = header_of(image, names).with_attributes(attributes(image, path)?);
     let mut refused = None;
     let written = atomic::write_with(path, |file| {
         blocks::write(file, header, image, &planes).map_err(|error| match error {
@@ -95,6 +90,37 @@ pub fn write(image: &dyn Rows, path: &Path) -> Result<(), OutputError> {
         })
     });
     refused.map_or(written, |reason| Err(unwritable(reason)))
+}
+
+/// The bytes of a file of these channels, by their names in order: each with the plane of a row
+/// that it holds. It has no metadata.
+///
+/// # Errors
+/// When they cannot be written: why.
+pub fn encode(image: &dyn Rows, channels: Vec<(String, usize)>) -> Result<Vec<u8>, String> {
+    let (names, planes): (Vec<String>, Vec<usize>) = channels.into_iter().unzip();
+    let mut bytes = Cursor::new(Vec::new());
+    blocks::write(&mut bytes, header_of(image, names), image, &planes)
+        .map_err(|error| error.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+/// The same of an image with all its channels.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_whole(image: &StokesImage) -> Result<Vec<u8>, String> {
+    encode(image, channels(&image.frame()))
+}
+
+/// The header of a file of channels of these names, without attributes of its part.
+fn header_of(image: &dyn Rows, names: Vec<String>) -> Header {
+    let described = |name| ChannelDescription::named(Text::new_or_panic(name), SampleType::F32);
+    let list = names.into_iter().map(described).collect();
+    let frame = image.frame();
+    Header::new(Text::default(), (frame.width, frame.height), list)
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_shared_attributes(shared_attributes(image))
 }
 
 /// The channels of an image in the order of the file, by their names: each with the plane of a row

@@ -1,6 +1,8 @@
 //! Pictures that surfaces are painted with, and of what is around scenes, as they come: PNG, JPEG,
-//! WebP, OpenEXR and Radiance. Values of the first three keep the width that their file has, and
-//! color profiles are ignored, as glTF asks for.
+//! WebP, BMP, OpenEXR and Radiance. Values of the first four keep the width that their file has,
+//! and color profiles are ignored, as glTF asks for.
+
+mod encode;
 
 use std::fmt;
 use std::io::Cursor;
@@ -68,7 +70,7 @@ const OPENEXR: &[u8] = b"\x76\x2f\x31\x01";
 const RADIANCE: &[u8] = b"#?R";
 
 /// Formats that are known by name and not read, with the bytes that they start with.
-const UNREAD: [(&[u8], &str); 12] = [
+const UNREAD: [(&[u8], &str); 11] = [
     (b"II*\0", "TIFF"),
     (b"MM\0*", "TIFF"),
     (b"8BPS", "Photoshop"),
@@ -80,7 +82,6 @@ const UNREAD: [(&[u8], &str); 12] = [
     (b"sB", "Basis Universal"),
     (b"DDS ", "DDS"),
     (b"GIF8", "GIF"),
-    (b"BM", "BMP"),
 ];
 
 impl Texels {
@@ -89,7 +90,7 @@ impl Texels {
     /// # Errors
     /// What is wrong, and the way to mend it.
     pub fn decode(bytes: &[u8]) -> Result<Self, [String; 2]> {
-        const FORMATS: &str = "save it as PNG, JPEG, WebP, OpenEXR or Radiance HDR";
+        const FORMATS: &str = "save it as PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR";
         let told = |problem: String| [problem, FORMATS.to_owned()];
         if bytes.starts_with(RADIANCE) {
             let told = |problem| [format!("is a Radiance picture, and {problem}"), FORMATS.into()];
@@ -100,7 +101,12 @@ impl Texels {
             return Self::decode_exr(bytes);
         }
         let format = match image::guess_format(bytes) {
-            Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
+            Ok(
+                format @ (ImageFormat::Bmp
+                | ImageFormat::Png
+                | ImageFormat::Jpeg
+                | ImageFormat::WebP),
+            ) => format,
             _ if bytes.is_empty() => return Err(told("is empty".to_owned())),
             _ => {
                 let known = UNREAD.iter().find(|(start, _)| bytes.starts_with(start));
@@ -318,6 +324,7 @@ fn undecoded(format: ImageFormat, error: &ImageError) -> [String; 2] {
     let name = match format {
         ImageFormat::Png => "PNG",
         ImageFormat::Jpeg => "JPEG",
+        ImageFormat::Bmp => "BMP",
         _ => "WebP",
     };
     // Words of others may go over several lines.
@@ -359,7 +366,7 @@ mod tests {
     fn texels_are_where_they_were_written_in_every_width() {
         let bytes = ImageBuffer::from_fn(3, 2, |x, y| Rgb([x as u8, y as u8, 255]));
         let words = ImageBuffer::from_fn(3, 2, |x, y| Rgba([x as u16, y as u16, 65535, 32768]));
-        for format in [ImageFormat::Png, ImageFormat::WebP] {
+        for format in [ImageFormat::Png, ImageFormat::WebP, ImageFormat::Bmp] {
             let texels = Texels::decode(&written(&bytes.clone().into(), format)).unwrap();
             assert_eq!((texels.size(), texels.has_alpha()), ([3, 2], false));
             assert_eq!(texels.at(2, 1, Coding::Linear), [2.0 / 255.0, 1.0 / 255.0, 1.0, 1.0]);

@@ -21,6 +21,8 @@ use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
 /// Rays of a pixel that means are taken over, two times [`LANES`]: those of the first samples of a
 /// render by `path`.
 const SAMPLES: usize = 16;
+/// Rows of the film whose pixels are there at once.
+const ROWS_AT_ONCE: usize = 256;
 /// Boundaries and holes in a row that a ray looks through at most.
 const PASSED_MAX: usize = 1000;
 /// What a hole is, of the share that textures leave of a surface.
@@ -38,18 +40,26 @@ pub struct SeenFirst {
 /// The layers of the film of a scene.
 pub fn layers(scene: &Scene<3>, kinds: &[LayerKind], seed: u32) -> Vec<Layer> {
     let Cut { size: [width, height], start, .. } = scene.sensor.layout.cut;
-    let rows: Vec<Vec<Pixel>> = (0..height)
-        .into_par_iter()
-        .map_init(Rays::new, |rays, y| {
-            let pixel = |x| rays.pixel(scene, [start[0] + x, start[1] + y], seed);
-            (0..width).map(pixel).collect()
-        })
+    let mut layers: Vec<Layer> = (kinds.iter())
+        .map(|&kind| Layer { kind, planes: vec![Vec::new(); kind.channels().len()] })
         .collect();
-    let plane = |kind: LayerKind, channel: usize| -> Vec<f32> {
-        rows.iter().flatten().map(|pixel| pixel.value(kind, channel)).collect()
-    };
-    let planes = |kind: LayerKind| (0..kind.channels().len()).map(|it| plane(kind, it)).collect();
-    kinds.iter().map(|&kind| Layer { kind, planes: planes(kind) }).collect()
+    // A pixel knows more than is asked for: only so many of them are there at once.
+    for first in (0..height).step_by(ROWS_AT_ONCE) {
+        let rows = first..height.min(first + ROWS_AT_ONCE as u32);
+        let rows: Vec<Vec<Pixel>> = rows
+            .into_par_iter()
+            .map_init(Rays::new, |rays, y| {
+                let pixel = |x| rays.pixel(scene, [start[0] + x, start[1] + y], seed);
+                (0..width).map(pixel).collect()
+            })
+            .collect();
+        for Layer { kind, planes } in &mut layers {
+            for (channel, plane) in planes.iter_mut().enumerate() {
+                plane.extend(rows.iter().flatten().map(|pixel| pixel.value(*kind, channel)));
+            }
+        }
+    }
+    layers
 }
 
 /// What a pixel sees.

@@ -6,7 +6,7 @@ use super::error::SceneError;
 use super::gltf::{Edit, GltfFile};
 use super::mitsuba::MitsubaFile;
 use super::view::View;
-use super::world::World;
+use super::world::{Asked, World};
 
 /// What the files of Mitsuba 3 end in. All others are glTF.
 const MITSUBA: &str = "xml";
@@ -123,19 +123,29 @@ impl SceneFile {
     /// The default scene after some edits, as it is seen.
     ///
     /// # Errors
-    /// As [`load`], when there is no such camera, and when an edit is about nothing that is there,
-    /// or the file is not glTF.
+    /// As [`load`], when there is no such camera, and when an edit is about nothing that is there:
+    /// of scenes of Mitsuba, parameters alone are, as `define/NAME`.
     pub fn world(&self, view: &View, edits: &[Edit]) -> Result<World, SceneError> {
         let refuse = |rule| SceneError::new("time", rule, "leave it out").in_file(&self.path);
         view.check().map_err(refuse)?;
         match &self.format {
             Format::Gltf(file) => file.world(view, edits),
-            Format::Mitsuba(file) => {
-                if let Some(edit) = edits.first() {
-                    return Err(not_edited(&edit.target).in_file(&self.path));
-                }
-                file.world(&self.path, view)
-            }
+            Format::Mitsuba(file) => match edits {
+                [] => file.world(&self.path, view),
+                _ => file.redefined(&self.path, edits)?.world(&self.path, view),
+            },
+        }
+    }
+
+    /// How the scene asks to be rendered by a camera, after some edits, where nothing else is
+    /// said; glTF asks for nothing.
+    ///
+    /// # Errors
+    /// As [`SceneFile::world`], of what is looked at for that.
+    pub fn asked(&self, view: &View, edits: &[Edit]) -> Result<Asked, SceneError> {
+        match &self.format {
+            Format::Gltf(_) => Ok(Asked::default()),
+            Format::Mitsuba(file) => file.redefined(&self.path, edits)?.asked(view),
         }
     }
 
@@ -159,8 +169,13 @@ impl From<GltfFile> for SceneFile {
     }
 }
 
+/// What edits of a parameter of a scene of Mitsuba begin with, before its name.
+pub const DEFINE: &str = "define/";
+
 /// The error that a scene is not edited by name.
 pub fn not_edited(target: &str) -> SceneError {
-    let remedy = "give it a parameter, <default name=\"...\" value=\"...\"/>, or use glTF";
-    SceneError::new(target, "scenes of Mitsuba cannot be edited by name", remedy)
+    let remedy = "give it a parameter, <default name=\"...\" value=\"...\"/>, and set define/NAME, \
+                  or use glTF";
+    let problem = "scenes of Mitsuba cannot be edited by name, but for their parameters";
+    SceneError::new(target, problem, remedy)
 }

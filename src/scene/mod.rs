@@ -20,6 +20,7 @@ pub mod painting;
 pub mod panorama;
 pub mod pattern;
 mod projector;
+mod ramp;
 mod view;
 pub mod warnings;
 pub mod world;
@@ -29,7 +30,7 @@ pub use self::bake::{
     bake_emitters, bake_optics, bake_optics_at, bake_shapes, held_spectra, lamps, plan_shapes,
 };
 pub use self::error::SceneError;
-pub use self::file::{Reading, SceneFile, load, load_from_memory, load_with};
+pub use self::file::{Reading, SceneFile, is_of_mitsuba, load, load_from_memory, load_with};
 pub use self::gltf::{Edit, Editable, EditedFile, Written, extension_keys, keys_of_kind};
 pub use self::view::{AUTO, LightChoice, View};
 pub use self::world::World;

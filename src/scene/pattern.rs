@@ -4,6 +4,7 @@ use glam::{DMat3, Vec3};
 
 use super::luminaire::Luminaire;
 use super::projector::Projector;
+use super::ramp::Ramp;
 use crate::spectrum::Carried;
 
 /// What a point emits by direction.
@@ -13,6 +14,8 @@ pub enum Pattern {
     Measured(Luminaire),
     /// Through a picture.
     Projected(Projector),
+    /// Falling off evenly with the angle from an axis.
+    Ramp(Ramp),
 }
 
 impl Pattern {
@@ -21,6 +24,7 @@ impl Pattern {
         match self {
             Self::Measured(it) => it.mean(),
             Self::Projected(it) => it.mean(),
+            Self::Ramp(it) => it.mean(),
         }
     }
 
@@ -29,6 +33,7 @@ impl Pattern {
         match self {
             Self::Measured(_) => (Vec3::Z, -1.0),
             Self::Projected(it) => it.cone(),
+            Self::Ramp(it) => it.cone(),
         }
     }
 
@@ -37,6 +42,7 @@ impl Pattern {
         match self {
             Self::Measured(it) => [it.share(direction); N],
             Self::Projected(it) => it.share(direction, carried),
+            Self::Ramp(it) => [it.share(direction); N],
         }
     }
 
@@ -45,6 +51,7 @@ impl Pattern {
         match self {
             Self::Measured(it) => it.density(direction),
             Self::Projected(it) => it.density(direction),
+            Self::Ramp(it) => it.density(direction),
         }
     }
 
@@ -53,6 +60,7 @@ impl Pattern {
         match self {
             Self::Measured(it) => it.direction(u),
             Self::Projected(it) => it.direction(u),
+            Self::Ramp(it) => it.direction(u),
         }
     }
 }

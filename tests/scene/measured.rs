@@ -51,6 +51,11 @@ fn bytes(fields: &[Field]) -> Vec<u8> {
     head
 }
 
+/// The table as the bytes of a file.
+pub fn even_table() -> Vec<u8> {
+    bytes(&fields())
+}
+
 /// A folder with the good scene, whose first material is measured, and its table; it is removed in
 /// the end.
 struct Folder(PathBuf);

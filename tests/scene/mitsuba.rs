@@ -126,7 +126,11 @@ fn compare(a: &BakedScene<1>, b: &BakedScene<1>, name: &str) {
     }
     assert_eq!(a.optics.emitters.len(), b.optics.emitters.len(), "{name}");
     for index in 0..a.optics.emitters.len() {
-        assert_eq!(a.optics.radiance_of(index), b.optics.radiance_of(index), "{name}");
+        let [own, other] = [a, b].map(|it| it.optics.radiance_of(index)[0]);
+        // Means over cones are of angles, which have single precision there.
+        let by_angle = matches!(a.optics.emitters[index].model, EmitterModel::Patterned(_));
+        let error = if by_angle { 2e-7 * own } else { 0.0 };
+        assert!((own - other).abs() <= error, "{name}: {own} {other}");
     }
     for (own, other) in a.optics.media.iter().zip(&b.optics.media) {
         for (own, other) in [(own.sigma_a, other.sigma_a), (own.sigma_s, other.sigma_s)] {

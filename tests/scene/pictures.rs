@@ -203,7 +203,7 @@ fn damaged_files_are_told_in_one_line_with_a_way_out() {
     ] {
         let [problem, remedy] = Texels::decode(bytes).unwrap_err();
         assert_eq!(problem, name);
-        assert!(remedy.contains("PNG, JPEG, WebP, OpenEXR or Radiance HDR"), "{remedy}");
+        assert!(remedy.contains("PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"), "{remedy}");
     }
 }
 

@@ -226,7 +226,7 @@ fn pictures_of_mitsuba_lie_as_there_and_are_written() {
     ] {
         let world = of_mitsuba(&body(more)).unwrap();
         let written = Written::of(&world).unwrap();
-        assert!(written.warnings().concat().contains("beside the new file"));
+        assert_eq!(written.warnings(), [] as [String; 0]);
         let gltf = scratch("written.gltf");
         written.save(&gltf).unwrap();
         let again = load(&gltf).unwrap();

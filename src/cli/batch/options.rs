@@ -13,17 +13,18 @@ use crate::batch::order::Order;
 use crate::integrators::Integrator;
 use crate::math::text::excerpt;
 use crate::render::Settings;
+use crate::scene::world::Asked;
+use crate::scene::{Edit, SceneFile, View, is_of_mitsuba};
 
 use super::super::args::{CheckpointArguments as Checkpoints, RenderArguments};
 use super::super::files::FileArguments;
 use super::super::{CliError, job, numbers_may_be_negative, view};
 
 /// Options that mean nothing for a job of many, and why.
-const REFUSED: [(&str, &str); 12] = [
+const REFUSED: [(&str, &str); 11] = [
     ("allow_outside", "only who starts the batch can say so: sunstone batch --allow-outside"),
     ("checkpoint", "a batch that was stopped does what is left when it is started again"),
     ("checkpoint_every", "a batch that was stopped does what is left when it is started again"),
-    ("define", "scenes of Mitsuba have their parameters' defaults in a batch"),
     ("help", "try `sunstone help batch`"),
     ("part", "the job file has `parts` in [farm], for `sunstone batch --task`"),
     ("quiet", "it is an option of the batch"),
@@ -49,6 +50,8 @@ pub struct Reader {
     rivals: Vec<[String; 2]>,
     /// What has been read, by its options.
     known: HashMap<String, Result<RenderArguments, Vec<WrongOption>>>,
+    /// What scenes ask for, by their files, parameters and cameras.
+    asked: HashMap<String, Asked>,
 }
 
 impl Reader {
@@ -62,7 +65,7 @@ impl Reader {
         };
         let rivals = render.get_arguments().flat_map(rivals).collect();
         let render = numbers_may_be_negative(render);
-        Self { render, allow_outside, rivals, known: HashMap::new() }
+        Self { render, allow_outside, rivals, known: HashMap::new(), asked: HashMap::new() }
     }
 
     /// A job whose options are good.
@@ -99,20 +102,43 @@ impl Reader {
             *file = at(file.as_ref()).to_string_lossy().into_owned();
         }
         arguments.seed = seed.or(arguments.seed);
-        let settings = settings(&arguments).map_err(together)?;
         let view = view::view(&arguments).map_err(|error| together(told(&error)))?;
+        let scene = at(&arguments.scene);
+        let asked = self.asked(&scene, &view, &job.edits);
+        // What is wrong with the options is told without the scene's.
+        settings(&arguments).map_err(together)?;
+        let (arguments, asked) = job::with_asked(&arguments, &asked);
+        let settings = settings(&arguments).map_err(together)?;
+        let asked = asked.map(|text| in_words_of_the_file(&text));
         Ok(Order {
             index: job.index,
             name: job.name.clone(),
             values: job.values.clone(),
-            scene: at(&arguments.scene),
+            scene,
             scene_name: arguments.scene,
             view,
             edits: job.edits.clone(),
+            asked,
             settings,
             output: arguments.output,
             output_name: job.output.clone(),
         })
+    }
+
+    /// What a scene asks for. One that cannot be read asks for nothing; who renders it tells why.
+    fn asked(&mut self, scene: &Path, view: &View, edits: &[Edit]) -> Asked {
+        if !is_of_mitsuba(scene) {
+            return Asked::default();
+        }
+        let edits_told: Vec<_> =
+            edits.iter().map(|edit| (&edit.target, edit.value.to_string())).collect();
+        let key = format!("{scene:?} {view:?} {edits_told:?}");
+        if self.asked.len() == KNOWN_MAX {
+            self.asked.clear();
+        }
+        let allow_outside = self.allow_outside;
+        let read = || SceneFile::read(scene, allow_outside)?.asked(view, edits);
+        *self.asked.entry(key).or_insert_with(|| read().unwrap_or_default())
     }
 
     /// Refuses a file to be read that is outside of the folder of the job file, unless that is

@@ -16,9 +16,10 @@ use crate::scene::luminaire::Luminaire;
 use crate::scene::painting::mean_share;
 use crate::scene::pattern::Pattern;
 use crate::scene::projector::Projector;
+use crate::scene::ramp::Ramp;
 use crate::scene::world::{
-    self, Bsdf, Emission, EmittedStokes, Environment, Incandescent, Name, Passage, Projection,
-    Punctual, PunctualKind, Sides, Textures, Transform, World, incandescent_share,
+    self, Bsdf, Emission, EmittedStokes, Environment, Falloff, Incandescent, Name, Passage,
+    Projection, Punctual, PunctualKind, Sides, Textures, Transform, World, incandescent_share,
 };
 use crate::spectrum::{Beyond, Carried, Role, Spectrum, White};
 
@@ -179,7 +180,7 @@ pub fn lamps(world: &World) -> Vec<Lamp> {
         let mean = match of_light {
             (Some(luminaire), _) => luminaire.0.mean(),
             (None, Some(projection)) => projection.mean_of(light.kind),
-            (None, None) => 1.0,
+            (None, None) => ramp_of(light.kind).map_or(1.0, Ramp::mean_of),
         };
         let intensity = light.intensity.clone().scaled((mean / faced) as f32);
         lamp(&name.0, intensity, State::of(stokes, Some(place.0)))
@@ -322,7 +323,18 @@ fn pattern(kind: PunctualKind, axes: DMat3, of_light: OfLight) -> Option<Pattern
         ((None, Some(projection)), PunctualKind::Spot { outer, .. }) => {
             Some(Pattern::Projected(Projector::new(projection, axes, outer)))
         }
-        ((None, _), _) => None,
+        ((None, _), kind) => ramp_of(kind).map(|angles| Pattern::Ramp(Ramp::new(axes, angles))),
+    }
+}
+
+/// The angles of a spot that falls off with the angle.
+fn ramp_of(kind: PunctualKind) -> Option<[f64; 2]> {
+    match kind {
+        PunctualKind::Spot { inner, outer, falloff: Falloff::Angle } => Some([inner, outer]),
+        PunctualKind::Spot { falloff: Falloff::Cosine, .. }
+        | PunctualKind::Point
+        | PunctualKind::Directional
+        | PunctualKind::Sun { .. } => None,
     }
 }
 
@@ -333,7 +345,7 @@ fn punctual(kind: PunctualKind, place: &DAffine3, passable: &Passable) -> Emitte
         PunctualKind::Point => emitter::Point { position: position() }.into(),
         PunctualKind::Directional => emitter::Directional { direction }.into(),
         PunctualKind::Sun { diameter } => emitter::Sun::new(direction, diameter).into(),
-        PunctualKind::Spot { inner, outer } => {
+        PunctualKind::Spot { inner, outer, .. } => {
             let cos_inner = cos(inner) as f32;
             let cos_outer = (cos(outer) as f32).min(cos_inner - LEAST_CONE);
             let position = position();

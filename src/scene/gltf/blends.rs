@@ -3,11 +3,9 @@
 use serde_json::{Value, json};
 
 use super::Import;
-use super::extension::{Body, MATERIAL, TEXTURE};
-use super::textures::Slot;
-use crate::image::texels::Coding;
+use super::extension::{Body, EXTENSION, MATERIAL};
 use crate::scene::error::SceneError;
-use crate::scene::world::{BLEND_DEPTH, Bsdf, Paint, Parameter, Reads, Textures};
+use crate::scene::world::{BLEND_DEPTH, Bsdf, Paint, Parameter, Textures};
 
 /// The value of `bsdf`.
 pub const BLEND: &str = "blend";
@@ -97,12 +95,9 @@ impl Import<'_> {
         let Bsdf::Blend { parts, weight } = bsdf else { return Ok(()) };
         let document = self.document;
         let body = Body::of(&document.value["materials"][index], label, &MATERIAL)?;
-        if let Some((info, field)) = body.value("weight_texture") {
-            // Refuses other keys.
-            body.object("weight_texture", &TEXTURE)?;
-            let slot = Slot { info, label: field.to_owned(), coding: Coding::Linear };
-            let (factor, texture) = ([*weight; 3], self.texture(&slot)?);
-            let paint = Paint { factor, texture, reads: Reads::Red, by_vertices: false };
+        if let Some((texture, reads)) = self.own_texture((&body, "weight_texture"))? {
+            let (factor, texture) = ([*weight; 3], Some(texture));
+            let paint = Paint { factor, texture, reads, by_vertices: false };
             textures.parameters.push((Parameter::Weight, paint));
         }
         let mut found = Vec::new();
@@ -139,4 +134,15 @@ pub fn written(
         body[key] = json!(place(part, key));
     }
     body
+}
+
+/// The parts of a blend, and the places that [`written`] says in its material; of others, none.
+pub fn parts<'a>(
+    bsdf: &'a Bsdf,
+    material: &Value,
+) -> impl Iterator<Item = (&'a Bsdf, usize)> + use<'a> {
+    let body = &material["extensions"][EXTENSION];
+    let places = PARTS.map(|key| body[key].as_u64().map(|index| index as usize));
+    let parts = if let Bsdf::Blend { parts, .. } = bsdf { &parts[..] } else { &[] };
+    parts.iter().zip(places).filter_map(|(part, place)| Some((part, place?)))
 }

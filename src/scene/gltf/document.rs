@@ -158,7 +158,8 @@ pub fn read_json(path: &Path) -> Result<Value, SceneError> {
     Ok(json_of(&bytes_of(path)?)?.0)
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
+/// The bytes of a scene file.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
     read_bytes(path, u64::MAX).map_err(|error| {
         let problem = format!("cannot read {}: {error}", path.display());
         let remedy = match error.kind() {
@@ -302,7 +303,8 @@ fn read_buffer(
     Ok(bytes)
 }
 
-fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
+/// The bytes of a data URI, of what follows `data:` in it.
+pub fn decode_data_uri(data: &str, place: String) -> Result<Vec<u8>, SceneError> {
     let Some((_, text)) = data.split_once(";base64,") else {
         let Some((_, text)) = data.split_once(',') else {
             let problem = "is a data URI without a comma";

@@ -8,7 +8,7 @@
 //!
 //! Edits that are made at once are all made before any of them is checked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -16,7 +16,8 @@ use super::document;
 use super::places::{Place, Step, Wrong, at, forms, places, put};
 use crate::math::text::excerpt;
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::file::{is_of_mitsuba, not_edited};
+use crate::scene::file::is_of_mitsuba;
+use crate::scene::mitsuba::MitsubaFile;
 
 /// Most characters of a name in errors.
 const NAME: usize = 60;
@@ -70,23 +71,31 @@ impl Edit {
     }
 }
 
-/// The JSON of a scene file alone: what there is to be edited; none of other formats.
-pub struct Editable(Option<Value>);
+/// A scene file alone: what there is to be edited.
+pub struct Editable(Of);
+
+enum Of {
+    /// The JSON of glTF.
+    Gltf(Value),
+    /// The bytes of a scene of Mitsuba, whose parameters are edited.
+    Mitsuba(PathBuf, Vec<u8>),
+}
 
 impl Editable {
-    /// Reads the JSON of a .gltf or .glb file, and nothing that it refers to; of others nothing.
+    /// Reads a file, and nothing that a glTF refers to.
     ///
     /// # Errors
-    /// When the file cannot be read, or is not JSON.
+    /// When the file cannot be read, or is a .gltf or .glb that is not JSON.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         if is_of_mitsuba(path) {
-            return Ok(Self(None));
+            let bytes = document::bytes_of(path).map_err(|error| error.in_file(path))?;
+            return Ok(Self(Of::Mitsuba(path.to_owned(), bytes)));
         }
         let mut value = document::read_json(path).map_err(|error| error.in_file(path))?;
         if let Some(root) = value.as_object_mut() {
             UNEDITED.iter().for_each(|name| drop(root.remove(*name)));
         }
-        Ok(Self(Some(value)))
+        Ok(Self(Of::Gltf(value)))
     }
 
     /// Checks that an edit would be of something that is there; its value is not looked at.
@@ -96,8 +105,10 @@ impl Editable {
     /// there is.
     pub fn check(&self, target: &str) -> Result<(), SceneError> {
         match &self.0 {
-            Some(value) => places(value, target).map(drop),
-            None => Err(not_edited(target)),
+            Of::Gltf(value) => places(value, target).map(drop),
+            Of::Mitsuba(path, bytes) => {
+                MitsubaFile::check_edits(path, bytes, &[Edit::new(target, "")])
+            }
         }
     }
 
@@ -107,10 +118,9 @@ impl Editable {
     /// # Errors
     /// When two are of one place, or a key means nothing beside others.
     pub fn check_together(&self, edits: &[Edit]) -> Result<(), SceneError> {
-        match (&self.0, edits.first()) {
-            (Some(value), _) => applied(value, edits).map(drop),
-            (None, Some(edit)) => Err(not_edited(&edit.target)),
-            (None, None) => Ok(()),
+        match &self.0 {
+            Of::Gltf(value) => applied(value, edits).map(drop),
+            Of::Mitsuba(path, bytes) => MitsubaFile::check_edits(path, bytes, edits),
         }
     }
 }

@@ -30,12 +30,14 @@ pub const MATERIAL: Keys = Keys {
     definition: "material",
     known: &[
         "alpha",
+        "alpha_texture",
         "alpha_u",
         "alpha_v",
         "axis_deg",
         "birefringence",
         "blocked",
         "bsdf",
+        "coverage",
         "distribution",
         "emission",
         "eta",
@@ -89,7 +91,7 @@ pub const ANALYZER: Keys =
 /// Keys of a punctual light.
 pub const LIGHT: Keys = Keys {
     definition: "light",
-    known: &["angular_diameter_deg", "emission", "ies", "picture", "stokes", "units"],
+    known: &["angular_diameter_deg", "emission", "falloff", "ies", "picture", "stokes", "units"],
     planned: &[],
 };
 /// Keys of a scene, or of the root of the file.
@@ -156,9 +158,6 @@ pub const SPECTRUM: Keys =
 /// Keys of the real part of an index of refraction.
 pub const INDEX: Keys =
     Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
-/// Keys of a picture, as of glTF's own.
-pub const TEXTURE: Keys =
-    Keys { definition: "texture", known: &["extensions", "index", "texCoord"], planned: &[] };
 /// Keys of a film on a surface.
 pub const THIN_FILM: Keys =
     Keys { definition: "thin_film", known: &["eta", "k", "thickness_nm"], planned: &[] };
@@ -175,12 +174,31 @@ pub const EMISSION: Keys = Keys {
     planned: &[],
 };
 
+/// Keys of how much of a surface is there.
+pub const COVERAGE: Keys =
+    Keys { definition: "coverage", known: &["cutoff", "share", "texture"], planned: &[] };
+/// Keys of a texture of the extension's: those of glTF.
+pub const TEXTURE_INFO: Keys = Keys {
+    definition: "texture_info",
+    known: &["extensions", "extras", "index", "texCoord"],
+    planned: &[],
+};
+/// Keys of any texture of a material.
+pub const TEXTURE: Keys = Keys {
+    definition: "texture",
+    known: &["channel", "coding", "frame", "transform"],
+    planned: &[],
+};
+
 /// A mesh can have none.
 pub const MESH: Keys = Keys { definition: "mesh", known: &[], planned: &[] };
 
 /// All that have keys: what the schema must define.
-pub const ALL: [&Keys; 22] = [
+pub const ALL: [&Keys; 24] = [
     &MATERIAL,
+    &COVERAGE,
+    &TEXTURE_INFO,
+    &TEXTURE,
     &NODE,
     &CAMERA,
     &FILM,
@@ -200,7 +218,6 @@ pub const ALL: [&Keys; 22] = [
     &SELLMEIER,
     &CAUCHY,
     &THIN_FILM,
-    &TEXTURE,
     &EMISSION,
 ];
 
@@ -213,7 +230,10 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("scene", "environment") => Some(&ENVIRONMENT),
         ("environment", "sky") => Some(&CLEAR_SKY),
         ("material", "film") => Some(&THIN_FILM),
-        ("material", "weight_texture") => Some(&TEXTURE),
+        ("material", "coverage") => Some(&COVERAGE),
+        ("coverage", "texture") | ("material", "alpha_texture" | "weight_texture") => {
+            Some(&TEXTURE_INFO)
+        }
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),

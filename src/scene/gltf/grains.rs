@@ -11,7 +11,7 @@ use crate::scene::error::SceneError;
 use crate::scene::world::{Along, Bsdf, Grain, Paint, Parameter, Reads, Textures};
 
 /// How glTF states it.
-const KHR_ANISOTROPY: &str = "KHR_materials_anisotropy";
+pub const KHR_ANISOTROPY: &str = "KHR_materials_anisotropy";
 /// The key of its picture.
 const TEXTURE: &str = "anisotropyTexture";
 
@@ -128,7 +128,8 @@ impl Import<'_> {
         };
         let document = self.document;
         let info = &document.value["materials"][index]["extensions"][KHR_ANISOTROPY][TEXTURE];
-        let slot = Slot { info, label: format!("{label}, {TEXTURE}"), coding: Coding::Linear };
+        let label = format!("{label}, {TEXTURE}");
+        let slot = Slot { info, label, coding: Coding::Linear, more: &[] };
         let Some(texture) = self.texture(&slot)? else { return Ok(()) };
         for (parameter, factor, reads) in [
             (Parameter::GrainRight, 1.0, Reads::Red),

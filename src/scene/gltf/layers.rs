@@ -145,6 +145,23 @@ pub const TEXTURES: [&str; LAYERS.len()] = {
     names
 };
 
+/// Where glTF has a parameter of layers and its texture.
+pub struct Place {
+    pub extension: &'static str,
+    pub factor: &'static str,
+    pub texture: &'static str,
+    /// What of the texture counts.
+    pub reads: Reads,
+    pub coding: Coding,
+}
+
+/// The place of a parameter, if it is one of layers that metallic-roughness has not.
+pub fn place_of(parameter: Parameter) -> Option<Place> {
+    let of = LAYERS.iter().find(|of| of.parameter == parameter)?;
+    let &Layer { extension, factor, texture, reads, coding, .. } = of;
+    Some(Place { extension, factor, texture, reads, coding })
+}
+
 /// What a material says of the textures of layers.
 pub fn infos(material: &Value) -> impl Iterator<Item = &Value> {
     LAYERS.iter().map(|of| &material["extensions"][of.extension][of.texture])
@@ -235,6 +252,7 @@ impl Import<'_> {
                 info: &material["extensions"][of.extension][of.texture],
                 label: format!("{label}, {}", of.texture),
                 coding: of.coding,
+                more: &[],
             };
             let Some(texture) = findings.note(self.texture(&slot)).flatten() else { continue };
             let factor = match of.at {

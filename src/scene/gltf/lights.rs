@@ -10,7 +10,7 @@ use super::document::Document;
 use super::extension::{Body, LIGHT};
 use super::luminaires::luminaire_of;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Name, Projection, Punctual, PunctualKind, Transform};
+use crate::scene::world::{Falloff, Name, Projection, Punctual, PunctualKind, Transform};
 use crate::spectrum::Spectrum;
 
 /// Lumens per watt: what divides candela and lux to get W/sr and W/m^2, as Blender multiplies.
@@ -39,7 +39,7 @@ impl Import<'_> {
             self.warnings.add(&label, "range is ignored, light fades with distance alone");
         }
         let body = Body::of(value, &label, &LIGHT)?;
-        let kind = wide(kind(light, &label)?, &body)?;
+        let kind = falling(wide(kind(light, &label)?, &body)?, &body)?;
         let color = body.emission("emission", document)?;
         let color = color.unwrap_or(Spectrum::Rgb(light.color));
         let stokes = body.stokes("stokes")?;
@@ -92,7 +92,7 @@ fn kind(light: &Light, label: &str) -> Result<PunctualKind, SceneError> {
                 angle => angle,
             };
             let (inner, outer) = (angle(spot.inner_cone_angle), angle(spot.outer_cone_angle));
-            Ok(PunctualKind::Spot { inner, outer })
+            Ok(PunctualKind::Spot { inner, outer, falloff: Falloff::default() })
         }
         Checked::Invalid => {
             let remedy = "use point, spot or directional";
@@ -119,6 +119,21 @@ fn wide(kind: PunctualKind, body: &Body) -> Result<PunctualKind, SceneError> {
         PunctualKind::Point | PunctualKind::Spot { .. } | PunctualKind::Sun { .. } => {
             let problem = "is for directional lights";
             Err(SceneError::new(body.field(KEY), problem, "remove it, or use such a light"))
+        }
+    }
+}
+
+/// A spot that falls off as it says.
+fn falling(kind: PunctualKind, body: &Body) -> Result<PunctualKind, SceneError> {
+    const KEY: &str = "falloff";
+    let Some(name) = body.word(KEY)? else { return Ok(kind) };
+    let refuse = |problem: &str, remedy: &str| SceneError::new(body.field(KEY), problem, remedy);
+    let found = Falloff::ALL.into_iter().find(|falloff| falloff.name() == name);
+    let falloff = found.ok_or_else(|| refuse("is not known", "use \"cosine\" or \"angle\""))?;
+    match kind {
+        PunctualKind::Spot { inner, outer, .. } => Ok(PunctualKind::Spot { inner, outer, falloff }),
+        PunctualKind::Point | PunctualKind::Directional | PunctualKind::Sun { .. } => {
+            Err(refuse("is for spots", "remove it, or make the light a spot"))
         }
     }
 }

@@ -22,6 +22,7 @@ use serde_json::Value;
 
 use super::Import;
 use super::blends::{self, BLEND};
+use super::document::decode_data_uri;
 use super::extension::{Body, MATERIAL};
 use super::files::Files;
 use super::films;
@@ -94,8 +95,9 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 10] = [
+const ROUGH_CONDUCTOR: [&str; 11] = [
     "alpha",
+    "alpha_texture",
     "alpha_u",
     "alpha_v",
     "axis_deg",
@@ -107,8 +109,9 @@ const ROUGH_CONDUCTOR: [&str; 10] = [
     "roughness",
 ];
 /// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 9] = [
+const ROUGH_DIELECTRIC: [&str; 10] = [
     "alpha",
+    "alpha_texture",
     "alpha_u",
     "alpha_v",
     "axis_deg",
@@ -119,7 +122,7 @@ const ROUGH_DIELECTRIC: [&str; 9] = [
     "roughness",
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 4] = ["bsdf", EMISSION, INCANDESCENT, STOKES];
+const OF_ALL: [&str; 5] = ["bsdf", "coverage", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -573,8 +576,11 @@ fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
         return Err(body.missing("file", "a file of measured reflectance, `.pbsdf`"));
     };
     let place = body.field("file");
-    let table = MeasuredTable::new(uri, files.bytes(uri, &place, u64::MAX)?)
-        .map_err(|fault| SceneError::at(&place, fault))?;
+    let (name, bytes) = match uri.strip_prefix("data:") {
+        Some(data) => ("data", decode_data_uri(data, place.clone())?),
+        None => (uri, files.bytes(uri, &place, u64::MAX)?),
+    };
+    let table = MeasuredTable::new(name, bytes).map_err(|fault| SceneError::at(&place, fault))?;
     Ok(Bsdf::Measured { places: table.places(), table })
 }
 

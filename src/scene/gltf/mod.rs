@@ -24,6 +24,7 @@ mod luminaires;
 mod materials;
 mod media;
 mod meshes;
+mod own_textures;
 mod particles;
 mod phase_matrix;
 mod places;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 use super::extension::{CAMERA, EXTENSION, Keys, LIGHT, MATERIAL, MEDIUM, NODE, inner};
 use crate::math::text::{excerpt, listed, number_of};
 use crate::scene::error::SceneError;
+use crate::scene::file::DEFINE;
 
 /// Most characters of a name in errors.
 const NAME: usize = 60;
@@ -203,6 +204,10 @@ pub fn objects_called(value: &Value, object: &str) -> Option<Vec<Place>> {
 /// The places of what an edit is about, whether or not that has an effect.
 pub fn places(value: &Value, target: &str) -> Result<Vec<Place>, SceneError> {
     let refuse = |problem: String, remedy: String| SceneError::new(target, problem, remedy);
+    if target.starts_with(DEFINE) {
+        let remedy = "they are .xml files'; edit what is in the scene by its name";
+        return Err(refuse("glTF has no parameters".to_owned(), remedy.to_owned()));
+    }
     let parts = target.split_once('/').and_then(|(kind, rest)| {
         let (name, key) = rest.rsplit_once('/')?;
         Some((kind, name, key))

@@ -12,9 +12,10 @@ use serde_json::Value;
 
 use super::Import;
 use super::document::Document;
-use super::extension::{Body, MATERIAL};
+use super::extension::{Body, COVERAGE, EXTENSION, MATERIAL, TEXTURE};
 use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
+use super::own_textures::own_words;
 use crate::image::texels::Coding;
 use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
@@ -69,8 +70,10 @@ pub struct Slot<'a> {
     pub info: &'a Value,
     /// What errors call it.
     pub label: String,
-    /// What its numbers mean.
+    /// What its numbers mean, unless it says so itself.
     pub coding: Coding,
+    /// What else it may say, by keys of the extension.
+    pub more: &'static [&'static str],
 }
 
 impl Import<'_> {
@@ -102,8 +105,12 @@ impl Import<'_> {
         self.warn_of_unread(material, label);
         let mut textures = Textures::default();
         let mut findings = Findings::default();
-        let slot =
-            |info, key: &str, coding| Slot { info, label: format!("{label}, {key}"), coding };
+        let slot = |info, key: &str, coding| Slot {
+            info,
+            label: format!("{label}, {key}"),
+            coding,
+            more: &[],
+        };
         let glossy = &material["extensions"][KHR_GLOSSY];
         let (base, key) = match glossy.is_object() {
             true => (&glossy["diffuseTexture"], "diffuseTexture"),
@@ -113,6 +120,51 @@ impl Import<'_> {
         // Colors of vertices are of a mesh, which is not of a part.
         let by_vertices = if self.blending.is_empty() { self.colors_of(index) } else { None };
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
+        self.paint_color(&mut textures, (&base, by_vertices), (is_unlit, bsdf, emission), label);
+        let body = Body::of(material, label, &MATERIAL)?;
+        textures.coverage = match body.object("coverage", &COVERAGE)? {
+            Some(own) => findings.note(self.own_coverage(&own)),
+            None => self.coverage(material, (label, bsdf), base, by_vertices),
+        };
+        let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
+        let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
+        if let Some(texture) = findings.note(metal).flatten() {
+            let paints = metal_and_roughness(bsdf, texture);
+            if paints.is_empty() {
+                let text = "metallicRoughnessTexture is ignored: the model has no roughness";
+                self.warnings.add(label, text);
+            }
+            textures.parameters.extend(paints);
+        }
+        if body.has("alpha_texture") {
+            let paint = findings.note(self.alpha(&body, bsdf));
+            textures.parameters.extend(paint.map(|paint| (Parameter::Alpha, paint)));
+        }
+        let layers = findings.note(self.paint_layers(bsdf, material, label));
+        textures.parameters.extend(layers.into_iter().flatten());
+        let glow = &material["emissiveTexture"];
+        let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
+        let glow = findings.note(glow).flatten();
+        if let (false, Some(texture), Some(emission)) = (is_unlit, glow, emission) {
+            textures.emission = findings.note(painted_emission(texture, emission, label));
+        }
+        let info = &material["normalTexture"];
+        let slot = Slot { more: &["frame"], ..slot(info, "normalTexture", Coding::Linear) };
+        let relief = self.relief(&slot, label);
+        textures.relief = findings.note(relief).flatten();
+        findings.result()?;
+        Ok(textures)
+    }
+
+    /// The color by a picture and by vertices, if either is there: that of a model, or of what
+    /// emits it.
+    fn paint_color(
+        &mut self,
+        textures: &mut Textures,
+        (base, by_vertices): (&Option<Texture>, Option<bool>),
+        (is_unlit, bsdf, emission): (bool, &Bsdf, Option<&Emission>),
+        label: &str,
+    ) {
         if let (true, Bsdf::Absorber, Some(factor)) =
             (is_unlit, bsdf, emission.and_then(|emission| emission.radiance.rgb()))
         {
@@ -134,30 +186,6 @@ impl Import<'_> {
                 }
             }
         }
-        textures.coverage = self.coverage(material, (label, bsdf), base, by_vertices);
-        let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
-        let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
-        if let Some(texture) = findings.note(metal).flatten() {
-            let paints = metal_and_roughness(bsdf, texture);
-            if paints.is_empty() {
-                let text = "metallicRoughnessTexture is ignored: the model has no roughness";
-                self.warnings.add(label, text);
-            }
-            textures.parameters.extend(paints);
-        }
-        let layers = findings.note(self.paint_layers(bsdf, material, label));
-        textures.parameters.extend(layers.into_iter().flatten());
-        let glow = &material["emissiveTexture"];
-        let glow = self.texture(&slot(glow, "emissiveTexture", Coding::Srgb));
-        let glow = findings.note(glow).flatten();
-        if let (false, Some(texture), Some(emission)) = (is_unlit, glow, emission) {
-            textures.emission = findings.note(painted_emission(texture, emission, label));
-        }
-        let info = &material["normalTexture"];
-        let relief = self.relief(&slot(info, "normalTexture", Coding::Linear), label);
-        textures.relief = findings.note(relief).flatten();
-        findings.result()?;
-        Ok(textures)
     }
 
     /// A normal map, if there is one.
@@ -165,7 +193,16 @@ impl Import<'_> {
         let Some(texture) = self.texture(slot)? else { return Ok(None) };
         self.doubt_normals(&texture, label);
         let scale = slot.info["scale"].as_f64().unwrap_or(1.0) as f32;
-        Ok(Some(Relief { texture, scale, frame: ReliefFrame::Picture }))
+        let own = Body::of(slot.info, &slot.label, &TEXTURE)?;
+        let frame = match own.word("frame")? {
+            None | Some("picture") => ReliefFrame::Picture,
+            Some("mesh") => ReliefFrame::Mesh,
+            Some(_) => {
+                let remedy = "use \"picture\" or \"mesh\"";
+                return Err(SceneError::new(own.field("frame"), "is no frame", remedy));
+            }
+        };
+        Ok(Some(Relief { texture, scale, frame }))
     }
 
     /// Says that a normal map is none, where it is so.
@@ -263,16 +300,21 @@ impl Import<'_> {
             Some(33648) => Wrap::Mirror,
             Some(_) | None => Wrap::Repeat,
         };
+        let (coding, own_transform) = own_words(slot)?;
+        let transform = match own_transform {
+            Some(own) => own,
+            None => transform_of(transform, &slot.label)?,
+        };
         Ok(Some(Texture {
             picture,
-            coding: slot.coding,
+            coding,
             wrap: ["wrapS", "wrapT"].map(wrap),
             filter: match sampler["magFilter"].as_u64() {
                 Some(9728) => Filter::Nearest,
                 Some(_) | None => Filter::Linear,
             },
             set: set as usize,
-            transform: transform_of(transform, &slot.label)?,
+            transform,
         }))
     }
 
@@ -287,7 +329,9 @@ impl Import<'_> {
             let pbr = &material["pbrMetallicRoughness"];
             let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
             let own = [base, metal, &material["emissiveTexture"], &material["normalTexture"]];
-            for info in own.into_iter().chain(layers::infos(material)) {
+            let body = &material["extensions"][EXTENSION];
+            let more = [&body["alpha_texture"], &body["coverage"]["texture"]];
+            for info in own.into_iter().chain(more).chain(layers::infos(material)) {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
                 wanted.extend(texture.and_then(image_of));
@@ -429,7 +473,7 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
 
 /// The rows of KHR_texture_transform: coordinates are scaled, turned so that the picture turns
 /// clockwise, and moved.
-fn transform_of(transform: &Value, label: &str) -> Result<[[f32; 3]; 2], SceneError> {
+pub fn transform_of(transform: &Value, label: &str) -> Result<[[f32; 3]; 2], SceneError> {
     let number = |value: &Value, default: f64| match value.as_f64() {
         Some(number) if (number as f32).is_finite() => Ok(number),
         None if value.is_null() => Ok(default),

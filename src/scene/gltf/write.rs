@@ -1,30 +1,33 @@
 //! glTF out: a [`World`] as a .gltf file with all that is in it, the extension's keys where glTF
 //! has no words. What cannot be written is refused; what is written a little otherwise is said.
 
-use std::collections::HashMap;
-use std::path::Path;
-use std::sync::Arc;
+mod container;
+mod meshes;
+mod painted;
+mod stored;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use std::collections::{BTreeSet, HashMap};
+
 use glam::{DAffine3, DMat4, Vec3};
 use hecs::Entity;
 use serde_json::{Map, Value, json};
 
+pub use self::container::Written;
+use self::meshes::{Meshes, Tint};
+use self::painted::{Lists, Painter, tint_of};
+use self::stored::{Stored, data_uri, open};
 use super::cameras::written_film;
 use super::extension::EXTENSION;
 use super::layers::write_layers;
 use super::materials::with_facets;
 use super::{blends, films, grains, plastics, sheets};
-use crate::image::OutputError;
-use crate::image::atomic;
 use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
 use crate::scene::world::{
     Backdrop, BackdropSource, Ball, Boundary, Bsdf, ClearSky, Emission, EmittedStokes, Environment,
-    Filling, FillsScene, Geometry, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name,
-    Phase, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
+    Falloff, Filling, FillsScene, Incandescent, Lens, Luminaire, MadeOf, Medium, Mesh, Name, Phase,
+    Picture, Projection, Punctual, PunctualKind, Raster, Resolution, Sides, Textures, Transform,
     Window, World,
 };
 use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
@@ -33,58 +36,63 @@ use crate::spectrum::{RGB_WAVELENGTHS_NM, Spectrum};
 const FORMULA_NM: [f32; 2] = [300.0, 1000.0];
 const STEP_NM: f32 = 1.0;
 
-/// A scene as glTF.
-pub struct Written {
-    text: String,
-    warnings: Vec<String>,
-}
-
 impl Written {
-    /// The JSON of a scene, with its meshes in it.
+    /// A scene with its meshes and all that it refers to.
     ///
     /// # Errors
     /// When something in it has no words there.
     pub fn of(world: &World) -> Result<Self, SceneError> {
-        let mut writer = Writer::default();
-        let document = writer.document(world).map_err(|error| error.in_file(&world.file))?;
-        let text = serde_json::to_string_pretty(&document).unwrap_or_default();
-        Ok(Self { text, warnings: writer.warnings.sentences() })
-    }
-
-    /// What is not written as it is, a sentence each.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
-    }
-
-    /// Writes the file.
-    ///
-    /// # Errors
-    /// When the system refuses that.
-    pub fn save(&self, path: &Path) -> Result<(), OutputError> {
-        atomic::write(path, self.text.as_bytes())
+        let mut writer = Writer::of(world);
+        let document = writer.document().map_err(|error| error.in_file(&world.file))?;
+        let Writer { mut warnings, stored, meshes, lists, .. } = writer;
+        if lists.images.iter().any(|image| !stored.is_of_gltf(*image)) {
+            let text = "some are of formats that viewers of glTF need not know, as OpenEXR";
+            warnings.add("pictures", text);
+        }
+        let (bytes, images, warnings) = (meshes.bytes, lists.images, warnings.sentences());
+        Ok(Self { document, bytes, stored, images, warnings })
     }
 }
 
-#[derive(Default)]
-struct Writer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+struct Writer<'a> {
+    world: &'a World,
+    meshes: Meshes,
+    stored: Stored,
+    lists: Lists,
     nodes: Vec<Value>,
-    meshes: Vec<Value>,
+    mesh_list: Vec<Value>,
     materials: Vec<Value>,
     cameras: Vec<Value>,
     lights: Vec<Value>,
     media: Vec<Value>,
     /// Numbers in the file of materials and media.
     numbers: HashMap<Entity, usize>,
-    /// Accessors of geometries, by address.
-    geometries: HashMap<(usize, usize), usize>,
+    /// Which colors of vertices count for materials, if any do.
+    tints: HashMap<Entity, Tint>,
     warnings: Warnings,
 }
 
-impl Writer {
-    fn document(&mut self, world: &World) -> Result<Value, SceneError> {
+impl<'a> Writer<'a> {
+    fn of(world: &'a World) -> Self {
+        Self {
+            world,
+            meshes: Meshes::default(),
+            stored: Stored::default(),
+            lists: Lists::default(),
+            nodes: Vec::new(),
+            mesh_list: Vec::new(),
+            materials: Vec::new(),
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            media: Vec::new(),
+            numbers: HashMap::new(),
+            tints: HashMap::new(),
+            warnings: Warnings::default(),
+        }
+    }
+
+    fn document(&mut self) -> Result<Value, SceneError> {
+        let world = self.world;
         let mut findings = Findings::default();
         let mut scene = Map::new();
         type OfMedium<'a> = (Entity, &'a Name, &'a Medium, Option<&'a FillsScene>);
@@ -99,45 +107,10 @@ impl Writer {
             let medium = self.medium(&name, &medium);
             self.media.extend(findings.note(medium));
         }
-        type Light<'a> =
-            (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
-        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
-        let materials = world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
-            (
-                entity,
-                name.clone(),
-                bsdf.clone(),
-                *sides,
-                (light.0.cloned(), light.1.cloned(), light.2.copied()),
-            )
-        });
-        for (entity, name, bsdf, sides, (emission, stokes, by_heat)) in materials {
-            let is_painted = world.entities().get::<&Textures>(entity);
-            if is_painted.is_ok_and(|textures| !textures.is_empty()) {
-                let problem = "textures are not written yet";
-                let error = SceneError::new(&name.0, problem, "keep the scene's own file");
-                findings.note::<()>(Err(error));
-            }
-            let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
-            if by_heat.is_some() {
-                material["extensions"][EXTENSION]["incandescent"] = json!(true);
-            }
-            self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
-            self.numbers.insert(entity, self.materials.len());
-            self.materials.push(material);
-        }
-        findings.note(check_backdrops(world));
+        self.add_materials(&mut findings);
         self.shapes(world);
-        type Patterns<'a> = (&'a Name, Option<&'a Luminaire>, Option<&'a Projection>);
-        let patterns = world.in_order::<Patterns, _>(|(name, measured, thrown)| {
-            (measured.is_some() || thrown.is_some()).then(|| name.clone())
-        });
-        for name in patterns.into_iter().flatten() {
-            let problem = "luminaires and projectors are not written";
-            let error = SceneError::new(&name.0, problem, "keep the scene's own file");
-            findings.note::<()>(Err(error));
-        }
-        self.lights(world, &mut scene);
+        findings.note(self.add_lights());
+        findings.note(self.add_sky(&mut scene));
         self.camera(world);
         findings.result()?;
         if !self.media.is_empty() {
@@ -146,10 +119,86 @@ impl Writer {
         Ok(self.whole(world, scene))
     }
 
+    fn add_materials(&mut self, findings: &mut Findings) {
+        type Light<'a> =
+            (Option<&'a Emission>, Option<&'a EmittedStokes>, Option<&'a Incandescent>);
+        type OfMaterial<'a> = (Entity, &'a Name, &'a Bsdf, &'a Sides, Light<'a>);
+        let materials =
+            self.world.in_order::<OfMaterial, _>(|(entity, name, bsdf, sides, light)| {
+                (
+                    entity,
+                    name.clone(),
+                    bsdf.clone(),
+                    *sides,
+                    (light.0.cloned(), light.1.cloned(), light.2.copied()),
+                )
+            });
+        for (entity, name, bsdf, sides, (emission, stokes, by_heat)) in materials {
+            let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            if by_heat.is_some() {
+                material["extensions"][EXTENSION]["incandescent"] = json!(true);
+            }
+            self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
+            if let Ok(textures) = self.world.entities().get::<&Textures>(entity) {
+                self.tints.insert(entity, tint_of(&textures));
+                findings.note(self.paint(&name, (&bsdf, &textures), &mut material));
+            }
+            findings.note(self.store_tables(&name, &bsdf, &mut material));
+            self.numbers.insert(entity, self.materials.len());
+            self.materials.push(material);
+        }
+    }
+
+    /// Adds the textures of a material, and those of its parts to theirs.
+    fn paint(
+        &mut self,
+        name: &Name,
+        (bsdf, textures): (&Bsdf, &Textures),
+        material: &mut Value,
+    ) -> Result<(), SceneError> {
+        let Self { world, stored, lists, .. } = self;
+        let mut painter =
+            Painter { world: *world, stored, lists, name: &name.0, material: &mut *material };
+        painter.paint(bsdf, textures)?;
+        for ((part, index), textures) in blends::parts(bsdf, material).zip(&textures.parts) {
+            self.of_part(index, |writer, own| writer.paint(name, (part, textures), own))?;
+        }
+        Ok(())
+    }
+
+    /// Stores the measured tables of a material and of its parts.
+    fn store_tables(
+        &mut self,
+        name: &Name,
+        bsdf: &Bsdf,
+        material: &mut Value,
+    ) -> Result<(), SceneError> {
+        if let Bsdf::Measured { table, places } = bsdf {
+            if *places != table.places() {
+                let problem = "is measured at one wavelength for all, which is not written";
+                return Err(SceneError::new(&name.0, problem, "keep the scene's own file"));
+            }
+            let stored = self.stored.file(table.bytes(), self.world);
+            let number = stored.map_err(|error| SceneError::new(&name.0, error, ""))?;
+            material["extensions"][EXTENSION]["file"] = open(number);
+        }
+        for (part, index) in blends::parts(bsdf, material) {
+            self.of_part(index, |writer, own| writer.store_tables(name, part, own))?;
+        }
+        Ok(())
+    }
+
+    /// Adds something to the material of a part.
+    fn of_part<R>(&mut self, index: usize, add: impl FnOnce(&mut Self, &mut Value) -> R) -> R {
+        let mut own = std::mem::take(&mut self.materials[index]);
+        let result = add(self, &mut own);
+        self.materials[index] = own;
+        result
+    }
+
     fn whole(&mut self, world: &World, scene: Map<String, Value>) -> Value {
         let mut whole = json!({
             "asset": {"version": "2.0", "generator": "sunstone"},
-            "extensionsUsed": [EXTENSION],
             "scene": 0,
             "scenes": [{
                 "name": world.name(),
@@ -161,23 +210,22 @@ impl Writer {
             ("nodes", &mut self.nodes),
             ("cameras", &mut self.cameras),
             ("materials", &mut self.materials),
-            ("meshes", &mut self.meshes),
-            ("accessors", &mut self.accessors),
-            ("bufferViews", &mut self.views),
+            ("meshes", &mut self.mesh_list),
+            ("accessors", &mut self.meshes.accessors),
+            ("bufferViews", &mut self.meshes.views),
+            ("textures", &mut self.lists.textures),
+            ("samplers", &mut self.lists.samplers),
         ];
         // glTF knows no empty lists.
         for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
             whole[name] = Value::Array(std::mem::take(list));
         }
-        if !self.bytes.is_empty() {
-            let uri =
-                format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
-            whole["buffers"] = json!([{"byteLength": self.bytes.len(), "uri": uri}]);
-        }
         if !self.lights.is_empty() {
-            whole["extensionsUsed"] = json!([EXTENSION, "KHR_lights_punctual"]);
             whole["extensions"] = json!({"KHR_lights_punctual": {"lights": self.lights}});
         }
+        let mut used = BTreeSet::new();
+        note_extensions(&whole, &mut used);
+        whole["extensionsUsed"] = json!(used);
         whole
     }
 
@@ -187,14 +235,15 @@ impl Writer {
             (called(name), mesh.clone(), place.0, *of, *boundary)
         });
         for (name, Mesh(geometry), place, MadeOf(material), boundary) in meshes {
-            let primitive = self.primitive(&geometry, self.numbers[&material]);
+            let tint = self.tints.get(&material).copied().unwrap_or(Tint::None);
+            let primitive = self.meshes.primitive(&geometry, (self.numbers[&material], tint));
             let node = json!({
                 "name": name,
-                "mesh": self.meshes.len(),
+                "mesh": self.mesh_list.len(),
                 "matrix": matrix(place),
                 "extensions": {EXTENSION: self.boundary(&boundary)},
             });
-            self.meshes.push(json!({"name": name, "primitives": [primitive]}));
+            self.mesh_list.push(json!({"name": name, "primitives": [primitive]}));
             self.nodes.push(node);
         }
         type OfBall<'a> = (&'a Name, &'a Ball, &'a Transform, &'a MadeOf, &'a Boundary);
@@ -224,52 +273,6 @@ impl Writer {
             body["priority"] = json!(boundary.priority);
         }
         body
-    }
-
-    fn primitive(&mut self, geometry: &Arc<Geometry>, material: usize) -> Value {
-        let key = Arc::as_ptr(geometry).addr();
-        let columns = [&geometry.positions, &geometry.normals];
-        let mut attributes = json!({});
-        for (part, (name, column)) in ["POSITION", "NORMAL"].into_iter().zip(columns).enumerate() {
-            if column.is_empty() {
-                continue;
-            }
-            let known = self.geometries.get(&(key, part)).copied();
-            let accessor = known.unwrap_or_else(|| {
-                let bytes = column.iter().flat_map(|row| row.to_array()).flat_map(f32::to_le_bytes);
-                let view = self.view(bytes.collect());
-                let [low, high] = geometry.bounds().map(|bound| bound.as_vec3().to_array());
-                let mut accessor = json!({"bufferView": view, "componentType": 5126,
-                    "count": column.len(), "type": "VEC3"});
-                if part == 0 {
-                    accessor["min"] = json!(low);
-                    accessor["max"] = json!(high);
-                }
-                self.accessors.push(accessor);
-                self.accessors.len() - 1
-            });
-            self.geometries.insert((key, part), accessor);
-            attributes[name] = json!(accessor);
-        }
-        const CORNERS: usize = 2;
-        let known = self.geometries.get(&(key, CORNERS)).copied();
-        let indices = known.unwrap_or_else(|| {
-            let corners = geometry.triangles.as_flattened();
-            let view = self.view(corners.iter().flat_map(|row| row.to_le_bytes()).collect());
-            self.accessors.push(json!({"bufferView": view, "componentType": 5125,
-                "count": corners.len(), "type": "SCALAR"}));
-            self.accessors.len() - 1
-        });
-        self.geometries.insert((key, CORNERS), indices);
-        json!({"attributes": attributes, "indices": indices, "material": material})
-    }
-
-    /// All that is written is made of four bytes.
-    fn view(&mut self, bytes: Vec<u8>) -> usize {
-        let (at, length) = (self.bytes.len(), bytes.len());
-        self.bytes.extend(bytes);
-        self.views.push(json!({"buffer": 0, "byteOffset": at, "byteLength": length}));
-        self.views.len() - 1
     }
 
     fn material(
@@ -331,10 +334,8 @@ impl Writer {
                 with_facets(body, (*alpha, *distribution, *multiple_scattering))
             }
             Bsdf::Plastic { reflectance, coat } => plastics::written(of(reflectance), coat),
-            // Beside the scene, as it was.
-            Bsdf::Measured { table, places: _ } => {
-                json!({"bsdf": "measured", "file": table.name()})
-            }
+            // The file is known where all that is stored is.
+            Bsdf::Measured { .. } => json!({"bsdf": "measured"}),
             Bsdf::MetallicRoughness { base_color, .. } => {
                 let [red, green, blue] = self.base_color(name, base_color);
                 json!({"base_color": [red, green, blue, 1.0]})
@@ -454,18 +455,21 @@ impl Writer {
         }
     }
 
-    fn lights(&mut self, world: &World, scene: &mut Map<String, Value>) {
-        type Light<'a> = (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, &'a Transform);
-        let lights = world.in_order::<Light, _>(|(name, light, stokes, place)| {
-            (name.clone(), light.clone(), stokes.cloned(), place.0)
+    fn add_lights(&mut self) -> Result<(), SceneError> {
+        type Shown<'a> = (Option<&'a Luminaire>, Option<&'a Projection>);
+        type Light<'a> =
+            (&'a Name, &'a Punctual, Option<&'a EmittedStokes>, &'a Transform, Shown<'a>);
+        let lights = self.world.in_order::<Light, _>(|(name, light, stokes, place, shown)| {
+            let shown = (shown.0.cloned(), shown.1.cloned());
+            (name.clone(), light.clone(), stokes.cloned(), place.0, shown)
         });
-        for (name, Punctual { kind, intensity }, stokes, place) in lights {
+        for (name, Punctual { kind, intensity }, stokes, place, (measured, thrown)) in lights {
             let mut light = match kind {
                 PunctualKind::Point => json!({"type": "point"}),
                 PunctualKind::Directional | PunctualKind::Sun { .. } => {
                     json!({"type": "directional"})
                 }
-                PunctualKind::Spot { inner, outer } => json!({
+                PunctualKind::Spot { inner, outer, .. } => json!({
                     "type": "spot",
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer},
                 }),
@@ -476,7 +480,16 @@ impl Writer {
             if let PunctualKind::Sun { diameter } = kind {
                 body["angular_diameter_deg"] = json!(diameter.to_degrees());
             }
+            if let PunctualKind::Spot { falloff: falloff @ Falloff::Angle, .. } = kind {
+                body["falloff"] = json!(falloff.name());
+            }
             self.stokes(&name, stokes.as_ref(), &mut body);
+            if let Some(Luminaire(photometry)) = measured {
+                body["ies"] = json!(data_uri("text/plain", photometry.to_ies().as_bytes()));
+            }
+            if let Some(Projection(picture)) = thrown {
+                body["picture"] = open(self.picture(&name, &picture)?);
+            }
             light["extensions"] = json!({EXTENSION: body});
             let reference = json!({"KHR_lights_punctual": {"light": self.lights.len()}});
             let node = json!({"name": called(&name), "matrix": matrix(place),
@@ -484,34 +497,41 @@ impl Writer {
             self.nodes.push(node);
             self.lights.push(light);
         }
+        Ok(())
+    }
+
+    /// The number of a picture among what is stored.
+    fn picture(&mut self, name: &Name, picture: &Picture) -> Result<usize, SceneError> {
+        let stored = self.stored.picture(picture, self.world);
+        stored.map_err(|error| SceneError::new(&name.0, error, "keep the scene's own file"))
+    }
+
+    fn add_sky(&mut self, scene: &mut Map<String, Value>) -> Result<(), SceneError> {
         type Sky<'a> = (&'a Name, &'a Environment, Option<&'a EmittedStokes>);
-        let skies = world
+        let skies = self
+            .world
             .in_order::<Sky, _>(|(name, sky, stokes)| (name.clone(), sky.clone(), stokes.cloned()));
         for (name, Environment { radiance, gradient, backdrop }, stokes) in skies {
             let mut sky = json!({"radiance": self.spectrum(&name, &radiance)});
             if gradient != Vec3::ZERO {
                 sky["gradient"] = json!(gradient.to_array());
             }
-            match backdrop {
-                None => {}
-                Some(Backdrop { rotation, source: BackdropSource::File(uri), .. }) => {
-                    let text =
-                        "has a picture, which is to lie beside the new file as beside the old";
-                    self.warnings.add(&name.0, text);
-                    sky["uri"] = json!(uri);
-                    sky["rotation"] = json!(rotation.to_array());
+            if let Some(Backdrop { picture, rotation, source }) = backdrop {
+                match source {
+                    BackdropSource::ClearSky(ClearSky { sun, turbidity, max_degree }) => {
+                        sky["sky"] = json!({"sun_direction": sun.to_array(),
+                            "turbidity": turbidity, "max_degree": max_degree});
+                    }
+                    BackdropSource::File(_) | BackdropSource::Memory => {
+                        sky["uri"] = open(self.picture(&name, &picture)?);
+                        sky["rotation"] = json!(rotation.to_array());
+                    }
                 }
-                Some(Backdrop { source: BackdropSource::ClearSky(clear), .. }) => {
-                    let ClearSky { sun, turbidity, max_degree } = clear;
-                    sky["sky"] = json!({"sun_direction": sun.to_array(), "turbidity": turbidity,
-                        "max_degree": max_degree});
-                }
-                // Which has been refused.
-                Some(Backdrop { source: BackdropSource::Memory, .. }) => {}
             }
             self.stokes(&name, stokes.as_ref(), &mut sky);
             scene.insert("environment".into(), sky);
         }
+        Ok(())
     }
 
     fn camera(&mut self, world: &World) {
@@ -570,18 +590,16 @@ impl Writer {
     }
 }
 
-/// Refuses pictures of what is around that have no file to refer to.
-fn check_backdrops(world: &World) -> Result<(), SceneError> {
-    let without = world.in_order::<(&Name, &Environment), _>(|(name, sky)| {
-        let source = sky.backdrop.as_ref().map(|backdrop| &backdrop.source);
-        (source == Some(&BackdropSource::Memory)).then(|| name.0.clone())
-    });
-    match without.into_iter().flatten().next() {
-        None => Ok(()),
-        Some(name) => {
-            let problem = "has a picture that is no file, which is not written yet";
-            Err(SceneError::new(name, problem, "keep the scene's own file"))
+/// Adds the names of all extensions that a value uses.
+fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
+    for item in value.as_array().into_iter().flatten() {
+        note_extensions(item, used);
+    }
+    for (key, item) in value.as_object().into_iter().flatten() {
+        if key == "extensions" {
+            used.extend(item.as_object().into_iter().flatten().map(|(name, _)| name.clone()));
         }
+        note_extensions(item, used);
     }
 }
 

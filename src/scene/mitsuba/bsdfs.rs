@@ -28,6 +28,8 @@ pub struct Surface {
     pub parts: Vec<Self>,
     /// Whether some part was smooth, and has the least rough facets now.
     pub has_smooth_parts: bool,
+    /// The object that names a measured table, which is the model in place of `bsdf`.
+    pub measured: Option<usize>,
 }
 
 impl Surface {
@@ -39,8 +41,15 @@ impl Surface {
 
 impl From<Bsdf> for Surface {
     fn from(bsdf: Bsdf) -> Self {
-        let (wanted, parts) = (Vec::new(), Vec::new());
-        Self { bsdf, two_sided: false, wanted, even: 1.0, parts, has_smooth_parts: false }
+        Self {
+            bsdf,
+            two_sided: false,
+            wanted: Vec::new(),
+            even: 1.0,
+            parts: Vec::new(),
+            has_smooth_parts: false,
+            measured: None,
+        }
     }
 }
 
@@ -51,13 +60,14 @@ pub const BLEND: &str = "blendbsdf";
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 17] = [
+const TYPES: [(&str, Read); 18] = [
     (BLEND, blend),
     ("circular", |fields| circular(fields).map(one_sided)),
     ("conductor", |fields| conductor(fields).map(one_sided)),
     ("dielectric", |fields| dielectric(fields).map(one_sided)),
     ("diffuse", diffuse),
     ("mask", mask),
+    ("measured_polarized", measured),
     ("normalmap", normal_map),
     ("null", |_| Ok(one_sided(Bsdf::Null))),
     ("plastic", plastic),
@@ -144,6 +154,19 @@ fn reflectance(fields: &Fields, name: &str) -> Result<(Spectrum, Vec<Wanted>), S
             Ok((reflectance, Vec::new()))
         }
     }
+}
+
+/// A table in a file, which is read where files are.
+fn measured(fields: &Fields) -> Result<Surface, SceneError> {
+    // It is of how Mitsuba draws directions.
+    fields.ignore(&["alpha_sample"]);
+    if fields.text("filename")?.is_none() {
+        return Err(fields.wrong("filename", "is missing", "add it"));
+    }
+    fields.number("wavelength")?;
+    let here = std::ptr::from_ref(fields.object);
+    let measured = fields.tree.objects.iter().position(|it| std::ptr::from_ref(it) == here);
+    Ok(Surface { measured, ..Bsdf::Absorber.into() })
 }
 
 /// What reflects nothing absorbs everything.
@@ -473,6 +496,10 @@ fn part(fields: &Fields, object: usize) -> Result<Surface, SceneError> {
     if surface.even < 1.0 || surface.wants(Use::Opacity) || surface.wants(Use::Relief) {
         let problem = "a part of a blendbsdf has holes or a normalmap of its own";
         return Err(own.refuse(problem, "put the whole blendbsdf into them"));
+    }
+    if surface.measured.is_some() {
+        let problem = "measured reflectance in a blendbsdf is not supported";
+        return Err(own.refuse(problem, "use it alone"));
     }
     let is_smooth;
     (surface.bsdf, is_smooth) = surface.bsdf.into_part();

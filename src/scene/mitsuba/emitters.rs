@@ -1,22 +1,25 @@
 //! Lights: the types of `<emitter>`.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use hecs::Entity;
 
 use super::Import;
 use super::fields::Fields;
+use super::sensors::tan_half_x;
 use super::spectra::Kind;
 use super::textures::{Use, Wanted};
 use super::transforms::{looking, perpendicular};
 use super::tree::{NAME, Tag};
-use crate::math::elementary::cbrt;
+use crate::image::texels::{Coding, Texels};
+use crate::math::elementary::{atan2, cbrt};
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Backdrop, BackdropSource, Emission, Environment, Name, Picture, Punctual, PunctualKind,
-    Transform,
+    Backdrop, BackdropSource, Emission, Environment, Falloff, Filter, Name, Picture, Projection,
+    Punctual, PunctualKind, Texture, Transform, Wrap, half_hash,
 };
 use crate::spectrum::Spectrum;
 
@@ -27,11 +30,12 @@ const OF_SHAPES: &str = "area";
 type Add = fn(&mut Import, &Fields) -> Result<(), SceneError>;
 
 /// The lights that are no shape's, by type.
-const TYPES: [(&str, Add); 5] = [
+const TYPES: [(&str, Add); 6] = [
     ("constant", constant),
     ("directional", directional),
     ("envmap", envmap),
     ("point", point),
+    ("projector", projector),
     ("spot", spot),
 ];
 
@@ -90,11 +94,16 @@ impl Import<'_> {
     }
 
     /// Adds a light; `z` is where it shines to in its own space.
-    fn put(&mut self, fields: &Fields, light: Punctual, place: DAffine3) -> Result<(), SceneError> {
+    fn put(
+        &mut self,
+        fields: &Fields,
+        light: Punctual,
+        place: DAffine3,
+    ) -> Result<Entity, SceneError> {
         // Ours shine along -z.
         let turned = DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0));
         let put = self.world.put_light(Name(fields.label()), light, Transform(place * turned));
-        put.map(|_| ()).map_err(|fault| fields.fault(fault, &[]))
+        put.map_err(|fault| fields.fault(fault, &[]))
     }
 }
 
@@ -152,7 +161,7 @@ fn point(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
         None => fields.transform("to_world")?.translation,
     };
     let light = Punctual { kind: PunctualKind::Point, intensity };
-    import.put(fields, light, DAffine3::from_translation(place))
+    import.put(fields, light, DAffine3::from_translation(place)).map(drop)
 }
 
 fn directional(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
@@ -169,7 +178,8 @@ fn directional(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
         }
         None => fields.transform("to_world")?,
     };
-    import.put(fields, Punctual { kind: PunctualKind::Directional, intensity }, place)
+    let light = Punctual { kind: PunctualKind::Directional, intensity };
+    import.put(fields, light, place).map(drop)
 }
 
 fn spot(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
@@ -186,12 +196,61 @@ fn spot(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
         return Err(fields.wrong("cutoff_angle", problem, remedy));
     }
     let place = fields.transform("to_world")?;
-    let kind = PunctualKind::Spot { inner: beam.to_radians(), outer: cutoff.to_radians() };
-    let light = Punctual { kind, intensity };
-    if beam < cutoff {
-        let text = "falls off from the beam to the cutoff with the square of the cosine's share, \
-                    as in glTF, and not with the angle's";
+    let (inner, outer) = (beam.to_radians(), cutoff.to_radians());
+    // An edge is one, however it falls off.
+    let falloff = if beam < cutoff { Falloff::Angle } else { Falloff::default() };
+    let light = Punctual { kind: PunctualKind::Spot { inner, outer, falloff }, intensity };
+    import.put(fields, light, place).map(drop)
+}
+
+/// The reciprocal of a pinhole camera: on a wall at a distance of 1 that faces it, a texel gives an
+/// irradiance of pi times itself.
+fn projector(import: &mut Import, fields: &Fields) -> Result<(), SceneError> {
+    let scale = fields.number("scale")?.unwrap_or(1.0);
+    let (picture, irradiance) = match fields.wanted("irradiance", Use::Radiance) {
+        Some(Wanted { used, object }) => {
+            let texture = import.texture(object, used)?;
+            let picture = thrown(import, fields, texture)?;
+            (picture, Spectrum::Constant(1.0))
+        }
+        None => {
+            let white = Picture::new(Texels::of_colors(1, vec![[1.0; 3]]), half_hash(b"white"));
+            let irradiance = fields.spectrum_or("irradiance", Kind::Emission, 1.0)?;
+            (Arc::new(white), irradiance)
+        }
+    };
+    let intensity = irradiance.scaled((PI * scale) as f32);
+    let [width, height] = picture.texels().size().map(f64::from);
+    let outer = atan2(tan_half_x(fields, width / height)?, 1.0);
+    let place = fields.transform("to_world")?;
+    if intensity.values().iter().all(|value| *value == 0.0) {
+        return Ok(());
+    }
+    let kind = PunctualKind::Spot { inner: 0.0, outer, falloff: Falloff::default() };
+    let light = import.put(fields, Punctual { kind, intensity }, place)?;
+    let put = import.world.put_projection(light, Projection(picture));
+    put.map_err(|fault| fields.fault(fault, &[("picture", "irradiance"), ("intensity", "scale")]))
+}
+
+/// The picture of a texture as ours throw them: as it lies, interpolated linearly, its outermost
+/// texels beyond their middles.
+fn thrown(
+    import: &mut Import,
+    fields: &Fields,
+    texture: Texture,
+) -> Result<Arc<Picture>, SceneError> {
+    const PLAIN: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let Texture { picture, coding, wrap, filter, set: _, transform } = texture;
+    if transform != PLAIN || filter != Filter::Linear {
+        let problem = "is no picture as it lies, interpolated linearly";
+        return Err(fields.wrong("irradiance", problem, "use a bitmap without to_uv"));
+    }
+    if wrap.contains(&Wrap::Repeat) {
+        let text = "shows its outermost texels up to its edges, and not what lies beyond these";
         import.warnings.add(&fields.label(), text);
     }
-    import.put(fields, light, place)
+    Ok(match coding {
+        Coding::Srgb => picture,
+        Coding::Linear => Arc::new(picture.linear()),
+    })
 }

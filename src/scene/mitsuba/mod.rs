@@ -9,6 +9,7 @@
 //! its cameras look along z. What the objects then do to light is ours.
 
 mod bsdfs;
+mod definitions;
 mod emitters;
 mod fields;
 mod integrators;
@@ -36,12 +37,13 @@ use self::shapes::{Body, Form};
 use self::tree::{Object, Tag, Tree};
 use self::xml::Paths;
 use super::error::{Findings, SceneError};
+use super::gltf::Edit;
 use super::gltf::files::Files;
 use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
-    Boundary, Bsdf, Filling, Geometry, Material, Mesh, Name, Picture, Sides, Skin, Textures,
-    Transform, World,
+    Asked, Boundary, Bsdf, Filling, Geometry, Material, MeasuredTable, Mesh, Name, Picture, Sides,
+    Skin, Textures, Transform, World,
 };
 use crate::image::read_bytes;
 use crate::spectrum::Spectrum;
@@ -58,6 +60,10 @@ pub struct MitsubaFile {
     tree: Tree,
     paths: Paths,
     files: Files,
+    /// The file, and how it was read.
+    bytes: Vec<u8>,
+    allow_outside: bool,
+    definitions: Vec<(String, String)>,
 }
 
 impl MitsubaFile {
@@ -92,7 +98,74 @@ impl MitsubaFile {
         files.note_scene(bytes);
         let read = xml::read(bytes, &files, definitions);
         let (tree, paths) = read.map_err(|error| error.in_file(path))?;
-        Ok(Self { tree, paths, files })
+        let (bytes, definitions) = (bytes.to_vec(), definitions.to_vec());
+        Ok(Self { tree, paths, files, bytes, allow_outside, definitions })
+    }
+
+    /// The same file with other values of its parameters, `define/NAME` each.
+    ///
+    /// # Errors
+    /// When an edit is of anything else, or the scene has no such parameter, or is none with it.
+    pub fn redefined(&self, path: &Path, edits: &[Edit]) -> Result<Self, SceneError> {
+        let definitions = definitions::with_edits(&self.definitions, edits);
+        let definitions = definitions.map_err(|error| error.in_file(path))?;
+        Self::from_memory(path, &self.bytes, self.allow_outside, &definitions)
+    }
+
+    /// Says if the scene has not all parameters of these edits. Nothing that it refers to outside
+    /// of its folder is looked at, and what else is wrong with it is told by who reads it.
+    ///
+    /// # Errors
+    /// When an edit is of anything but a parameter that is there.
+    pub fn check_edits(path: &Path, bytes: &[u8], edits: &[Edit]) -> Result<(), SceneError> {
+        let definitions = definitions::with_edits(&[], edits)?;
+        let files = Files::of_scene(path, false);
+        xml::check_parameters(bytes, &files, &definitions)
+    }
+
+    /// How it asks to be rendered by a camera.
+    ///
+    /// # Errors
+    /// When something in that is not supported, or wrong.
+    pub fn asked(&self, view: &View) -> Result<Asked, SceneError> {
+        let mut import = self.import(&self.files, String::new());
+        let sensors = import.look_around(|import, object, tag| match tag {
+            Tag::Integrator => import.add_integrator(object),
+            Tag::Shape
+            | Tag::Emitter
+            | Tag::Bsdf
+            | Tag::Medium
+            | Tag::Phase
+            | Tag::Texture
+            | Tag::Volume
+            | Tag::Film
+            | Tag::Filter
+            | Tag::Sampler
+            | Tag::Scene
+            | Tag::Sensor => Ok(()),
+        });
+        let (sensors, mut findings) = sensors;
+        findings.note(import.add_camera(&sensors, view));
+        findings.result()?;
+        Ok(import.world.asked)
+    }
+
+    /// A world in the making, of this name.
+    fn import<'a>(&'a self, files: &'a Files, name: String) -> Import<'a> {
+        Import {
+            tree: &self.tree,
+            paths: &self.paths,
+            files,
+            world: World::new(name),
+            warnings: Warnings::default(),
+            materials: BTreeMap::new(),
+            media: BTreeMap::new(),
+            geometries: BTreeMap::new(),
+            pictures: BTreeMap::new(),
+            tables: BTreeMap::new(),
+            shapes: 0,
+            has_environment: false,
+        }
     }
 
     /// The scene as it is seen.
@@ -108,19 +181,7 @@ impl MitsubaFile {
         }
         let files = self.files.again();
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let mut import = Import {
-            tree: &self.tree,
-            paths: &self.paths,
-            files: &files,
-            world: World::new(stem),
-            warnings: Warnings::default(),
-            materials: BTreeMap::new(),
-            media: BTreeMap::new(),
-            geometries: BTreeMap::new(),
-            pictures: BTreeMap::new(),
-            shapes: 0,
-            has_environment: false,
-        };
+        let mut import = self.import(&files, stem);
         import.scene(view).map_err(|error| error.in_file(path))?;
         let Import { mut world, mut warnings, .. } = import;
         world.file = path.to_owned();
@@ -148,6 +209,8 @@ struct Import<'a> {
     geometries: BTreeMap<(String, u32, [bool; 3]), Arc<Geometry>>,
     /// Pictures of textures by file.
     pictures: BTreeMap<String, Arc<Picture>>,
+    /// Measured tables by file.
+    tables: BTreeMap<String, MeasuredTable>,
     /// How many shapes instances have made.
     shapes: usize,
     has_environment: bool,
@@ -159,27 +222,20 @@ type MaterialKey = (Option<usize>, Option<usize>, bool, bool);
 
 impl Import<'_> {
     fn scene(&mut self, view: &View) -> Result<(), SceneError> {
-        const ROOT: usize = 0;
-        let mut findings = Findings::default();
-        let mut sensors = Vec::new();
-        for child in &self.tree.objects[ROOT].children {
-            let Some(object) = object_of(child) else { continue };
-            findings.note(match self.tree.objects[object].tag {
-                Tag::Shape => self.add_shape(object),
-                Tag::Emitter => self.add_emitter(object),
-                Tag::Integrator => self.add_integrator(object),
-                Tag::Sensor => {
-                    sensors.push(object);
-                    Ok(())
-                }
-                // They are looked at where something refers to them.
-                Tag::Bsdf | Tag::Medium | Tag::Phase | Tag::Texture | Tag::Volume => Ok(()),
-                Tag::Film | Tag::Filter | Tag::Sampler | Tag::Scene => {
-                    let label = self.tree.objects[object].label();
-                    Err(SceneError::new(label, "has no place in a scene", "move it to a sensor"))
-                }
-            });
-        }
+        let (sensors, mut findings) = self.look_around(|import, object, tag| match tag {
+            Tag::Shape => import.add_shape(object),
+            Tag::Emitter => import.add_emitter(object),
+            Tag::Integrator => import.add_integrator(object),
+            // Sensors are looked at when it is known which is wanted, and the others where
+            // something refers to them.
+            Tag::Sensor | Tag::Bsdf | Tag::Medium | Tag::Phase | Tag::Texture | Tag::Volume => {
+                Ok(())
+            }
+            Tag::Film | Tag::Filter | Tag::Sampler | Tag::Scene => {
+                let label = import.tree.objects[object].label();
+                Err(SceneError::new(label, "has no place in a scene", "move it to a sensor"))
+            }
+        });
         let camera = findings.note(self.add_camera(&sensors, view));
         findings.result()?;
         if camera == Some(None) {
@@ -191,6 +247,24 @@ impl Import<'_> {
             self.world.light_up(STATE_LIGHT)?;
         }
         Ok(())
+    }
+
+    /// Looks at what stands in the scene itself; which of it are sensors, and what is wrong.
+    fn look_around(
+        &mut self,
+        mut look: impl FnMut(&mut Self, usize, Tag) -> Result<(), SceneError>,
+    ) -> (Vec<usize>, Findings) {
+        const ROOT: usize = 0;
+        let (mut sensors, mut findings) = (Vec::new(), Findings::default());
+        for child in &self.tree.objects[ROOT].children {
+            let Some(object) = object_of(child) else { continue };
+            let tag = self.tree.objects[object].tag;
+            if tag == Tag::Sensor {
+                sensors.push(object);
+            }
+            findings.note(look(self, object, tag));
+        }
+        (sensors, findings)
     }
 
     /// Adds what has the form of a shape, with its material and media.
@@ -337,7 +411,11 @@ impl Import<'_> {
                 diffuse_or_black(Spectrum::Constant(reflectance)).into()
             }
         };
-        let Surface { bsdf, two_sided, mut wanted, even, parts, has_smooth_parts } = surface;
+        let Surface { mut bsdf, two_sided, mut wanted, even, parts, has_smooth_parts, measured } =
+            surface;
+        if let Some(object) = measured {
+            bsdf = self.measured(object)?;
+        }
         wanted.extend(glow);
         let label = own.map_or_else(|| shape.label(), Object::label);
         if has_smooth_parts {
@@ -371,6 +449,35 @@ impl Import<'_> {
             self.world.set_textures(entity, textures)?;
         }
         Ok(entity)
+    }
+
+    /// The model of a measured table: at the wavelengths of the render, or at one for all.
+    fn measured(&mut self, object: usize) -> Result<Bsdf, SceneError> {
+        let fields = Fields::of(self.tree, object);
+        let name = fields.text("filename")?.unwrap_or_default();
+        let path = self.paths.of(name, self.files);
+        let table = match self.tables.get(&path) {
+            Some(known) => known.clone(),
+            None => {
+                let place = format!("{}, filename", fields.label());
+                let bytes = self.files.named(&path, &place, u64::MAX)?;
+                let read = MeasuredTable::new(&path, bytes);
+                let table = read.map_err(|fault| SceneError::at(&place, fault))?;
+                self.tables.insert(path, table.clone());
+                table
+            }
+        };
+        let places = match fields.number("wavelength")? {
+            None | Some(-1.0) => table.places(),
+            Some(nm) => {
+                let at = table.places().at(nm as f32);
+                let [first, last] = table.ends_nm();
+                let problem = format!("{nm} nm is not among those of the table");
+                let remedy = format!("give one from {first} to {last} nm");
+                Spectrum::Constant(at.map_err(|_| fields.wrong("wavelength", problem, remedy))?)
+            }
+        };
+        Ok(Bsdf::Measured { table, places })
     }
 
     /// A mesh without what no ray ever meets.

@@ -221,7 +221,7 @@ fn perspective(
 }
 
 /// Tangent of half the horizontal angle of view.
-fn tan_half_x(fields: &Fields, aspect: f64) -> Result<f64, SceneError> {
+pub fn tan_half_x(fields: &Fields, aspect: f64) -> Result<f64, SceneError> {
     /// Half the diagonal of a film of 36 by 24 mm.
     const HALF_DIAGONAL_MM: f64 = 21.633_307_652_783_937;
     let of_diagonal = |tangent: f64| tangent / (1.0 + 1.0 / (aspect * aspect)).sqrt();

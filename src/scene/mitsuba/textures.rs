@@ -111,7 +111,8 @@ impl Import<'_> {
         Ok(textures)
     }
 
-    fn texture(&mut self, object: usize, used: Use) -> Result<Texture, SceneError> {
+    /// The texture that an object is, for a use.
+    pub fn texture(&mut self, object: usize, used: Use) -> Result<Texture, SceneError> {
         let fields = Fields::of(self.tree, object);
         let transform = fields.transform("to_uv")?;
         let columns = [transform.x_axis, transform.y_axis, transform.translation];

@@ -28,14 +28,7 @@ pub fn read(
     files: &Files,
     definitions: &[(String, String)],
 ) -> Result<(Tree, Paths), SceneError> {
-    let mut reader = Reader {
-        files,
-        tree: Tree::default(),
-        parameters: Parameters::new(definitions),
-        findings: Findings::default(),
-        paths: Paths::default(),
-        includes: 0,
-    };
+    let mut reader = Reader::new(files, definitions);
     let root = reader.file(bytes, &Source::default())?;
     let first = reader.tree.objects.get(root);
     if first.is_some_and(|object| object.tag != Tag::Scene) {
@@ -50,6 +43,23 @@ pub fn read(
     }
     reader.findings.result()?;
     Ok((reader.tree, reader.paths))
+}
+
+/// Says if a scene has not all parameters that definitions are of; what else is wrong with it is
+/// not told.
+pub fn check_parameters(
+    bytes: &[u8],
+    files: &Files,
+    definitions: &[(String, String)],
+) -> Result<(), SceneError> {
+    let mut reader = Reader::new(files, definitions);
+    if reader.file(bytes, &Source::default()).is_err() || reader.findings.result().is_err() {
+        return Ok(());
+    }
+    match reader.parameters.unused() {
+        Some((problem, remedy)) => Err(SceneError::new("define", problem, remedy)),
+        None => Ok(()),
+    }
 }
 
 /// Folders in which files are looked for, relative to that of the scene: the last first.
@@ -93,6 +103,19 @@ struct Reader<'a> {
     findings: Findings,
     paths: Paths,
     includes: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(files: &'a Files, definitions: &[(String, String)]) -> Self {
+        Self {
+            files,
+            tree: Tree::default(),
+            parameters: Parameters::new(definitions),
+            findings: Findings::default(),
+            paths: Paths::default(),
+            includes: 0,
+        }
+    }
 }
 
 impl Reader<'_> {

@@ -59,6 +59,8 @@ pub enum PunctualKind {
         /// Half angle of the whole cone in radians, greater than 0, at most pi/2, not less than
         /// `inner`.
         outer: f64,
+        /// How it falls off between them.
+        falloff: Falloff,
     },
     /// Infinitely far away.
     Directional,
@@ -67,6 +69,29 @@ pub enum PunctualKind {
         /// The angle that it takes up in radians: greater than 0, less than pi.
         diameter: f64,
     },
+}
+
+/// How a spot falls off from its inner angle to its outer one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Falloff {
+    /// With the square of a ramp in the cosine of the angle, as KHR_lights_punctual recommends.
+    #[default]
+    Cosine,
+    /// Evenly with the angle, as Mitsuba has it.
+    Angle,
+}
+
+impl Falloff {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Cosine, Self::Angle];
+
+    /// What files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cosine => "cosine",
+            Self::Angle => "angle",
+        }
+    }
 }
 
 /// The angle that the sun takes up, in radians: 0.533 degrees.
@@ -83,7 +108,8 @@ impl Punctual {
     /// A cone: radiant intensity on its axis in W/sr, half angles of full intensity and of the
     /// whole in radians.
     pub fn spot(intensity: impl Into<Spectrum>, inner: f64, outer: f64) -> Self {
-        Self { kind: PunctualKind::Spot { inner, outer }, intensity: intensity.into() }
+        let kind = PunctualKind::Spot { inner, outer, falloff: Falloff::Cosine };
+        Self { kind, intensity: intensity.into() }
     }
 
     /// Parallel light: irradiance in W/m^2 on a plane that faces it.
@@ -191,12 +217,12 @@ impl PunctualKind {
                 Err(Fault::new("angular_diameter", problem, remedy))
             }
             // Blender writes equal angles for a spot without soft edge, so that is fine.
-            Self::Spot { inner, outer }
+            Self::Spot { inner, outer, .. }
                 if inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= FRAC_PI_2 =>
             {
                 Ok(())
             }
-            Self::Spot { inner, outer } => {
+            Self::Spot { inner, outer, .. } => {
                 // As files state them.
                 let [inner, outer] = [inner, outer].map(|angle| angle as f32);
                 let problem = format!(

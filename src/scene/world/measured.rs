@@ -127,6 +127,11 @@ impl MeasuredTable {
         &self.0.name
     }
 
+    /// All of its file.
+    pub(in crate::scene) fn bytes(&self) -> &[u8] {
+        self.0.tensors.bytes()
+    }
+
     /// The first and the last wavelength.
     pub fn ends_nm(&self) -> [f32; 2] {
         let nm = &self.0.wavelengths_nm;

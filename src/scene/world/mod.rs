@@ -75,7 +75,7 @@ pub use self::incandescent::Incandescent;
 pub(super) use self::incandescent::share as incandescent_share;
 pub use self::layers::Layers;
 pub use self::light::{
-    Backdrop, BackdropSource, Environment, Luminaire, Projection, Punctual, PunctualKind,
+    Backdrop, BackdropSource, Environment, Falloff, Luminaire, Projection, Punctual, PunctualKind,
     SUN_DIAMETER,
 };
 pub(crate) use self::material::tabulated;

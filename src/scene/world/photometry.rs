@@ -130,6 +130,22 @@ impl Photometry {
         Ok(read)
     }
 
+    /// A file of it, which is read as the same.
+    pub fn to_ies(&self) -> String {
+        let [vertical, horizontal] = [&self.vertical_deg, &self.horizontal_deg].map(Vec::len);
+        let mut text = format!(
+            "IESNA:LM-63-2002\n[MANUFAC] written by sunstone\nTILT=NONE\n1 -1 1 {vertical} \
+             {horizontal} 1 2 0 0 0\n1 1 0\n"
+        );
+        let planes = self.candela.chunks(vertical);
+        for row in [&self.vertical_deg[..], &self.horizontal_deg].into_iter().chain(planes) {
+            let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
+            text.push_str(&numbers.join(" "));
+            text.push('\n');
+        }
+        text
+    }
+
     /// What of the file counts for nothing, or contradicts itself, as sentences about the file.
     pub fn doubts(&self) -> &[&'static str] {
         &self.doubts

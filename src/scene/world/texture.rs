@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec2;
 
 use crate::image::StokesImage;
+use crate::image::exr::encode_whole;
 use crate::image::texels::{Coding, STOKES_WANTED, Texels, flaw};
 use crate::scene::error::SceneError;
 use crate::scene::panorama::Directions;
@@ -127,6 +128,49 @@ impl Picture {
     ) -> Self {
         let states = Some(states);
         Self { states, ..Self::new(Texels::of_colors(width, colors), checksum) }
+    }
+
+    /// The same whose values are what these are if they are linear.
+    pub(in crate::scene) fn linear(&self) -> Self {
+        let [width, height] = self.texels.size();
+        let mut colors = Vec::new();
+        for row in 0..height {
+            colors.extend((0..width).map(|column| {
+                let [red, green, blue, _] = self.texels.at(column, row, Coding::Linear);
+                [red, green, blue]
+            }));
+        }
+        let checksum = half_hash(&[&self.checksum.to_le_bytes()[..], b"linear"].concat());
+        Self::new(Texels::of_colors(width as usize, colors), checksum)
+    }
+
+    /// The bytes of a file of it, and what its name ends in. What is read of that has the same
+    /// values, but for last bits of how light is polarized.
+    pub(in crate::scene) fn encode(&self) -> Result<(Vec<u8>, &'static str), String> {
+        let Some(states) = &self.states else { return self.texels.encode() };
+        let [width, height] = self.texels.size().map(|side| side as usize);
+        let mut planes = vec![Vec::new(); 12];
+        for (texel, state) in states.iter().enumerate() {
+            let at = [texel % width, texel / width].map(|it| it as u32);
+            let color = self.texels.at(at[0], at[1], Coding::Linear);
+            for channel in 0..3 {
+                planes[channel].push(color[channel]);
+                for (component, share) in state[channel].iter().enumerate() {
+                    planes[3 * (component + 1) + channel].push(share * color[channel]);
+                }
+            }
+        }
+        let image = StokesImage {
+            width,
+            height,
+            color: Color::Rgb,
+            components: 4,
+            planes,
+            variance: None,
+            layers: Vec::new(),
+            metadata: Vec::new(),
+        };
+        encode_whole(&image).map(|bytes| (bytes, "exr"))
     }
 
     /// How the light of a texel is polarized; none if the picture is not.
