@@ -512,7 +512,7 @@ DOWNLIGHT = """IESNA:LM-63-2002
 TILT=NONE
 1 -1 1 10 1 1 2 0 0 0
 1 1 1
-0 5 10 14 17 19 21 23 25 90
+0 4 8 11 14 16 18 19 20 90
 0
 600 590 540 440 310 190 90 30 0 0
 """
@@ -688,7 +688,7 @@ def stand(rows):
             scene.put(thing, (x, index * RISE + RADIUS + 0.001, -index * DEPTH))
     lamps(scene)
     scene.camera({"yfov": math.radians(25.5), "aspectRatio": 4 / 3},
-                 camera_look_at((0.0, 1.03, 1.52), (0.0, 0.225, -0.25)), [640, 480])
+                 camera_look_at((0.0, 1.03, 1.52), (0.0, 0.225, -0.25)), [512, 384])
     return scene
 
 
