@@ -28,5 +28,6 @@ mod rough;
 mod sheets;
 mod skies;
 mod spectra;
+mod stand;
 mod stokes;
 mod textures;
