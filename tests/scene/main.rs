@@ -32,5 +32,6 @@ mod rough;
 mod sheets;
 mod skies;
 mod spectra;
+mod stand;
 mod stokes;
 mod textures;

@@ -312,10 +312,12 @@ fn colored_scenes_bake_in_rgb_and_at_one_wavelength() {
 }
 
 #[test]
-fn the_files_are_what_the_generator_writes() {
-    let check = Command::new("python3").arg(scene("generate.py")).arg("--check").output();
-    // Machines without Python take the files as they are.
-    if let Ok(output) = check {
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+fn the_files_are_what_the_generators_write() {
+    for script in ["generate.py", "materials.py"] {
+        let check = Command::new("python3").arg(scene(script)).arg("--check").output();
+        // Machines without Python take the files as they are.
+        if let Ok(output) = check {
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        }
     }
 }

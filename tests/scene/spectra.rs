@@ -1,7 +1,7 @@
 //! Spectra in scene files: names of substances and illuminants, formulas, lines, files.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::common::{good, load_json, scratch};
 use serde_json::{Value, json};
@@ -327,7 +327,8 @@ fn shipped_scenes_cover_visible_light() {
         .flat_map(|name| fs::read_dir(folder.join(name)).expect("the scenes are there"));
     let paths = files.map(|file| file.expect("a readable entry").path());
     let mut count = 0;
-    for path in paths.filter(|path| path.extension().is_some_and(|it| it == "gltf")) {
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|it| it == "gltf" || it == "glb");
+    for path in paths.filter(is_scene) {
         let world = load(&path).unwrap_or_else(|error| panic!("{error}"));
         for ends in [[380.0, 780.0], [400.0, 700.0]] {
             let carried = Carried::set(ends).under(White::D65);

@@ -140,7 +140,7 @@ fn all_pairs<const N: usize>(
     (mode, color): (Mode, Color),
     (iterations, images_of): (u32, ImagesOf),
 ) -> Vec<String> {
-    let is_small = !name.contains(".gltf");
+    let is_small = !name.starts_with("scenes");
     let all = render_all(scene, (mode, color), (iterations, images_of), is_small);
     let bdpt_finds_everything = path_finds_everything(scene);
     let mut complaints = Vec::new();
@@ -284,7 +284,7 @@ fn paths(folder: &str) -> Vec<PathBuf> {
     let folder = in_package(folder);
     let files = fs::read_dir(&folder).expect("the scenes are there");
     let mut paths: Vec<_> = files.map(|file| file.expect("a readable entry").path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "gltf"));
+    paths.retain(|path| path.extension().is_some_and(|it| it == "gltf" || it == "glb"));
     paths.sort();
     assert!(!paths.is_empty(), "no scenes in {}", folder.display());
     paths
