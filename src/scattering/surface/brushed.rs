@@ -56,12 +56,14 @@ impl Brushed {
             *mean = (alpha[0] * alpha[1]).sqrt();
         }
         let Added { row, scattered, peak } = tables.add(&model);
-        let kind = match SurfaceKind::of(&model) {
-            SurfaceKind::RoughConductor => Base::Metal,
-            SurfaceKind::RoughDielectric => Base::Glass,
-            SurfaceKind::MetallicRoughness => Base::Mixed,
-            other => unreachable!("a {other:?} has no facets to be stretched: checked before"),
-        };
+        let own = SurfaceKind::of(&model);
+        let bases = [
+            (SurfaceKind::RoughConductor, Base::Metal),
+            (SurfaceKind::RoughDielectric, Base::Glass),
+            (SurfaceKind::MetallicRoughness, Base::Mixed),
+        ];
+        let base = bases.into_iter().find(|(kind, _)| *kind == own);
+        let (_, kind) = base.expect("worlds are checked: no other model has such facets");
         let part = Part { kind, row: row as usize };
         Self { part, along: grain.place, alpha, scattered, peak }
     }

@@ -13,9 +13,9 @@ use serde_json::{Map, Value, json};
 
 use super::cameras::written_film;
 use super::extension::EXTENSION;
+use super::facets::{self, with_facets};
 use super::layers::write_layers;
-use super::materials::with_facets;
-use super::{blends, films, grains, plastics, sheets};
+use super::{blends, films, plastics, sheets};
 use crate::image::OutputError;
 use crate::image::atomic;
 use crate::polarization::Analyzer;
@@ -291,7 +291,7 @@ impl Writer {
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
             if let Bsdf::Brushed { grain, .. } = bsdf {
-                grains::write_anisotropy(grain, *alpha, &mut material);
+                facets::write_anisotropy(grain, *alpha, &mut material);
             }
         }
         if let Bsdf::Layered { layers } = bsdf {
@@ -371,7 +371,7 @@ impl Writer {
                     "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
-            Bsdf::Brushed { of, grain } => grains::written(self.bsdf(name, of), grain),
+            Bsdf::Brushed { of, grain } => facets::written(self.bsdf(name, of), grain),
             Bsdf::Blend { parts, weight } => {
                 blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }

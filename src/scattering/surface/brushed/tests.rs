@@ -139,11 +139,11 @@ fn single_reflections_are_those_of_the_definitions() {
 /// All light comes back that lossless metal has reflected, to what is stated.
 #[test]
 fn lossless_facets_lose_little() {
-    const PACKETS: usize = 1500;
-    let mut numbers = Numbers(130_000);
+    const PACKETS: usize = 800;
+    let (mut numbers, mut worst) = (Numbers(130_000), 0.0_f64);
     for distribution in Distribution::ALL {
         for (alpha, cos) in
-            [([0.5, 0.125], 0.2), ([0.5, 0.125], 0.9), ([0.2, 0.8], 0.3), ([1.0, 0.25], 0.6)]
+            [([0.5, 0.125], 0.1), ([0.5, 0.125], 0.9), ([0.2, 0.8], 0.3), ([1.0, 0.25], 0.6)]
         {
             let mirrors = metal(1e-6, 1.0, alpha[1], (distribution, true));
             let model = Tabled::new(&brushed(mirrors, alpha[0], 0.0));
@@ -160,10 +160,11 @@ fn lossless_facets_lose_little() {
                 let error = ((squares / all - mean * mean).max(0.0) / all).sqrt();
                 println!("{distribution:?} {alpha:?} {cos} {turns}: {mean} {error}");
                 // Four standard errors: by chance in one of 16,000 cases, of which there are 24.
-                assert!((mean - 1.0).abs() < 0.06 + 4.0 * error, "{alpha:?} {turns}: {mean}");
+                worst = worst.max((mean - 1.0).abs() - 4.0 * error);
             }
         }
     }
+    assert!(worst < 0.05, "{worst}");
 }
 
 /// Surfaces that are turned with the light are the same.
@@ -176,10 +177,11 @@ fn the_direction_turns_with_the_surface() {
         let heights = [0, 1].map(|_| numbers.lanes() * F32s::splat(0.9) + F32s::splat(0.05));
         let places = [numbers.lanes(), numbers.lanes()];
         let by = numbers.next();
+        let wrapped = |turns: F32s| turns - turns.floor();
         let at = |turned: f32| {
             let model = Tabled::new(&brushed(of.clone(), along, turned));
             let [given, drawn] =
-                [0, 1].map(|it| directions(heights[it], places[it] + F32s::splat(turned)));
+                [0, 1].map(|it| directions(heights[it], wrapped(places[it] + F32s::splat(turned))));
             (model.value(given, drawn), model.pdf(given, drawn))
         };
         let ((value, pdf), (turned, turned_pdf)) = (at(0.0), at(by));
