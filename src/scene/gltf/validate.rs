@@ -19,7 +19,7 @@ const VALUE: usize = 60;
 
 /// Extensions that are read, and those that show nothing: other materials to choose, and who made
 /// what.
-const EXTENSIONS: [&str; 23] = [
+const EXTENSIONS: [&str; 24] = [
     EXTENSION,
     EXT_LIGHTS,
     INSTANCING,
