@@ -87,8 +87,8 @@ pub trait Slopes: Copy {
     /// `alpha sin` of a direction.
     fn width(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
 
-    /// The cosine at which even facets of [`Slopes::alpha`] hide each other as much as these do from
-    /// a direction of the cosine: what several of them scatter goes by that.
+    /// The cosine at which even facets, of the root mean square of the roughness, hide each other
+    /// as much as these do from a direction of the cosine: what several of them scatter goes by it.
     fn even(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
 
     /// A direction in a space in which the facets are those of a hemisphere.
@@ -203,7 +203,9 @@ impl Slopes for Stretched {
 
     #[inline(always)]
     fn even(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s {
-        let slope = self.width(normal, v, cos) / self.alpha();
+        let [along, across] = self.alpha;
+        let mean2 = along.mul_add(along, across * across) * F32s::splat(0.5);
+        let slope = self.width(normal, v, cos) / mean2.sqrt();
         cos / slope.mul_add(slope, cos * cos).fast_max(F32s::splat(TINY)).sqrt()
     }
 
@@ -235,7 +237,7 @@ pub struct FacetReflection {
     pub value: F32s,
     /// The cosines of the two directions to the normal of the surface, where there is a value.
     pub cosines: [F32s; 2],
-    /// What these are to even facets of the mean roughness: [`Slopes::even`].
+    /// What these are to even facets: [`Slopes::even`].
     pub even: [F32s; 2],
 }
 

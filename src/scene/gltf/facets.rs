@@ -1,5 +1,5 @@
-//! Facets: how rough they are, and along which direction they are stretched, by the extension's keys
-//! and by what glTF calls anisotropy.
+//! Facets: how rough they are, and along which direction they are stretched, by the extension's
+//! keys and by what glTF calls anisotropy.
 
 use serde_json::{Value, json};
 
