@@ -3,9 +3,9 @@
 //! They are rough metal, rough glass or glTF's metallic-roughness with other facets: the slopes of
 //! these are those of even ones, stretched along the direction and across it
 //! ([`crate::polarization::Stretched`]). Each has a row in the table of its model, of facets of the
-//! the root mean square of both. What several facets scatter is that of even facets of this
-//! roughness, at the cosine at which they hide each other as much: where one roughness is four times
-//! the other, all light that lossless metal has reflected comes back to 6 %.
+//! root mean square of both. What several facets scatter is that of even facets of this roughness,
+//! at the cosine at which they hide each other as much: where one roughness is four times the
+//! other, all light that lossless metal has reflected comes back to 6 %.
 
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
