@@ -87,6 +87,10 @@ pub trait Slopes: Copy {
     /// `alpha sin` of a direction.
     fn width(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
 
+    /// The cosine at which even facets, of the root mean square of the roughness, hide each other
+    /// as much as these do from a direction of the cosine: what several of them scatter goes by it.
+    fn even(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s;
+
     /// A direction in a space in which the facets are those of a hemisphere.
     fn stretch(&self, normal: Vector<F32s>, v: Vector<F32s>) -> Vector<F32s>;
 }
@@ -127,6 +131,11 @@ impl Slopes for Even {
         let one = F32s::splat(1.0);
         let sin = (one - cos * cos).fast_max(F32s::splat(TINY)).sqrt();
         self.alpha * sin
+    }
+
+    #[inline(always)]
+    fn even(&self, _: Vector<F32s>, _: Vector<F32s>, cos: F32s) -> F32s {
+        cos
     }
 
     #[inline(always)]
@@ -193,6 +202,14 @@ impl Slopes for Stretched {
     }
 
     #[inline(always)]
+    fn even(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s {
+        let [along, across] = self.alpha;
+        let mean2 = along.mul_add(along, across * across) * F32s::splat(0.5);
+        let slope = self.width(normal, v, cos) / mean2.sqrt();
+        cos / slope.mul_add(slope, cos * cos).fast_max(F32s::splat(TINY)).sqrt()
+    }
+
+    #[inline(always)]
     fn stretch(&self, normal: Vector<F32s>, v: Vector<F32s>) -> Vector<F32s> {
         let [along, across] = self.parts(normal, v);
         let side = normal.cross(self.along);
@@ -220,6 +237,8 @@ pub struct FacetReflection {
     pub value: F32s,
     /// The cosines of the two directions to the normal of the surface, where there is a value.
     pub cosines: [F32s; 2],
+    /// What these are to even facets: [`Slopes::even`].
+    pub even: [F32s; 2],
 }
 
 /// A refraction by facets.
@@ -270,6 +289,12 @@ impl<S: Slopes> Facets<S> {
         self.slopes.alpha()
     }
 
+    /// See [`Slopes::even`].
+    #[inline(always)]
+    pub fn even(&self, normal: Vector<F32s>, v: Vector<F32s>, cos: F32s) -> F32s {
+        self.slopes.even(normal, v, cos)
+    }
+
     /// Light between the directions `given` and `drawn`, both away from the surface of the unit
     /// `normal`; the same for both orders of the two.
     #[inline(never)]
@@ -301,7 +326,11 @@ impl<S: Slopes> Facets<S> {
             value = Real::select(self.beckmann, beckmann, value);
         }
         let cos_half = given.dot(half).fast_max(zero).fast_min(F32s::splat(1.0));
-        FacetReflection { half, cos_half, value: above & value, cosines }
+        let even = [
+            self.slopes.even(normal, given, cos_given),
+            self.slopes.even(normal, drawn, cos_drawn),
+        ];
+        FacetReflection { half, cos_half, value: above & value, cosines, even }
     }
 
     /// Density per steradian of [`Facets::draw`] for `drawn`; zero where the directions are not

@@ -150,10 +150,9 @@ fn nest<const N: usize>(
     row: usize,
     scene: &Scene<N>,
 ) -> bool {
-    let model = match model {
-        SurfaceModel::Brushed { of, .. } => of,
-        model => model,
-    };
+    if let SurfaceModel::Brushed { of, .. } = model {
+        return nest(of, surfaces, paths, row, scene);
+    }
     let SurfaceModel::RoughDielectric { ior, exterior_ior, .. } = model else { return false };
     let Some(interfaces) = &scene.interfaces else { return false };
     if scene.shapes.surfaces[surfaces.surface[row] as usize].solid == NONE {

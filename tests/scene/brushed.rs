@@ -1,4 +1,5 @@
-//! Facets that are stretched along a direction: what files say of them, in glTF and in Mitsuba's XML.
+//! Facets that are stretched along a direction: what files say of them, in glTF and in Mitsuba's
+//! XML.
 
 use serde_json::{Value, json};
 use sunstone::internals::polarization::Distribution;

@@ -3,9 +3,9 @@
 //! They are rough metal, rough glass or glTF's metallic-roughness with other facets: the slopes of
 //! these are those of even ones, stretched along the direction and across it
 //! ([`crate::polarization::Stretched`]). Each has a row in the table of its model, of facets of the
-//! mean roughness (the root of the product of both). What several facets scatter is that of even
-//! facets of this roughness: of ratios of roughness up to four all light comes back to 5 %, at all
-//! angles.
+//! root mean square of both. What several facets scatter is that of even facets of this roughness,
+//! at the cosine at which they hide each other as much: where one roughness is four times the
+//! other, all light that lossless metal has reflected comes back to 6 %.
 
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
@@ -53,15 +53,17 @@ impl Brushed {
         let mut model = *of;
         let alpha = grain.alphas(model.facets_alpha().copied().unwrap_or(1.0));
         if let Some(mean) = model.facets_alpha_mut() {
-            *mean = (alpha[0] * alpha[1]).sqrt();
+            *mean = (0.5 * (alpha[0] * alpha[0] + alpha[1] * alpha[1])).sqrt();
         }
         let Added { row, scattered, peak } = tables.add(&model);
-        let kind = match SurfaceKind::of(&model) {
-            SurfaceKind::RoughConductor => Base::Metal,
-            SurfaceKind::RoughDielectric => Base::Glass,
-            SurfaceKind::MetallicRoughness => Base::Mixed,
-            other => unreachable!("a {other:?} has no facets to be stretched: checked before"),
-        };
+        let own = SurfaceKind::of(&model);
+        let bases = [
+            (SurfaceKind::RoughConductor, Base::Metal),
+            (SurfaceKind::RoughDielectric, Base::Glass),
+            (SurfaceKind::MetallicRoughness, Base::Mixed),
+        ];
+        let base = bases.into_iter().find(|(kind, _)| *kind == own);
+        let (_, kind) = base.expect("worlds are checked: no other model has such facets");
         let part = Part { kind, row: row as usize };
         Self { part, along: grain.place, alpha, scattered, peak }
     }

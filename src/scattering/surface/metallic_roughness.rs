@@ -144,10 +144,10 @@ impl<const N: usize, S> MetallicRoughnesses<N, S> {
     }
 
     /// What the coat lets through of light of the cosine, and what facets that reflect all leave
-    /// out.
+    /// out, with the cosine to even ones.
     #[inline(always)]
-    fn missing(&self, cos: F32s) -> [F32s; 2] {
-        let of_facets = Albedo::missing(&self.of_facets, cos);
+    fn missing(&self, cos: F32s, even: F32s) -> [F32s; 2] {
+        let of_facets = Albedo::missing(&self.of_facets, even);
         [F32s::splat(1.0) - CoatAlbedo::at(of_facets, &self.of_coat, cos), of_facets]
     }
 
@@ -155,7 +155,8 @@ impl<const N: usize, S> MetallicRoughnesses<N, S> {
     #[inline(always)]
     fn depolarized(&self, reflection: &FacetReflection) -> [F32s; N] {
         let above = is_above(reflection);
-        let [given, drawn] = reflection.cosines.map(|cos| self.missing(cos));
+        let FacetReflection { cosines, even, .. } = reflection;
+        let [given, drawn] = [0, 1].map(|of| self.missing(cosines[of], even[of]));
         let [through, several] = [0, 1].map(|of| above & (given[of] * drawn[of]));
         let mut values = [F32s::splat(0.0); N];
         for (n, value) in values.iter_mut().enumerate() {
@@ -183,7 +184,7 @@ impl<const N: usize, S: Slopes> Rough<N> for MetallicRoughnesses<N, S> {
     #[inline(always)]
     fn chances(&self, cos: F32s) -> [F32s; 2] {
         let one = F32s::splat(1.0);
-        let [through, missing] = self.missing(cos);
+        let [through, missing] = self.missing(cos, cos);
         let once = self.single * (one - missing);
         let facets = (one - self.metallic).mul_add(one - through, once);
         let several = self.multiple * missing;

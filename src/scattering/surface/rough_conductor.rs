@@ -97,7 +97,7 @@ impl<const N: usize, S> RoughConductors<N, S> {
     /// What is reflected several times, per gain.
     #[inline(always)]
     fn several(&self, reflection: &FacetReflection) -> F32s {
-        let [given, drawn] = reflection.cosines.map(|cos| Albedo::missing(&self.terms, cos));
+        let [given, drawn] = reflection.even.map(|cos| Albedo::missing(&self.terms, cos));
         is_above(reflection) & (given * drawn)
     }
 }

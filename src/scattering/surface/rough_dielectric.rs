@@ -155,6 +155,8 @@ struct Sided<'a, const N: usize, S> {
     /// The shading normal there.
     normal: Vector<F32s>,
     cos_given: F32s,
+    /// What that is to even facets.
+    even_given: F32s,
 }
 
 /// What facets do between two directions at one wavelength.
@@ -173,11 +175,13 @@ impl<'a, const N: usize, S: Slopes> Sided<'a, N, S> {
     #[inline(always)]
     fn new(of: &'a RoughDielectrics<N, S>, facing: &Facing, given: Vector<F32s>) -> Self {
         let normal = facing.shading_towards(given);
+        let cos_given = given.dot(normal);
         Self {
             of,
             front: given.dot(facing.shading).simd_gt(F32s::splat(0.0)),
             normal,
-            cos_given: given.dot(normal),
+            cos_given,
+            even_given: of.facets.even(normal, given, cos_given),
         }
     }
 
@@ -250,8 +254,9 @@ impl<'a, const N: usize, S: Slopes> Sided<'a, N, S> {
     fn several(&self, drawn: Vector<F32s>) -> F32s {
         let cos = drawn.dot(self.normal);
         let same = cos.simd_gt(F32s::splat(0.0));
-        let [given, _] = self.missing(self.cos_given);
-        let [here, there] = self.missing(cos.abs());
+        let [given, _] = self.missing(self.even_given);
+        let even = self.of.facets.even(self.normal, drawn, cos);
+        let [here, there] = self.missing(even.abs());
         // Radiance that arrives on the other side gets through by what there is there.
         let [front, back] = &self.of.sides;
         let beyond = Real::select(self.front, back.beyond, front.beyond);

@@ -24,9 +24,9 @@ use super::Import;
 use super::blends::{self, BLEND};
 use super::document::decode_data_uri;
 use super::extension::{Body, MATERIAL};
+use super::facets::{self, alpha, distribution_and_several};
 use super::files::Files;
 use super::films;
-use super::grains;
 use super::layers::{has_painted_wall, says_more};
 use super::plastics;
 use super::sheets;
@@ -328,7 +328,7 @@ impl Import<'_> {
                 self.warnings.add_like("layers of glass", label, text);
             }
             let may_be_rough =
-                of("metallicRoughnessTexture") || is_solid && grains::is_stated(value);
+                of("metallicRoughnessTexture") || is_solid && facets::is_stated(value);
             self.glass(&layers, (is_solid, may_be_rough), label)
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
@@ -336,7 +336,7 @@ impl Import<'_> {
                 self.warnings.add_like("glass by a share", label, text);
             }
             Bsdf::Layered { layers }
-        } else if metallic == 1.0 && is_smooth && !is_painted && !grains::is_stated(value) {
+        } else if metallic == 1.0 && is_smooth && !is_painted && !facets::is_stated(value) {
             let k = Spectrum::Rgb(color.map(k_of_reflectance));
             Bsdf::Conductor { eta: Spectrum::Constant(1.0), k }
         } else {
@@ -434,6 +434,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
                 return Ok(Bsdf::ThinDielectric { ior, exterior_ior });
             }
         },
+        Bsdf::Brushed { of, grain } => Bsdf::brushed(dispersed(*of, value, label)?, grain),
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
@@ -442,7 +443,6 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
-        | Bsdf::Brushed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
@@ -530,8 +530,8 @@ fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
-    let (distribution, multiple_scattering) = facets(body)?;
-    grains::stated(
+    let (distribution, multiple_scattering) = distribution_and_several(body)?;
+    facets::stated(
         body,
         || alpha(body),
         |alpha| Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering },
@@ -541,8 +541,8 @@ fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
 fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
-    let (distribution, multiple_scattering) = facets(body)?;
-    grains::stated(
+    let (distribution, multiple_scattering) = distribution_and_several(body)?;
+    facets::stated(
         body,
         || alpha(body),
         |alpha| Bsdf::RoughDielectric {
@@ -553,21 +553,6 @@ fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> 
             multiple_scattering,
         },
     )
-}
-
-/// How facets are distributed, and whether what several of them scatter is given back.
-fn facets(body: &Body) -> Result<(Distribution, bool), SceneError> {
-    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
-    Ok((distribution(body)?, multiple_scattering))
-}
-
-/// What [`facets`] reads, beside other keys.
-pub fn with_facets(mut body: Value, of: (f32, Distribution, bool)) -> Value {
-    let (alpha, distribution, multiple_scattering) = of;
-    body["alpha"] = alpha.into();
-    body["distribution"] = distribution.name().into();
-    body["multiple_scattering"] = multiple_scattering.into();
-    body
 }
 
 /// A table in a file, read once.
@@ -582,35 +567,6 @@ fn measured(body: &Body, (_, files): Of) -> Result<Bsdf, SceneError> {
     };
     let table = MeasuredTable::new(name, bytes).map_err(|fault| SceneError::at(&place, fault))?;
     Ok(Bsdf::Measured { places: table.places(), table })
-}
-
-/// How the normals of facets are distributed.
-pub(super) fn distribution(body: &Body) -> Result<Distribution, SceneError> {
-    match body.word("distribution")? {
-        None => Ok(Distribution::default()),
-        Some(name) => Distribution::named(name).ok_or_else(|| {
-            let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
-            let problem = format!("`{name}` is not a distribution of facets");
-            SceneError::new(body.field("distribution"), problem, remedy)
-        }),
-    }
-}
-
-/// The roughness of facets: itself, or its root.
-pub(super) fn alpha(body: &Body) -> Result<f32, SceneError> {
-    match (body.number("alpha")?, body.number("roughness")?) {
-        (Some(alpha), None) => Ok(alpha as f32),
-        (None, Some(roughness)) => {
-            let fault = Range::UNIT.check("roughness", roughness).err();
-            fault.map_or(Ok(()), |fault| Err(body.place(fault)))?;
-            Ok((roughness * roughness) as f32)
-        }
-        (None, None) => Err(body.missing("alpha", "within [0, 1]; or `roughness`, its root")),
-        (Some(_), Some(_)) => {
-            let problem = "takes either `alpha` or `roughness`, its root";
-            Err(SceneError::new(body.label(), problem, "remove one of them"))
-        }
-    }
 }
 
 /// The index of refraction of a metal of the model `name`.

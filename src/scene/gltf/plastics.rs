@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::extension::Body;
-use super::materials::{Of, alpha, distribution, khr_ior};
+use super::facets::{alpha, distribution};
+use super::materials::{Of, khr_ior};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Bsdf, Coat, InternalReflection};
 use crate::spectrum::Spectrum;

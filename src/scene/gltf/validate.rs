@@ -19,7 +19,7 @@ const VALUE: usize = 60;
 
 /// Extensions that are read, and those that show nothing: other materials to choose, and who made
 /// what.
-const EXTENSIONS: [&str; 23] = [
+const EXTENSIONS: [&str; 24] = [
     EXTENSION,
     EXT_LIGHTS,
     INSTANCING,
@@ -31,6 +31,7 @@ const EXTENSIONS: [&str; 23] = [
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_anisotropy",
     "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",

@@ -18,9 +18,9 @@ use self::painted::{Lists, Painter, tint_of};
 use self::stored::{Stored, data_uri, open};
 use super::cameras::written_film;
 use super::extension::EXTENSION;
+use super::facets::{self, with_facets};
 use super::layers::write_layers;
-use super::materials::with_facets;
-use super::{blends, films, grains, plastics, sheets};
+use super::{blends, films, plastics, sheets};
 use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::warnings::Warnings;
@@ -294,7 +294,7 @@ impl<'a> Writer<'a> {
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
             if let Bsdf::Brushed { grain, .. } = bsdf {
-                grains::write_anisotropy(grain, *alpha, &mut material);
+                facets::write_anisotropy(grain, *alpha, &mut material);
             }
         }
         if let Bsdf::Layered { layers } = bsdf {
@@ -372,7 +372,7 @@ impl<'a> Writer<'a> {
                     "film": film})
             }
             Bsdf::Null => json!({"bsdf": "null"}),
-            Bsdf::Brushed { of, grain } => grains::written(self.bsdf(name, of), grain),
+            Bsdf::Brushed { of, grain } => facets::written(self.bsdf(name, of), grain),
             Bsdf::Blend { parts, weight } => {
                 blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }

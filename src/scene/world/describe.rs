@@ -10,7 +10,7 @@ use super::incandescent::Incandescent;
 use super::light::{Luminaire, Projection};
 use super::{
     Action, Along, Ball, Boundary, Bsdf, Coat, Component, Delay, Emission, EmittedStokes,
-    Environment, Filling, FillsScene, Grid, Layers, Lens, MadeOf, Medium, Mesh, Name, Phase,
+    Environment, Filling, FillsScene, Grain, Grid, Layers, Lens, MadeOf, Medium, Mesh, Name, Phase,
     Punctual, Raster, Resolution, Sides, ThinFilm, Transform, World,
 };
 use crate::film::filter::Filter;
@@ -149,18 +149,8 @@ fn model(bsdf: &Bsdf) -> String {
             let ([first, last], count) = (table.ends_nm(), table.wavelengths());
             format!("measured, {}, {count} wavelengths from {first} to {last} nm", table.name())
         }
-        Bsdf::Blend { parts, weight } => {
-            let [first, second] = parts.each_ref().map(model);
-            format!("blend of ({first}) and, by weight {weight}, ({second})")
-        }
-        Bsdf::Brushed { of, grain } => {
-            let along = match grain.along {
-                Along::Alpha(alpha) => format!("alpha {alpha}"),
-                Along::Strength(strength) => format!("strength {strength}"),
-            };
-            let turn = grain.turn.to_degrees();
-            format!("{}, with {along} along a direction at {turn} degrees", model(of))
-        }
+        Bsdf::Blend { parts, weight } => blend(parts, *weight),
+        Bsdf::Brushed { of, grain } => brushed(of, grain),
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }
@@ -193,6 +183,19 @@ fn model(bsdf: &Bsdf) -> String {
         }
         Bsdf::Sheet { axis_deg, action } => format!("{} at {axis_deg} degrees", sheet(action)),
     }
+}
+
+fn blend(parts: &[Bsdf; 2], weight: f32) -> String {
+    let [first, second] = parts.each_ref().map(model);
+    format!("blend of ({first}) and, by weight {weight}, ({second})")
+}
+
+fn brushed(of: &Bsdf, grain: &Grain) -> String {
+    let along = match grain.along {
+        Along::Alpha(alpha) => format!("alpha {alpha}"),
+        Along::Strength(strength) => format!("strength {strength}"),
+    };
+    format!("{}, {along} along a direction at {} degrees", model(of), grain.turn.to_degrees())
 }
 
 fn plastic_coat(coat: &Coat) -> String {

@@ -47,11 +47,17 @@ impl Grain {
 
     /// Gives it another value of a parameter; false if it has no such parameter.
     pub(super) fn set(&mut self, parameter: Parameter, number: f32) -> bool {
-        match (parameter, &mut self.along) {
-            (Parameter::Strength, Along::Strength(strength)) => *strength = number,
-            (Parameter::GrainRight, _) => self.direction[0] = 2.0 * number - 1.0,
-            (Parameter::GrainUp, _) => self.direction[1] = 2.0 * number - 1.0,
-            (_, _) => return false,
+        let [right, up] = &mut self.direction;
+        if parameter == Parameter::GrainRight {
+            *right = 2.0 * number - 1.0;
+        } else if parameter == Parameter::GrainUp {
+            *up = 2.0 * number - 1.0;
+        } else if let (Parameter::Strength, Along::Strength(strength)) =
+            (parameter, &mut self.along)
+        {
+            *strength = number;
+        } else {
+            return false;
         }
         true
     }

@@ -341,13 +341,9 @@ impl Bsdf {
             // Tables are checked as they are read.
             Self::Absorber | Self::Measured { .. } | Self::Null => Ok(()),
             Self::Diffuse { reflectance } => reflectance.check("reflectance", Range::UNIT),
-            Self::Conductor { eta, k } => {
-                eta.check("eta", Range::POSITIVE)?;
-                k.check("k", Range::NOT_NEGATIVE)
-            }
+            Self::Conductor { eta, k } => check_metal(eta, k),
             Self::FilmedConductor { eta, k, film } => {
-                eta.check("eta", Range::POSITIVE)?;
-                k.check("k", Range::NOT_NEGATIVE)?;
+                check_metal(eta, k)?;
                 film.check()
             }
             Self::FilmedDielectric { ior, exterior_ior, film } => {
@@ -356,8 +352,7 @@ impl Bsdf {
                 film.check()
             }
             Self::RoughConductor { eta, k, alpha, distribution: _, multiple_scattering: _ } => {
-                eta.check("eta", Range::POSITIVE)?;
-                k.check("k", Range::NOT_NEGATIVE)?;
+                check_metal(eta, k)?;
                 Range::UNIT.check("alpha", *alpha)
             }
             Self::RoughDielectric {
@@ -418,6 +413,12 @@ pub(crate) fn tabulated(symbol: &str) -> Result<(Spectrum, Spectrum), Fault> {
         let remedy = format!("use one of {names}, or give `eta` and `k`");
         Fault::new("metal", problem, remedy)
     })
+}
+
+/// Refuses an index of refraction n - i k that is none.
+fn check_metal(eta: &Spectrum, k: &Spectrum) -> Result<(), Fault> {
+    eta.check("eta", Range::POSITIVE)?;
+    k.check("k", Range::NOT_NEGATIVE)
 }
 
 /// Refuses indices of refraction on two sides that are none, or whose ratio is no number.

@@ -48,10 +48,7 @@ impl<S> SurfaceModel<S> {
                 let places = sample(places, "wvls", Role::Index)?;
                 SurfaceModel::Measured { table: table.clone(), places }
             }
-            Self::Blend { parts, weight } => {
-                let parts = sampled_parts(parts, &mut sample)?;
-                SurfaceModel::Blend { parts, weight: *weight }
-            }
+            Self::Blend { parts, weight } => blend(sampled_parts(parts, &mut sample)?, *weight),
             Self::Brushed { of, grain } => {
                 SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
             }
@@ -145,6 +142,11 @@ fn indices<S, T, E>(
     [one, other]: [&'static str; 2],
 ) -> Result<[T; 2], E> {
     Ok([sample(first, one, Role::Index)?, sample(second, other, Role::Index)?])
+}
+
+/// A blend of parts, with the share of the second.
+fn blend<T>(parts: Box<[SurfaceModel<T>; 2]>, weight: f32) -> SurfaceModel<T> {
+    SurfaceModel::Blend { parts, weight }
 }
 
 /// Smooth metal of an index of refraction, by its parts.

@@ -63,14 +63,17 @@ fn even_facets_are_not_brushed() {
         let model = brushed(plain.clone(), alpha, numbers.next());
         let (whole, plain) = (Tabled::new(&model), Tabled::new(&plain));
         let [given, drawn] = ways(&mut numbers, case);
+        // Tails are exponentials of what is rounded: of the peak, they are alike.
+        let peak = F32s::splat(0.05 / (alpha * alpha));
         let value = plain.value(given, drawn);
-        alike(whole.value(given, drawn), value, value * F32s::splat(20.0), &model);
+        let scale = value * F32s::splat(20.0) + peak;
+        alike(whole.value(given, drawn), value, scale, &model);
         let pdf = plain.pdf(given, drawn);
-        alike(whole.pdf(given, drawn), pdf, pdf * F32s::splat(20.0), &model);
+        alike(whole.pdf(given, drawn), pdf, pdf * F32s::splat(20.0) + peak, &model);
         let light = pure(&mut numbers);
         let [found, expected] = [&whole, &plain].map(|it| it.scatter(given, drawn, light));
         for (found, expected) in found.into_iter().zip(expected) {
-            alike(found, expected, value * F32s::splat(40.0), &model);
+            alike(found, expected, scale + scale, &model);
         }
     }
 }
@@ -139,11 +142,11 @@ fn single_reflections_are_those_of_the_definitions() {
 /// All light comes back that lossless metal has reflected, to what is stated.
 #[test]
 fn lossless_facets_lose_little() {
-    const PACKETS: usize = 1500;
-    let mut numbers = Numbers(130_000);
+    const PACKETS: usize = 800;
+    let (mut numbers, mut worst) = (Numbers(130_000), 0.0_f64);
     for distribution in Distribution::ALL {
         for (alpha, cos) in
-            [([0.5, 0.125], 0.2), ([0.5, 0.125], 0.9), ([0.2, 0.8], 0.3), ([1.0, 0.25], 0.6)]
+            [([0.5, 0.125], 0.1), ([0.5, 0.125], 0.9), ([0.2, 0.8], 0.3), ([1.0, 0.25], 0.6)]
         {
             let mirrors = metal(1e-6, 1.0, alpha[1], (distribution, true));
             let model = Tabled::new(&brushed(mirrors, alpha[0], 0.0));
@@ -160,10 +163,11 @@ fn lossless_facets_lose_little() {
                 let error = ((squares / all - mean * mean).max(0.0) / all).sqrt();
                 println!("{distribution:?} {alpha:?} {cos} {turns}: {mean} {error}");
                 // Four standard errors: by chance in one of 16,000 cases, of which there are 24.
-                assert!((mean - 1.0).abs() < 0.06 + 4.0 * error, "{alpha:?} {turns}: {mean}");
+                worst = worst.max((mean - 1.0).abs() - 4.0 * error);
             }
         }
     }
+    assert!(worst < 0.06, "{worst}");
 }
 
 /// Surfaces that are turned with the light are the same.
@@ -176,10 +180,11 @@ fn the_direction_turns_with_the_surface() {
         let heights = [0, 1].map(|_| numbers.lanes() * F32s::splat(0.9) + F32s::splat(0.05));
         let places = [numbers.lanes(), numbers.lanes()];
         let by = numbers.next();
+        let wrapped = |turns: F32s| turns - turns.floor();
         let at = |turned: f32| {
             let model = Tabled::new(&brushed(of.clone(), along, turned));
             let [given, drawn] =
-                [0, 1].map(|it| directions(heights[it], places[it] + F32s::splat(turned)));
+                [0, 1].map(|it| directions(heights[it], wrapped(places[it] + F32s::splat(turned))));
             (model.value(given, drawn), model.pdf(given, drawn))
         };
         let ((value, pdf), (turned, turned_pdf)) = (at(0.0), at(by));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::super::extension::EXTENSION;
-use super::super::grains::KHR_ANISOTROPY;
+use super::super::facets::KHR_ANISOTROPY;
 use super::super::layers::{Place, place_of};
 use super::super::materials::KHR_UNLIT;
 use super::super::own_textures::{channel_name, coding_name};

@@ -1,4 +1,5 @@
-//! Facets that are stretched along a direction: the extension's keys, and what glTF calls anisotropy.
+//! Facets: how rough they are, and along which direction they are stretched, by the extension's
+//! keys and by what glTF calls anisotropy.
 
 use serde_json::{Value, json};
 
@@ -7,6 +8,7 @@ use super::extension::Body;
 use super::textures::Slot;
 use crate::image::texels::Coding;
 use crate::math::Range;
+use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Along, Bsdf, Grain, Paint, Parameter, Reads, Textures};
 
@@ -14,6 +16,50 @@ use crate::scene::world::{Along, Bsdf, Grain, Paint, Parameter, Reads, Textures}
 pub const KHR_ANISOTROPY: &str = "KHR_materials_anisotropy";
 /// The key of its picture.
 const TEXTURE: &str = "anisotropyTexture";
+
+/// How facets are distributed, and whether what several of them scatter is given back.
+pub fn distribution_and_several(body: &Body) -> Result<(Distribution, bool), SceneError> {
+    let multiple_scattering = body.flag("multiple_scattering")?.unwrap_or(true);
+    Ok((distribution(body)?, multiple_scattering))
+}
+
+/// What [`distribution_and_several`] and [`alpha`] reads, beside other keys.
+pub fn with_facets(mut body: Value, of: (f32, Distribution, bool)) -> Value {
+    let (alpha, distribution, multiple_scattering) = of;
+    body["alpha"] = alpha.into();
+    body["distribution"] = distribution.name().into();
+    body["multiple_scattering"] = multiple_scattering.into();
+    body
+}
+
+/// How the normals of facets are distributed.
+pub fn distribution(body: &Body) -> Result<Distribution, SceneError> {
+    match body.word("distribution")? {
+        None => Ok(Distribution::default()),
+        Some(name) => Distribution::named(name).ok_or_else(|| {
+            let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
+            let problem = format!("`{name}` is not a distribution of facets");
+            SceneError::new(body.field("distribution"), problem, remedy)
+        }),
+    }
+}
+
+/// The roughness of facets: itself, or its root.
+pub fn alpha(body: &Body) -> Result<f32, SceneError> {
+    match (body.number("alpha")?, body.number("roughness")?) {
+        (Some(alpha), None) => Ok(alpha as f32),
+        (None, Some(roughness)) => {
+            let fault = Range::UNIT.check("roughness", roughness).err();
+            fault.map_or(Ok(()), |fault| Err(body.place(fault)))?;
+            Ok((roughness * roughness) as f32)
+        }
+        (None, None) => Err(body.missing("alpha", "within [0, 1]; or `roughness`, its root")),
+        (Some(_), Some(_)) => {
+            let problem = "takes either `alpha` or `roughness`, its root";
+            Err(SceneError::new(body.label(), problem, "remove one of them"))
+        }
+    }
+}
 
 /// A model with the facets that the keys `alpha_u`, `alpha_v` and `axis_deg` state; `of` makes it,
 /// of facets of a roughness, which is that across if there is another one.
