@@ -59,7 +59,9 @@ pub fn acts(c: char) -> bool {
 
 /// Whether what is said about something goes on with the sentence that its name begins.
 pub fn is_predicate(text: &str) -> bool {
-    const VERBS: &str = " are brings contradicts covers do does emits falls fill fills go goes has holds integrates is lacks leads lies means must names needs reaches reflects says stands takes was ";
+    const VERBS: &str = " are brings contradicts covers do does emits falls fill fills go goes has \
+                         holds integrates is lacks leads lies means must names needs reaches \
+                         reflects says stands takes was ";
     let word = text.split([' ', ',', ':']).next().unwrap_or_default();
     !word.is_empty() && VERBS.contains(&format!(" {word} "))
 }

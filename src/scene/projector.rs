@@ -24,7 +24,7 @@ use crate::spectrum::{Carried, Role};
 /// Integers are encoded as sRGB, as in all pictures of colors.
 const CODING: Coding = Coding::Srgb;
 /// Cells along either edge at least: over one of them the cosine to the axis hardly changes.
-const CELLS: u32 = 32;
+const CELLS: u32 = 128;
 
 /// A projector in its place, over its mean.
 #[derive(Clone, Debug)]

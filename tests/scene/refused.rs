@@ -227,7 +227,10 @@ fn lights() {
     for (light, expected) in [
         (Punctual::point(-1.0), "intensity: -1 must be not negative"),
         (Punctual::directional([1.0, f32::INFINITY, 1.0]), "intensity: inf"),
-        (Punctual::spot(1.0, 0.5, 0.25), "spot: the inner angle 0.5 and the outer 0.25 do not fit"),
+        (
+            Punctual::spot(1.0, 0.5, 0.25),
+            "spot: the inner cone angle of 0.5 and the outer of 0.25 radians do not fit",
+        ),
         (Punctual::spot(1.0, 0.5, 2.0), "spot: "),
         (Punctual::spot(1.0, 0.0, 0.0), "spot: "),
         (Punctual::spot(1.0, f64::NAN, 1.0), "spot: "),

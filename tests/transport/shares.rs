@@ -45,7 +45,7 @@ fn looked_at(world: &mut World) {
 /// How many standard errors the mean of 12 images is off, and the mean.
 fn score(world: &World, integrator: Integrator, expected: f64) -> (f64, f64) {
     let scene: Arc<Scene<1>> = scene(world, MONO, [6, 6]);
-    let images = replicates(&scene, &settings(integrator, Mode::Scalar, MONO, 32, 100), 12);
+    let images = replicates(&scene, &settings(integrator, Mode::Scalar, MONO, 12, 100), 12);
     let found = Estimate::of(&images.iter().map(mean_s0).collect::<Vec<f64>>());
     (found.score(&Estimate::exact(expected), 1.0).unwrap_or(0.0), found.mean)
 }

@@ -23,7 +23,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use rayon::prelude::*;
 
-use super::bodies::{bodies, place};
+use super::bodies::{alike, bodies, place};
 use super::primitives::Primitives;
 use crate::scene::baked::{RELATIVE_OFFSET, Sphere, Triangle};
 
@@ -74,7 +74,7 @@ struct Contact {
 struct Found {
     /// Primitives of different surfaces.
     contacts: Vec<Contact>,
-    /// Triangles of one body whose fronts face away from each other, or each other.
+    /// Triangles of alike surfaces whose fronts face away from each other.
     sides: Vec<Contact>,
 }
 
@@ -88,10 +88,8 @@ pub fn set_apart(tables: &mut Primitives, yields: &[Yields]) {
             Some((primitive, step))
         })
         .collect();
-    let is_flat = |it: &&Contact| {
-        let found = thickness(tables, it.primitive, it.other);
-        found.is_some_and(|(before, _)| before == 0.0)
-    };
+    let sides = sides_of_bodies(tables, yields, sides);
+    let is_flat = |it: &&Contact| before(tables, it.primitive, it.other) == Some(0.0);
     let alone: BTreeSet<usize> = sides.iter().filter(is_flat).map(|it| it.primitive).collect();
     let apart: Vec<(usize, DVec3)> = by_primitive(sides)
         .into_iter()
@@ -122,12 +120,7 @@ fn contacts(tables: &Primitives, yields: &[Yields]) -> Found {
                 let primitive = yielding[index as usize];
                 let [one, two] = [primitive, other].map(|it| yields_at(tables, yields, it));
                 if one == Yields::AsBody && !two.is_opaque() {
-                    let side = thickness(tables, primitive, other);
-                    found.sides.extend(side.map(|(_, clearance)| Contact {
-                        primitive,
-                        other,
-                        clearance,
-                    }));
+                    found.sides.extend(side(tables, primitive, other));
                     continue;
                 }
                 if let Some(clearance) = touch(tables, primitive, other) {
@@ -231,28 +224,62 @@ fn are_within(corners: [[DVec3; 3]; 2], distance: f64) -> bool {
     corners[small].iter().all(is_near) && overlap(corners, plane, clearance_of(corners))
 }
 
-/// How far the first of two triangles of a body is before the other, if they face opposite ways
-/// and what is between is so thin that one might be moved through the other; and how far they must
-/// be apart.
-fn thickness(tables: &Primitives, one: usize, other: usize) -> Option<(f64, f64)> {
-    if one == other || tables.surface_of_primitive[one] != tables.surface_of_primitive[other] {
+/// Two triangles of alike surfaces whose fronts face away from each other, if what is between is so
+/// thin that one might be moved through the other.
+fn side(tables: &Primitives, primitive: usize, other: usize) -> Option<Contact> {
+    let of =
+        |primitive: usize| alike(&tables.surfaces[tables.surface_of_primitive[primitive] as usize]);
+    if primitive == other || of(primitive) != of(other) {
         return None;
     }
-    let (Shape::Triangle(a), Shape::Triangle(b)) = (shape(tables, one), shape(tables, other))
+    let (Shape::Triangle(a), Shape::Triangle(b)) = (shape(tables, primitive), shape(tables, other))
     else {
         return None;
     };
     let corners = [a, b].map(|it| it.corners.map(|corner| corner.as_dvec3()));
-    let [front, back] = corners.map(|corners| normal(corners).normalize());
-    if front.dot(back) > -PARALLEL {
-        return None;
-    }
     let clearance = clearance_of(corners);
-    let middle = |[a, b, c]: [DVec3; 3]| (a + b + c) / 3.0;
-    let [small, large] = if area(tables, one) < area(tables, other) { [0, 1] } else { [1, 0] };
-    let before = (middle(corners[small]) - corners[large][0]).dot(front);
-    let before = if small == 0 { before } else { -before };
-    are_within(corners, THIN * clearance).then_some((before, clearance))
+    let is_thin = before(tables, primitive, other)? >= 0.0 && are_within(corners, THIN * clearance);
+    is_thin.then_some(Contact { primitive, other, clearance })
+}
+
+/// How far the first of two triangles is before the other, along its front; none if their fronts
+/// do not face opposite ways.
+fn before(tables: &Primitives, one: usize, other: usize) -> Option<f64> {
+    let [front, back] = [one, other].map(|primitive| front(tables, primitive));
+    let [small, large] =
+        if area(tables, one) < area(tables, other) { [one, other] } else { [other, one] };
+    let (Shape::Triangle(small), Shape::Triangle(large)) =
+        (shape(tables, small), shape(tables, large))
+    else {
+        return None;
+    };
+    let [a, b, c] = small.corners.map(|corner| corner.as_dvec3());
+    let height = ((a + b + c) / 3.0 - large.corners[0].as_dvec3()).dot(front);
+    let height = if area(tables, one) < area(tables, other) { height } else { -height };
+    (front.dot(back) < -PARALLEL).then_some(height)
+}
+
+/// Those that bound one body from two sides, and not two bodies in contact: of one with a
+/// thickness, or sheets that have none.
+fn sides_of_bodies(tables: &Primitives, yields: &[Yields], sides: Vec<Contact>) -> Vec<Contact> {
+    if sides.is_empty() {
+        return sides;
+    }
+    let bodies = bodies(tables, yields);
+    // Of every body the first front, while all others are parallel to it.
+    let mut fronts: HashMap<u32, Option<DVec3>> = HashMap::new();
+    for (row, body) in bodies.iter().enumerate() {
+        let own = front(tables, row);
+        let of_body = fronts.entry(*body).or_insert(Some(own));
+        *of_body = of_body.filter(|first| first.dot(own).abs() > PARALLEL);
+    }
+    let is_flat = |row: usize| fronts.get(&bodies[row]).is_some_and(Option::is_some);
+    let bounds_one = |it: &Contact| {
+        let is_thick = before(tables, it.primitive, it.other).is_some_and(|before| before > 0.0);
+        bodies[it.primitive] == bodies[it.other] && is_thick
+            || is_flat(it.primitive) && is_flat(it.other)
+    };
+    sides.into_iter().filter(bounds_one).collect()
 }
 
 /// Whether two triangles of one plane overlap by more than their edges.
@@ -352,11 +379,8 @@ fn step_of_side(
     let mut apart = 0.0_f64;
     for side in sides {
         step = if step == DVec3::ZERO { of(side.other) } else { step };
-        let Some((before, clearance)) = thickness(tables, primitive, side.other) else { continue };
-        let away = 0.5 * (clearance - before.abs()).max(0.0);
-        // Where they face each other, there is air between, and the glass gives way.
-        let away = if before < 0.0 { -away } else { away };
-        apart = if away.abs() > apart.abs() { away } else { apart };
+        let thickness = before(tables, primitive, side.other).unwrap_or(side.clearance);
+        apart = apart.max(0.5 * (side.clearance - thickness));
     }
     step + own * apart
 }

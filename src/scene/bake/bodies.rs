@@ -53,9 +53,10 @@ pub fn bodies(tables: &Primitives, yields: &[Yields]) -> Vec<u32> {
 }
 
 /// What surfaces have in common that bound a body together.
-type Alike = (u32, [u32; 2], i32);
+pub type Alike = (u32, [u32; 2], i32);
 
-fn alike(&Surface { material, interior, exterior, priority, .. }: &Surface) -> Alike {
+/// See [`Alike`].
+pub fn alike(&Surface { material, interior, exterior, priority, .. }: &Surface) -> Alike {
     (material, [interior, exterior], priority)
 }
 

@@ -11,8 +11,8 @@ use crate::transport::tables::paths::AnyPaths;
 
 /// Ends the segments of those rows of a part which do not pass: they are scattered there.
 ///
-/// From: pass_surfaces, fly_to_crossings, collect_crossed_emission. To: cross_surfaces,
-/// collect_emission.
+/// From: pass_surfaces, fly_to_crossings, collect_crossed_emission, store_crossed_photons. To:
+/// cross_surfaces, collect_emission.
 /// Writes: hits, flights. Reads: paths, crossing.
 pub fn choose_passage<const N: usize>(
     hits: &mut HitColumns,

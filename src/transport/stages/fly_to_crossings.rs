@@ -10,8 +10,8 @@ use crate::transport::tables::paths::AnyPaths;
 
 /// Takes the rows of a part to their crossings, unless they meet a particle of the medium before.
 ///
-/// From: draw_distances, cross_surfaces. To: collect_crossed_emission, choose_passage,
-/// fly_through_media.
+/// From: draw_distances, cross_surfaces. To: collect_crossed_emission, store_crossed_photons,
+/// choose_passage, fly_through_media.
 /// Writes: hits, flights. Reads: paths, crossing, scene.
 pub fn fly_to_crossings<const N: usize>(
     hits: &mut HitColumns,
