@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
 use sunstone::world::{
-    Action, Bsdf, Coat, Delay, EmittedStokes, Grid, Hand, InternalReflection, Material, Sides,
-    ThinFilm,
+    Action, Bsdf, Coat, Delay, EmittedStokes, Grid, Hand, InternalReflection, Material,
+    MeasuredTable, Sides, ThinFilm,
 };
 use sunstone::{Distribution, Spectrum};
 
@@ -19,7 +19,7 @@ const REFLECTANCE: f32 = 0.8;
 
 /// Values of `bsdf`.
 const MODELS: &str = "use one of absorber, circular_polarizer, conductor, dielectric, diffuse, \
-                      mueller, null, plastic, polarizer, retarder, rough_conductor, \
+                      measured, mueller, null, plastic, polarizer, retarder, rough_conductor, \
                       rough_dielectric, thin_dielectric";
 
 /// A material, and how what it emits is polarized: in a state, or by its heat.
@@ -76,6 +76,12 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
             let retarder = delay(keys)?.unwrap_or(Delay::Degrees(90.0.into()));
             let action = Action::Circular { polarizer: grid(keys)?, retarder, hand };
             Bsdf::Sheet { axis_deg: axis_deg()?, action }
+        }
+        "measured" => {
+            let bytes: Vec<u8> = keys.need("table", "the bytes of a file of tensors, `.pbsdf`")?;
+            let read = MeasuredTable::new("table", bytes);
+            let table = read.map_err(|fault| keys.refuse("table", &fault.to_string(), ""))?;
+            Bsdf::Measured { places: table.places(), table }
         }
         "mueller" => {
             let axis_deg = axis_deg()?;

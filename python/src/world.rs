@@ -8,7 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::glam::{DQuat, DVec3};
 use sunstone::hecs::Entity;
-use sunstone::world::{ClearSky, EmittedStokes, Filling, Lens, Photometry, Punctual, Skin};
+use sunstone::world::{
+    ClearSky, EmittedStokes, Falloff, Filling, Lens, Photometry, Punctual, PunctualKind, Skin,
+};
 
 use crate::errors::{SCENE_ERROR, of_any};
 use crate::geometry::Geometry;
@@ -20,6 +22,13 @@ use crate::{material, medium};
 
 /// Kinds of lights.
 const LIGHTS: &str = "use one of directional, point, spot";
+
+/// How a spot falls off.
+fn falloff(keys: &Keys) -> PyResult<Falloff> {
+    let Some(name) = keys.take::<String>("falloff")? else { return Ok(Falloff::default()) };
+    let found = Falloff::ALL.into_iter().find(|falloff| falloff.name() == name);
+    found.ok_or_else(|| keys.refuse("falloff", &format!("`{name}` is not known"), "cosine, angle"))
+}
 
 /// A world that things are added to, until it is placed.
 #[pyclass(module = "sunstone._sunstone")]
@@ -112,7 +121,9 @@ impl World {
             "point" => Punctual::point(intensity),
             "spot" => {
                 let outer = keys.need("outer", "give the half angle of the cone in radians")?;
-                Punctual::spot(intensity, keys.take("inner")?.unwrap_or(0.0), outer)
+                let inner = keys.take("inner")?.unwrap_or(0.0);
+                let falloff = falloff(&keys)?;
+                Punctual { kind: PunctualKind::Spot { inner, outer, falloff }, intensity }
             }
             kind => {
                 let problem = format!("`{kind}` is not a kind of light");

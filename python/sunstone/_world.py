@@ -105,6 +105,7 @@ class World(Editable):
             "conductor",
             "dielectric",
             "diffuse",
+            "measured",
             "null",
             "plastic",
             "polarizer",
@@ -129,6 +130,7 @@ class World(Editable):
         axis_deg: float | None = None,
         extinction_ratio: float | None = None,
         retardance_deg: float | None = None,
+        table: bytes | None = None,
         emission: Lamp | None = None,
         stokes: Stokes | None = None,
         incandescent: bool = False,
@@ -164,6 +166,8 @@ class World(Editable):
             extinction_ratio: of "polarizer": greatest over least transmittance; infinite by
                 default.
             retardance_deg: of "retarder", in degrees.
+            table: of "measured": the bytes of a file of Mueller matrices, as Mitsuba's
+                measured_polarized reads.
             emission: radiance in W/(m^2 sr) that it emits besides.
             stokes: how that is polarized; unpolarized by default. x is the x axis of the shape.
             incandescent: of "conductor" and "dielectric": emission is that of a black body, of
@@ -190,6 +194,7 @@ class World(Editable):
                 axis_deg=axis_deg,
                 extinction_ratio=extinction_ratio,
                 retardance_deg=retardance_deg,
+                table=table,
                 emission=emission,
                 stokes=stokes,
                 incandescent=incandescent,
@@ -329,6 +334,7 @@ class World(Editable):
         *,
         inner: float | None = None,
         outer: float | None = None,
+        falloff: Literal["angle", "cosine"] | None = None,
         angular_diameter: float | None = None,
         ies: bytes | None = None,
         picture: bytes | None = None,
@@ -347,12 +353,14 @@ class World(Editable):
                 faces it.
             inner: of "spot": half angle of full intensity in radians; 0 by default.
             outer: of "spot": half angle of the cone in radians, at most pi/2.
+            falloff: of "spot": between these it falls off with the square of a ramp in the cosine,
+                which is the default, or evenly with the "angle".
             angular_diameter: of "directional": the angle in radians that it takes up, 0.0093 for
                 the sun; a direction by default.
             ies: of "point": the bytes of a file of IES LM-63, type C. The intensity is what one
                 candela of that stands for; its axis is where the light shines.
-            picture: of "spot": the bytes of a picture that it throws, of PNG, JPEG, WebP, OpenEXR
-                or Radiance HDR. From left to right that takes up twice `outer`, which may be up to
+            picture: of "spot": the bytes of a picture that it throws, of PNG, JPEG, WebP, BMP,
+                OpenEXR or Radiance HDR. From left to right that takes up twice `outer`, which may be up to
                 1.55; a facing wall at a distance of 1 m gets the intensity times the texel.
             stokes: how its light is polarized; unpolarized by default. x is its x axis.
             position: where it is, in meters.
@@ -368,6 +376,7 @@ class World(Editable):
                 intensity=intensity,
                 inner=inner,
                 outer=outer,
+                falloff=falloff,
                 angular_diameter=angular_diameter,
                 ies=ies,
                 picture=picture,

@@ -105,3 +105,50 @@ def test_parameters_of_mitsuba_scenes_are_given(tmp_path: pathlib.Path) -> None:
     assert np.array_equal(again.render(**SMALL).stokes, found)
     with pytest.raises(sunstone.SceneError, match="dim"):
         sunstone.load(path, define={"dim": 2})
+
+
+def test_spots_fall_off_as_they_say_and_tables_are_materials() -> None:
+    quarter = np.float32(np.pi / 2)
+    matrix = np.zeros((2, 2, 2, 2, 4, 4), np.float32)
+    matrix[..., 0, 0] = 0.5 / np.pi
+    fields = {
+        "phi_d": (10, np.array([[-np.pi, np.pi]], np.float32)),
+        "theta_d": (10, np.array([[0, quarter]], np.float32)),
+        "theta_h": (10, np.array([[0, quarter]], np.float32)),
+        "wvls": (3, np.array([400, 700], np.uint16)),
+        "M": (10, matrix),
+    }
+    at = 18 + sum(13 + len(name) + 8 * array.ndim for name, (_, array) in fields.items())
+    head = b"tensor_file\0\x01\x00" + len(fields).to_bytes(4, "little")
+    for name, (kind, array) in fields.items():
+        head += len(name).to_bytes(2, "little") + name.encode()
+        head += array.ndim.to_bytes(2, "little") + bytes([kind]) + at.to_bytes(8, "little")
+        head += b"".join(extent.to_bytes(8, "little") for extent in array.shape)
+        at += array.nbytes
+    table = head + b"".join(array.tobytes() for _, array in fields.values())
+
+    def walls(falloff: str | None, **wall: object) -> sunstone.Image:
+        world = sunstone.World("spot")
+        world.add_material("wall", **wall)  # type: ignore[arg-type]
+        square = sunstone.Geometry.quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
+        world.add_mesh("wall", square, "wall")
+        world.add_light(
+            "lamp", "spot", 1.0, inner=0.1, outer=0.9, falloff=falloff,  # type: ignore[arg-type]
+            position=(0, 0, 1), direction=(0, 0, -1),
+        )
+        world.set_camera(yfov=0.7, position=(0, 0, 2), target=(0, 0, 0), resolution=(9, 9))
+        return world.place().render(integrator="path", spp=16, max_path_length=2, mode="scalar")
+
+    even = walls("angle", bsdf="diffuse", reflectance=0.5).stokes[4, :, 0, 0]
+    steep = walls(None, bsdf="diffuse", reflectance=0.5).stokes[4, :, 0, 0]
+    # Straight below both are full; aside the one falls off evenly.
+    assert abs(even[4] / steep[4] - 1) < 0.1 and even[1] != steep[1]
+    angle = np.arctan(abs(1 - 4) * 2 * 2 * np.tan(0.35) / 9)
+    full = 0.5 / np.pi * np.cos(angle) ** 3
+    assert abs(even[1] / full - (0.9 - angle) / 0.8) < 0.05
+    measured = walls("angle", bsdf="measured", table=table).stokes[4, :, 0, 0]
+    assert np.allclose(measured, even, rtol=0.05)
+    with pytest.raises(sunstone.SceneError, match="is not known"):
+        walls("sharp", bsdf="absorber")
+    with pytest.raises(sunstone.SceneError, match="table: is missing"):
+        walls(None, bsdf="measured")
