@@ -326,9 +326,9 @@ def plastic(color, **body):
     return extended({"bsdf": "plastic", "reflectance": list(color), **body}, color, roughness=0.2)
 
 
-def shining(body, stokes=None, **other):
+def shining(radiance, stokes=None, **other):
     """A black surface that shines: `light` of generate.py, polarized and with a picture."""
-    material = light(body)
+    material = light(radiance)
     material.update(other)
     if stokes:
         material["extensions"][EXTENSION]["stokes"] = stokes
@@ -406,13 +406,14 @@ FILTERED = [
          sheets=(whole("level before embers", LEVEL), ("half-wave plate", HALF_WAVE, 0.018, 0.052),
                  whole("upright before embers", UPRIGHT))),
     Ball("white behind quartz", diffuse(0.85),
-         sheets=(whole("level before white", LEVEL), ("quartz", rotator([86, 130, 200]), 0.03, 0.03),
+         sheets=(whole("level before white", LEVEL),
+                 ("quartz", rotator([86, 130, 200]), 0.03, 0.03),
                  whole("upright before white", UPRIGHT))),
     Sphere("copper behind a real polarizer", conductor((0.95, 0.64, 0.54), metal="Cu"),
            sheets=(whole("real polarizer", REAL),)),
     Ball("white behind circular light", diffuse([0.80, 0.76, 0.68]),
-         sheets=(whole("level before the plate", LEVEL), whole("quarter-wave plate",
-                                                               retarder(45, 90)))),
+         sheets=(whole("level before the plate", LEVEL),
+                 whole("quarter-wave plate", retarder(45, 90)))),
 ]
 
 GLASSES = [
@@ -502,7 +503,7 @@ PERFORATED = [
     Sphere("absorber", extended({"bsdf": "absorber"}, (0.0, 0.0, 0.0))),
 ]
 
-#: From the front to the back; a row of any length stands in the middle of its step.
+#: From the front to the back; a row stands in the middle of its step, which has room for eight.
 ROWS = [FILTERED, GLASSES, METALS, OPAQUE, PERFORATED]
 
 #: A downlight, in candela per 683 lm/W by angle from its axis (IES LM-63, type C).
