@@ -4,6 +4,7 @@ pub mod columns;
 pub mod elementary;
 pub mod equiangular;
 pub mod exact;
+pub mod gaussian;
 pub mod hash;
 pub mod lanes;
 pub mod range;

@@ -23,13 +23,16 @@
 //! Masking at the two ends is taken for independent there: facets that are high are hidden more
 //! often on one side of the surface, and less often on the other.
 //!
-//! Half vectors are drawn among the facets that are seen from i, of the distribution of Trowbridge
-//! and Reitz (GGX; Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps").
-//! Beckmann's facets are drawn by that of the same roughness, too: it has the longer tail, and the
-//! ratio of the two stays below 1.5.
+//! Half vectors are drawn among the facets that are seen from i: of Trowbridge and Reitz (GGX) by
+//! Dupuy and Benyoub 2023 ("Sampling visible GGX normals with spherical caps"), of Beckmann by
+//! their slopes, that along i from the inverse of its distribution (Heitz and d'Eon 2014,
+//! "Importance sampling microfacet-based BSDFs using the distribution of visible normals"; by
+//! Newton's method in the error function, as Jakob 2014, "An improved visible normal sampling
+//! routine for the Beckmann distribution").
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use crate::math::gaussian::{erf, erf_inverse};
 use crate::math::{F32s, Real, Vector, warp};
 
 /// The least roughness that is computed with: facets of less are 0.06 degrees and less from their
@@ -256,6 +259,10 @@ pub struct FacetRefraction {
     pub pdf: F32s,
 }
 
+const ROOT_OF_PI_INVERSE: f32 = 0.564_189_6;
+/// No slopes of Beckmann's of a roughness of one are steeper.
+const MOST_SLOPE: f32 = 9.0;
+
 /// Keeps denominators off zero that only directions within the surface would make so.
 const TINY: f32 = 1e-12;
 
@@ -345,7 +352,13 @@ impl<S: Slopes> Facets<S> {
         let above = cos_given.simd_gt(zero) & cos_drawn.simd_gt(zero);
         let length = self.slopes.slope_length(normal, given, cos_given);
         let seen = F32s::splat(2.0) * (cos_given + length);
-        above & (self.ggx(normal, half, [cos, sin2]) / seen)
+        let mut pdf = self.ggx(normal, half, [cos, sin2]) / seen;
+        if self.beckmann.any() {
+            let beckmann =
+                self.beckmann_per_cosine(normal, (given, cos_given), (half, [cos, sin2]));
+            pdf = Real::select(self.beckmann, F32s::splat(0.25) * beckmann, pdf);
+        }
+        above & pdf
     }
 
     /// Draws a direction for a path that comes from `given`, by two numbers in [0, 1). It may lie
@@ -399,7 +412,12 @@ impl<S: Slopes> Facets<S> {
         let value = turned * spread / (cos_given * below).fast_max(F32s::splat(TINY));
         // Facets that are seen have the density D G1(i) (i h) / cos i, and o the n^2 |o h| / (..)^2
         // of theirs.
-        let pdf = turned * (eta * eta) * ggx * of_given / cos_given.fast_max(F32s::splat(TINY));
+        let mut pdf = turned * (eta * eta) * ggx * of_given / cos_given.fast_max(F32s::splat(TINY));
+        if self.beckmann.any() {
+            let seen =
+                self.beckmann_per_cosine(normal, (given, cos_given), (half, [cos, sin2]));
+            pdf = Real::select(self.beckmann, turned * (eta * eta) * seen, pdf);
+        }
         FacetRefraction {
             half,
             cos_half: given_half.fast_max(zero).fast_min(F32s::splat(1.0)),
@@ -417,18 +435,31 @@ impl<S: Slopes> Facets<S> {
         given: Vector<F32s>,
         u: [F32s; 2],
     ) -> Vector<F32s> {
-        let one = F32s::splat(1.0);
         let seen = self.slopes.stretch(normal, given);
-        let up = seen.dot(normal);
-        // A cap of directions z from the normal that are reflected towards `seen`.
-        let z = (one - u[1]).mul_add(one + up, -up);
-        let radius = (one - z * z).fast_max(F32s::splat(0.0)).sqrt();
-        let (sine, cosine) = warp::sin_cos_turns(u[0]);
-        let tangent = normal.any_perpendicular();
-        let bitangent = normal.cross(tangent);
-        let cap = tangent
-            .mul_add(radius * cosine, bitangent.mul_add(radius * sine, normal.mul_add(z, seen)));
-        self.slopes.stretch(normal, cap)
+        let stretched = |half| self.slopes.stretch(normal, half);
+        if self.beckmann.all() {
+            return stretched(beckmann_half(normal, seen, u));
+        }
+        let half = stretched(ggx_half(normal, seen, u));
+        if self.beckmann.none() {
+            return half;
+        }
+        Vector::select(self.beckmann, stretched(beckmann_half(normal, seen, u)), half)
+    }
+
+    /// `D G1(i) / cos i` of Beckmann: the density of facets that are seen from i over the cosine of
+    /// incidence on them, which are given by the cosine to the surface's normal and the squared
+    /// sine.
+    #[inline(never)]
+    fn beckmann_per_cosine(
+        &self,
+        normal: Vector<F32s>,
+        (given, cos_given): (Vector<F32s>, F32s),
+        (half, of): (Vector<F32s>, [F32s; 2]),
+    ) -> F32s {
+        let width = self.slopes.width(normal, given, cos_given);
+        let area = beckmann_area(width, cos_given).fast_max(F32s::splat(TINY));
+        F32s::splat(2.0) * self.beckmann(normal, half, of) / area
     }
 
     /// D of GGX.
@@ -461,6 +492,67 @@ impl<S: Slopes> Facets<S> {
         let shadowed = above / below.fast_max(F32s::splat(TINY));
         a.simd_lt(F32s::splat(1.6)) & shadowed
     }
+}
+
+/// A facet of GGX' hemisphere that is seen from `seen`.
+#[inline(always)]
+fn ggx_half(normal: Vector<F32s>, seen: Vector<F32s>, u: [F32s; 2]) -> Vector<F32s> {
+    let one = F32s::splat(1.0);
+    let up = seen.dot(normal);
+    // A cap of directions z from the normal that are reflected towards `seen`.
+    let z = (one - u[1]).mul_add(one + up, -up);
+    let radius = (one - z * z).fast_max(F32s::splat(0.0)).sqrt();
+    let (sine, cosine) = warp::sin_cos_turns(u[0]);
+    let tangent = normal.any_perpendicular();
+    let bitangent = normal.cross(tangent);
+    tangent.mul_add(radius * cosine, bitangent.mul_add(radius * sine, normal.mul_add(z, seen)))
+}
+
+/// A facet of Beckmann's of a roughness of one that is seen from `seen`, of any length.
+///
+/// Those of the slope s along it are seen as `(cos - s sin) exp(-s^2)`, up to where that is zero.
+/// All up to s are `(cos (1 + b) + sin exp(-s^2) / sqrt(pi)) / 2` where b is the error function of
+/// s, and the slope of that in b is their cosine. It bends one way, so that Newton's method
+/// converges. It starts between the solutions of light from straight above and, about, from aside.
+// Rare, and long.
+#[inline(never)]
+fn beckmann_half(normal: Vector<F32s>, seen: Vector<F32s>, u: [F32s; 2]) -> Vector<F32s> {
+    /// Off by 3e-7 of all facets then.
+    const STEPS: usize = 3;
+    let [zero, one, tiny] = [0.0, 1.0, TINY].map(F32s::splat);
+    let cos = seen.dot(normal).fast_max(zero);
+    let across = seen - normal * seen.dot(normal);
+    let sin = across.length_squared().sqrt();
+    let most = erf((cos / sin.fast_max(tiny)).fast_min(F32s::splat(MOST_SLOPE)));
+    let width = (one - cos * cos).fast_max(tiny).sqrt();
+    let target = u[1] * beckmann_area(width, cos);
+    let above = u[1].mul_add(one + most, -one);
+    let aside = (one + most) * (one - (one - u[1]).fast_max(zero).sqrt()) - one;
+    let mut value = (sin * sin).mul_add(aside - above, above);
+    let edge = F32s::splat(1.0 - f32::EPSILON);
+    let mut slope = erf_inverse(value.fast_max(-edge).fast_min(edge));
+    for _ in 0..STEPS {
+        let beyond = (-(slope * slope)).exp() * sin * F32s::splat(ROOT_OF_PI_INVERSE);
+        let excess = cos.mul_add(one + value, beyond) - target;
+        let per_value = (cos - slope * sin).fast_max(F32s::splat(1e-6));
+        value = (value - excess / per_value).fast_max(-edge).fast_min(most.fast_min(edge));
+        slope = erf_inverse(value);
+    }
+    let sideways = u[0].mul_add(F32s::splat(2.0), -one).fast_max(-edge).fast_min(edge);
+    let is_aside = sin.simd_gt(F32s::splat(1e-6));
+    let along = Vector::select(is_aside, across * (one / sin), normal.any_perpendicular());
+    let beside = normal.cross(along);
+    along.mul_add(-slope, beside.mul_add(-erf_inverse(sideways), normal))
+}
+
+/// Twice the area of Beckmann's facets that is seen from a direction of this [`Slopes::width`] and
+/// cosine, over that of the surface: `2 cos (1 + L)`.
+#[inline(always)]
+fn beckmann_area(width: F32s, cos: F32s) -> F32s {
+    let one = F32s::splat(1.0);
+    let slope = (cos / width).fast_min(F32s::splat(MOST_SLOPE));
+    let beyond = (-(slope * slope)).exp() * width * F32s::splat(ROOT_OF_PI_INVERSE);
+    cos.mul_add(one + erf(slope), beyond)
 }
 
 /// The unit vector between two.

@@ -4,8 +4,8 @@
 //! 1 gives an irradiance of the light's intensity, all over. Between the middles of texels values
 //! are interpolated linearly, and stay those of the outermost beyond these.
 //!
-//! Directions are drawn by the picture: one half of them as light is thrown, the other by
-//! brightness per steradian, for nearly all that a wide projector throws goes far off its axis.
+//! Directions are drawn by the picture: most of them as light is thrown, the others by brightness
+//! per steradian, for nearly all that a wide projector throws goes far off its axis.
 //! What is interpolated is a sum of one tent for each texel, folded at the picture's edges: so a
 //! texel is drawn by its share, and a place in its tent. Texels of small pictures are parted into
 //! cells for that, an odd number along either edge, so that what is between their middles still is.
@@ -23,6 +23,8 @@ use crate::spectrum::{Carried, Role};
 
 /// Integers are encoded as sRGB, as in all pictures of colors.
 const CODING: Coding = Coding::Srgb;
+/// Share of the directions that are drawn by what is seen per steradian.
+const SEEN: f64 = 0.125;
 /// Cells along either edge at least: over one of them the cosine to the axis hardly changes.
 const CELLS: u32 = 128;
 
@@ -76,7 +78,8 @@ impl Projector {
         let of_cells: Vec<(f64, f64)> = (0..width * height).map(of_cell).collect();
         let thrown: f64 = of_cells.iter().map(|(value, _)| value).sum();
         let seen: f64 = of_cells.iter().map(|(value, per_area)| value * per_area).sum();
-        let weight = |(value, per_area): &(f64, f64)| value * (1.0 + per_area * thrown / seen);
+        let over = SEEN / (1.0 - SEEN) * thrown / seen;
+        let weight = |(value, per_area): &(f64, f64)| value * (1.0 + per_area * over);
         self.weights = of_cells.iter().map(|cell| weight(cell) as f32).collect();
         let mut sum = 0.0;
         for row in self.weights.chunks(width) {

@@ -88,7 +88,7 @@ fn albedo(model: &Glass, cos: f32, numbers: &mut Numbers) -> [f64; 3] {
         through += f64::from((passes & weight).reduce_add());
     }
     let mean = sum / ALL;
-    [mean, ((squares / ALL - mean * mean) / ALL).sqrt(), through / ALL]
+    [mean, ((squares / ALL - mean * mean).max(0.0) / ALL).sqrt(), through / ALL]
 }
 
 #[test]
