@@ -344,7 +344,7 @@ impl Aim {
             EmitterModel::Point(_) => to_point(),
             EmitterModel::Patterned(it) => {
                 let pattern = &scene.optics.patterns[it.row as usize];
-                to_point().filter(|aim| pattern.density(-aim.direction.normalize()) > 0.0)
+                to_point().filter(|aim| pattern.reaches(-aim.direction.normalize()))
             }
             EmitterModel::Spot(it) => {
                 to_point().filter(|aim| -aim.direction.normalize().dot(it.direction) > it.cos_outer)

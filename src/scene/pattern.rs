@@ -46,6 +46,15 @@ impl Pattern {
         }
     }
 
+    /// Whether light goes along a direction.
+    pub fn reaches(&self, direction: Vec3) -> bool {
+        match self {
+            Self::Measured(it) => it.share(direction) > 0.0,
+            Self::Projected(it) => it.density(direction) > 0.0,
+            Self::Ramp(it) => it.share(direction) > 0.0,
+        }
+    }
+
     /// The density per steradian of drawing a direction.
     pub fn density(&self, direction: Vec3) -> f32 {
         match self {
