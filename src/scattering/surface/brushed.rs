@@ -5,7 +5,7 @@
 //! ([`crate::polarization::Stretched`]). Each has a row in the table of its model, of facets of the
 //! root mean square of both. What several facets scatter is that of even facets of this roughness,
 //! at the cosine at which they hide each other as much: where one roughness is four times the
-//! other, all light that lossless metal has reflected comes back to 6 %.
+//! other, all light comes back from lossless metal to 4 % (GGX), or 7 % (Beckmann).
 
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
