@@ -322,6 +322,16 @@ def rough_metal(color, **body):
                     roughness=body["roughness"])
 
 
+def brushed_metal(color, **body):
+    return extended({"bsdf": "rough_conductor", **body}, color, metallic=1.0, roughness=0.4)
+
+
+def blended(first, second, weight, color):
+    """Two other materials by their names, the second where the picture is white."""
+    return extended({"bsdf": "blend", "first": first, "second": second, "weight_texture": weight},
+                    color, metallic=0.5, roughness=0.6)
+
+
 def plastic(color, **body):
     return extended({"bsdf": "plastic", "reflectance": list(color), **body}, color, roughness=0.2)
 
@@ -452,6 +462,7 @@ METALS = [
     Ball("gold, GGX", rough_metal((1.0, 0.77, 0.34), metal="Au", roughness=0.5)),
     Ball("copper, Beckmann", rough_metal((0.95, 0.64, 0.54), metal="Cu", roughness=0.4,
                                          distribution="beckmann")),
+    Ball("brushed iron", brushed_metal((0.56, 0.57, 0.58), metal="Fe", alpha_u=0.45, alpha_v=0.1)),
     Ball("banded silver", plain((0.97, 0.96, 0.92), 1.0, 0.7, metal=picture("bands"))),
     Ball("hammered bronze", plain(metallic=1.0, base=picture("bronze"), metal=picture("hammered"),
                                   normalTexture=picture("hammered normals"))),
@@ -464,6 +475,7 @@ OPAQUE = [
                                   baseColorTexture=picture("swirl"))),
     Ball("stone", plain(base=picture("stone"), metal=picture("stone roughness"),
                         normalTexture=picture("stone normals"))),
+    Ball("gilded stone", blended("stone", "gold, GGX", picture("windows"), (0.7, 0.6, 0.4))),
     Ball("lacquer", plain((0.35, 0.05, 0.30), 0.0, 0.7, extensions={
         "clearcoat": {"clearcoatFactor": 1.0, "clearcoatTexture": picture("lacquer"),
                       "clearcoatRoughnessFactor": 1.0,

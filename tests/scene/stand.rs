@@ -21,7 +21,7 @@ fn every_model_stands_there() {
     assert!(world.put_in().is_empty(), "it has a camera and lamps");
     let models: HashSet<_> = world.entities().query::<&Bsdf>().iter().map(discriminant).collect();
     // All but `measured`, whose table is a file beside the scene.
-    assert_eq!(models.len(), 17);
+    assert_eq!(models.len(), 19);
     let painted = world.entities().query::<&Textures>().iter().count();
     assert!(painted >= 15, "{painted} materials have textures");
 }
