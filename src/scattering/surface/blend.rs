@@ -39,6 +39,7 @@ pub struct Blend {
 
 impl Blend {
     /// Of two models, which are given rows in their tables, with the share of the second.
+    #[allow(clippy::boxed_local, reason = "the list of models hands on what materials hold")]
     pub fn of<const N: usize>(
         tables: &mut Surfaces<N>,
         parts: Box<[SurfaceModel<[f32; N]>; PARTS]>,

@@ -45,6 +45,7 @@ enum Base {
 
 impl Brushed {
     /// Of a model, which is given a row in its table.
+    #[allow(clippy::boxed_local, reason = "the list of models hands on what materials hold")]
     pub fn of<const N: usize>(
         tables: &mut Surfaces<N>,
         of: Box<SurfaceModel<[f32; N]>>,

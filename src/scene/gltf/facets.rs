@@ -8,6 +8,7 @@ use super::extension::Body;
 use super::textures::Slot;
 use crate::image::texels::Coding;
 use crate::math::Range;
+use crate::math::elementary::atan2;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
 use crate::scene::world::{Along, Bsdf, Grain, Paint, Parameter, Reads, Textures};
@@ -98,7 +99,7 @@ pub fn written(mut body: Value, grain: &Grain) -> Value {
         keys.remove("alpha");
     }
     let [x, y] = grain.direction;
-    let turn = grain.turn.to_degrees() + y.atan2(x).to_degrees();
+    let turn = grain.turn.to_degrees() + atan2(y, x).to_degrees();
     let [along, across] = grain.alphas(across.as_f64().unwrap_or(1.0) as f32);
     body["alpha_u"] = json!(along);
     body["alpha_v"] = json!(across);
@@ -117,7 +118,7 @@ pub fn write_anisotropy(grain: &Grain, across: f32, material: &mut Value) {
     };
     let [x, y] = grain.direction;
     material["extensions"][KHR_ANISOTROPY] = json!({"anisotropyStrength": strength.min(1.0),
-        "anisotropyRotation": grain.turn + y.atan2(x)});
+        "anisotropyRotation": grain.turn + atan2(y, x)});
 }
 
 /// Whether a material states facets that are stretched.
