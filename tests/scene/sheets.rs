@@ -166,3 +166,20 @@ fn films_are_refused_by_name() {
         assert!(expected.iter().all(|part| error.contains(part)), "{error}: {expected:?}");
     }
 }
+
+/// More across the axis than along it is another axis.
+#[test]
+fn polarizers_block_no_less_than_they_transmit() {
+    use sunstone::internals::scene::World;
+    use sunstone::internals::spectrum::Spectrum;
+    use sunstone::world::Bsdf;
+    let of = |transmittance: Spectrum, blocked: Spectrum| {
+        let action = Action::Polarizer(Grid { transmittance, blocked });
+        World::new("sheets").add_material("sheet", Bsdf::Sheet { axis_deg: 0.0, action })
+    };
+    assert!(of(0.4.into(), 0.4.into()).is_ok());
+    let error = of(0.4.into(), 0.5.into()).unwrap_err().to_string();
+    assert!(error.contains("blocked: 0.5 is more than the transmittance, 0.4"), "{error}");
+    let error = of([0.9, 0.9, 0.3].into(), [0.1, 0.1, 0.4].into()).unwrap_err().to_string();
+    assert!(error.contains("0.4 is more than the transmittance, 0.3 at"), "{error}");
+}
