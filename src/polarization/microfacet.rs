@@ -414,8 +414,7 @@ impl<S: Slopes> Facets<S> {
         // of theirs.
         let mut pdf = turned * (eta * eta) * ggx * of_given / cos_given.fast_max(F32s::splat(TINY));
         if self.beckmann.any() {
-            let seen =
-                self.beckmann_per_cosine(normal, (given, cos_given), (half, [cos, sin2]));
+            let seen = self.beckmann_per_cosine(normal, (given, cos_given), (half, [cos, sin2]));
             pdf = Real::select(self.beckmann, turned * (eta * eta) * seen, pdf);
         }
         FacetRefraction {

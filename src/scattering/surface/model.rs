@@ -262,40 +262,53 @@ impl LaneRows {
 
 /// The parameters of one model at eight vertices.
 pub struct ModelLanes<'a, M> {
-    models: &'a [M],
     /// Their rows in the model's table.
     pub rows: LaneRows,
+    models: Models<'a, M>,
+}
+
+/// What [`LaneRows`] lead to, looked up once for all parameters.
+enum Models<'a, M> {
+    Same(&'a M),
+    Each([&'a M; LANES]),
 }
 
 impl<'a, M> ModelLanes<'a, M> {
     /// Those in the rows `rows` of the model's table.
     #[inline(always)]
     pub fn new(models: &'a [M], rows: LaneRows) -> Self {
-        Self { models, rows }
+        let of = match rows {
+            LaneRows::Same(row) => Models::Same(&models[row]),
+            LaneRows::Each(rows) => Models::Each(rows.map(|row| &models[row])),
+        };
+        Self { rows, models: of }
     }
 
     /// All of them.
     #[inline(always)]
     pub fn each(&self) -> [&'a M; LANES] {
-        match self.rows {
-            LaneRows::Same(row) => [&self.models[row]; LANES],
-            LaneRows::Each(rows) => rows.map(|row| &self.models[row]),
+        match self.models {
+            Models::Same(model) => [model; LANES],
+            Models::Each(models) => models,
         }
     }
 
     /// One parameter.
     #[inline(always)]
     pub fn field(&self, of: impl Fn(&M) -> f32) -> F32s {
-        self.rows.gather(|row| of(&self.models[row]))
+        match self.models {
+            Models::Same(model) => F32s::splat(of(model)),
+            Models::Each(models) => F32s::from(lanes::each(|lane| of(models[lane]))),
+        }
     }
 
     /// One parameter at every wavelength.
     #[inline(always)]
     pub fn spectrum<const N: usize>(&self, of: impl Fn(&M) -> &[f32; N]) -> [F32s; N] {
-        match self.rows {
-            LaneRows::Same(row) => of(&self.models[row]).map(F32s::splat),
-            LaneRows::Each(rows) => {
-                let rows = rows.map(|row| of(&self.models[row]));
+        match self.models {
+            Models::Same(model) => of(model).map(F32s::splat),
+            Models::Each(models) => {
+                let rows = models.map(of);
                 let mut values = [F32s::splat(0.0); N];
                 for (n, value) in values.iter_mut().enumerate() {
                     *value = F32s::from(lanes::each(|lane| rows[lane][n]));

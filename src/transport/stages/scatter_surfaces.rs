@@ -10,7 +10,7 @@ use crate::scattering::event::{Elements, Form};
 use crate::scattering::nesting::InterfaceLanes;
 use crate::scattering::painting::SceneAt;
 use crate::scattering::surface::model::{Choice, Incidence, LaneRows, OneOfTwo, Scattered};
-use crate::scattering::surface::{Connecting, Specular, SurfaceKind, for_scattering};
+use crate::scattering::surface::{Connecting, ModelLanes, Specular, SurfaceKind, for_scattering};
 use crate::scattering::vertex::{Consecutive, OnSurfaces};
 use crate::scattering::{Met, Scene, Side};
 use crate::transport::collapse::{collapse, have_collapsed};
@@ -114,7 +114,7 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
         let given = at.models.rows;
         let nested = if M::NESTS { to.interfaces(&given, surfaces, scene, some) } else { None };
         if let Some(InterfaceLanes { rows, .. }) = &nested {
-            at.models.rows = *rows;
+            at.models = ModelLanes::new(models, *rows);
         }
         if M::DISPERSES && N > 1 {
             at.collapsed = have_collapsed(lanes::load(&to.beta[1], row));
