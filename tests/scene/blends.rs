@@ -220,7 +220,7 @@ fn mitsubas_blends_that_are_none() {
         assert!(texts.iter().all(|text| error.contains(text)), "{error}");
     }
     // Each twice, and deep.
-    let mut body = format!("<bsdf type='diffuse' id='b0'/>");
+    let mut body = String::from("<bsdf type='diffuse' id='b0'/>");
     for next in 1..40 {
         let last = next - 1;
         body += &format!(

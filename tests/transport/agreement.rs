@@ -91,9 +91,9 @@ fn render_all<const N: usize>(
         let roulette_after = if integrator == Integrator::Path { 3 } else { u32::MAX };
         // With other seeds than in scalar mode, where the same paths would prove nothing new.
         let seed = settings.seed + if mode == Mode::Polarized { 0x0100_0000 } else { 0 };
-        // A kernel so small that its bias drowns in the noise. Where iterations are many it is twice
-        // as wide: the noise of what hardly any photon meets is no normal one, and its score says
-        // more of that than of the mean.
+        // A kernel so small that its bias drowns in the noise. Where iterations are many it is
+        // twice as wide: the noise of what hardly any photon meets is no normal one, and its score
+        // says more of that than of the mean.
         let share = if scene.has_media() { 0.011 } else { 0.006 };
         let share = if iterations > ITERATIONS / 4 { 2.0 * share } else { share };
         let radius = Some(share * scene.shapes.bounds.radius);

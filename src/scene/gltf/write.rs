@@ -4,6 +4,7 @@
 mod container;
 mod meshes;
 mod painted;
+mod parts;
 mod stored;
 
 use std::collections::{BTreeSet, HashMap};
@@ -14,7 +15,7 @@ use serde_json::{Map, Value, json};
 
 pub use self::container::Written;
 use self::meshes::{Meshes, Tint};
-use self::painted::{Lists, Painter, tint_of};
+use self::painted::{Lists, tint_of};
 use self::stored::{Stored, data_uri, open};
 use super::cameras::written_film;
 use super::extension::EXTENSION;
@@ -147,53 +148,6 @@ impl<'a> Writer<'a> {
             self.numbers.insert(entity, self.materials.len());
             self.materials.push(material);
         }
-    }
-
-    /// Adds the textures of a material, and those of its parts to theirs.
-    fn paint(
-        &mut self,
-        name: &Name,
-        (bsdf, textures): (&Bsdf, &Textures),
-        material: &mut Value,
-    ) -> Result<(), SceneError> {
-        let Self { world, stored, lists, .. } = self;
-        let mut painter =
-            Painter { world: *world, stored, lists, name: &name.0, material: &mut *material };
-        painter.paint(bsdf, textures)?;
-        for ((part, index), textures) in blends::parts(bsdf, material).zip(&textures.parts) {
-            self.of_part(index, |writer, own| writer.paint(name, (part, textures), own))?;
-        }
-        Ok(())
-    }
-
-    /// Stores the measured tables of a material and of its parts.
-    fn store_tables(
-        &mut self,
-        name: &Name,
-        bsdf: &Bsdf,
-        material: &mut Value,
-    ) -> Result<(), SceneError> {
-        if let Bsdf::Measured { table, places } = bsdf {
-            if *places != table.places() {
-                let problem = "is measured at one wavelength for all, which is not written";
-                return Err(SceneError::new(&name.0, problem, "keep the scene's own file"));
-            }
-            let stored = self.stored.file(table.bytes(), self.world);
-            let number = stored.map_err(|error| SceneError::new(&name.0, error, ""))?;
-            material["extensions"][EXTENSION]["file"] = open(number);
-        }
-        for (part, index) in blends::parts(bsdf, material) {
-            self.of_part(index, |writer, own| writer.store_tables(name, part, own))?;
-        }
-        Ok(())
-    }
-
-    /// Adds something to the material of a part.
-    fn of_part<R>(&mut self, index: usize, add: impl FnOnce(&mut Self, &mut Value) -> R) -> R {
-        let mut own = std::mem::take(&mut self.materials[index]);
-        let result = add(self, &mut own);
-        self.materials[index] = own;
-        result
     }
 
     fn whole(&mut self, world: &World, scene: Map<String, Value>) -> Value {
@@ -377,14 +331,6 @@ impl<'a> Writer<'a> {
                 blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }
         }
-    }
-
-    /// Writes a part of a blend as a material; its place.
-    fn part(&mut self, name: &Name, part: &Bsdf, which: &str) -> usize {
-        let mut material = self.material(name, part, Sides::default(), None);
-        material["name"] = json!(format!("{}, {which}", called(name)));
-        self.materials.push(material);
-        self.materials.len() - 1
     }
 
     /// A color that glTF knows as red, green and blue alone.

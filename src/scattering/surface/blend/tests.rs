@@ -94,8 +94,7 @@ impl Tabled {
     pub fn draw(&self, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
         let u = [numbers.lanes(), numbers.lanes(), numbers.lanes()];
         of!(self, models => {
-            let lanes = models.lanes(&self.rows);
-            models.draw((&self.rows, &lanes), &facing(), given, u, Side::Sensor)
+            models.draw((&self.rows, &models.lanes(&self.rows)), &facing(), given, u, Side::Sensor)
         })
     }
 
