@@ -188,14 +188,17 @@ impl<F: Real> SensorMatrix<F> {
     #[inline(always)]
     pub fn measure(&self, light: &LightCarrier<F>, arrival: &Arrival<F>) -> Stokes<F> {
         let Stokes(stokes) = light.turned(arrival).stokes;
-        Stokes(self.matrix.map(|row| dot(row, stokes)))
+        let [first, second, third, fourth] = self.matrix;
+        let of = |row| dot(row, stokes);
+        Stokes([of(first), of(second), of(third), of(fourth)])
     }
 
     /// What a depolarizer leaves, for `T d e0 e0^T = (T e0)(d e0^T)`: a column that never changes
     /// again. The rest of the subpath is a [`SensorRow`].
     #[inline(always)]
     pub fn depolarized(self) -> SensorColumn<F> {
-        SensorColumn(Stokes(self.matrix.map(|row| row[0])))
+        let [first, second, third, fourth] = self.matrix;
+        SensorColumn(Stokes([first[0], second[0], third[0], fourth[0]]))
     }
 }
 

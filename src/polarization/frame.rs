@@ -69,7 +69,14 @@ impl<F: Real> Rotation<F> {
     /// `T R`, row by row as [`Rotation::collect_row`].
     #[inline(always)]
     pub fn collect_matrix(self, matrix: [[F; 4]; 4]) -> [[F; 4]; 4] {
-        matrix.map(|row| self.collect_row(row))
+        // Not `map`, which is not always inlined.
+        let [first, second, third, fourth] = matrix;
+        [
+            self.collect_row(first),
+            self.collect_row(second),
+            self.collect_row(third),
+            self.collect_row(fourth),
+        ]
     }
 
     /// The rotation back: `R(-a)`.

@@ -27,7 +27,14 @@ pub trait Kernel<F: Real>: Copy {
     /// `T M`: the sensor's whole matrix `matrix[row][column]`, extended by the event.
     #[inline(always)]
     fn collect_columns(self, matrix: [[F; 4]; 4]) -> [[F; 4]; 4] {
-        matrix.map(|row| self.collect_row(row))
+        // Not `map`, which is not always inlined.
+        let [first, second, third, fourth] = matrix;
+        [
+            self.collect_row(first),
+            self.collect_row(second),
+            self.collect_row(third),
+            self.collect_row(fourth),
+        ]
     }
 
     /// `R M`, the sensor's matrix after its first event. `rotation` leads from the event's
@@ -216,7 +223,10 @@ impl<F: Real> Dense<F> {
     /// and `leaving` from the old one to the new behind it.
     #[inline(always)]
     pub fn turned(self, arriving: Rotation<F>, leaving: Rotation<F>) -> Self {
-        let [first, second, third, fourth] = self.0.map(|row| arriving.collect_row(row));
+        let [first, second, third, fourth] = self.0;
+        let collect = |row| arriving.collect_row(row);
+        let [first, second, third, fourth] =
+            [collect(first), collect(second), collect(third), collect(fourth)];
         let Rotation { cos2, sin2 } = leaving;
         let along = |a: F, b: F| cos2.mul_add(a, sin2 * b);
         let beside = |a: F, b: F| cos2.mul_add(b, -(sin2 * a));
@@ -247,7 +257,9 @@ impl<F: Real> Dense<F> {
 impl<F: Real> Kernel<F> for Dense<F> {
     #[inline(always)]
     fn scatter(self, stokes: Stokes<F>) -> Stokes<F> {
-        Stokes(self.0.map(|row| dot(row, stokes.0)))
+        let [first, second, third, fourth] = self.0;
+        let of = |row| dot(row, stokes.0);
+        Stokes([of(first), of(second), of(third), of(fourth)])
     }
 
     #[inline(always)]

@@ -19,6 +19,7 @@ impl<F: Real> Stokes<F> {
     /// The same state of polarization, `factor` times as intense.
     #[inline(always)]
     pub fn scaled(self, factor: F) -> Self {
-        Self(self.0.map(|component| component * factor))
+        let [s0, s1, s2, s3] = self.0;
+        Self([s0 * factor, s1 * factor, s2 * factor, s3 * factor])
     }
 }

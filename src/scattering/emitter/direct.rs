@@ -181,7 +181,9 @@ fn gather(records: &[Own], chosen: [usize; LANES]) -> OwnLanes {
         halves[0][lane] = F32s::from(packets[0]);
         halves[1][lane] = F32s::from(packets[1]);
     }
-    let [[a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, p]] = halves.map(F32s::transpose);
+    let [first, second] = halves;
+    let [a, b, c, d, e, f, g, h] = F32s::transpose(first);
+    let [i, j, k, l, m, n, o, p] = F32s::transpose(second);
     [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]
 }
 

@@ -9,7 +9,7 @@
 
 use super::facing::Facing;
 use super::glossy::{Lobes, Mixed};
-use super::metallic_roughness::{MetallicRoughness, MetallicRoughnesses};
+use super::metallic_roughness::MetallicRoughnesses;
 use super::model::{Drawn, LaneRows, ModelLanes, Surface};
 use super::parts::{Part, each_kind};
 use super::rough_conductor::{RoughConductor, RoughConductors};
@@ -95,28 +95,41 @@ macro_rules! with_lobes {
     ($self:expr, $kind:expr, $rows:expr, $of:ident => $body:expr) => {
         match $kind {
             Base::Metal => {
-                let models = ModelLanes::new(&$self.tables.rough_conductor, *$rows);
-                let facets = $self.facets(RoughConductor::beckmann(&models));
-                let $of = RoughConductors::new(&models, facets);
+                let $of = $self.metal($rows);
                 $body
             }
             Base::Glass => {
-                let models = ModelLanes::new(&$self.tables.rough_dielectric, *$rows);
-                let facets = $self.facets(RoughDielectric::beckmann(&models));
-                let $of = RoughDielectrics::new(&models, facets);
+                let $of = $self.glass($rows);
                 $body
             }
             Base::Mixed => {
-                let models: ModelLanes<MetallicRoughness<N>> =
-                    ModelLanes::new(&$self.tables.metallic_roughness, *$rows);
-                let $of = MetallicRoughnesses::new(&models, $self.facets(F32s::ZERO));
+                let $of = $self.mixed($rows);
                 $body
             }
         }
     };
 }
 
+// What is asked of lobes is asked in several places: they are made out of line.
 impl<const N: usize> Brushes<'_, N> {
+    #[inline(never)]
+    fn metal(&self, rows: &LaneRows) -> RoughConductors<N, Stretched> {
+        let models = ModelLanes::new(&self.tables.rough_conductor, *rows);
+        RoughConductors::new(&models, self.facets(RoughConductor::beckmann(&models)))
+    }
+
+    #[inline(never)]
+    fn glass(&self, rows: &LaneRows) -> RoughDielectrics<N, Stretched> {
+        let models = ModelLanes::new(&self.tables.rough_dielectric, *rows);
+        RoughDielectrics::new(&models, self.facets(RoughDielectric::beckmann(&models)))
+    }
+
+    #[inline(never)]
+    fn mixed(&self, rows: &LaneRows) -> MetallicRoughnesses<N, Stretched> {
+        let models = ModelLanes::new(&self.tables.metallic_roughness, *rows);
+        MetallicRoughnesses::new(&models, self.facets(F32s::ZERO))
+    }
+
     #[inline(always)]
     fn facets(&self, beckmann: F32s) -> Facets<Stretched> {
         Facets::stretched(self.along, self.alpha, beckmann)

@@ -557,6 +557,7 @@ impl SurfaceKind {
     }
 
     /// The place of its event among the scene's; what is no vertex is never met.
+    #[inline(always)]
     pub fn event(self) -> usize {
         Self::MET.iter().position(|kind| *kind == self).map_or(END, |place| 1 + place)
     }

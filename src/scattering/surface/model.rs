@@ -279,7 +279,13 @@ impl<'a, M> ModelLanes<'a, M> {
     pub fn new(models: &'a [M], rows: LaneRows) -> Self {
         let of = match rows {
             LaneRows::Same(row) => Models::Same(&models[row]),
-            LaneRows::Each(rows) => Models::Each(rows.map(|row| &models[row])),
+            LaneRows::Each(rows) => {
+                let mut of = [&models[rows[0]]; LANES];
+                for (of, row) in of.iter_mut().zip(rows) {
+                    *of = &models[row];
+                }
+                Models::Each(of)
+            }
         };
         Self { rows, models: of }
     }
@@ -308,15 +314,25 @@ impl<'a, M> ModelLanes<'a, M> {
         match self.models {
             Models::Same(model) => of(model).map(F32s::splat),
             Models::Each(models) => {
-                let rows = models.map(of);
-                let mut values = [F32s::splat(0.0); N];
-                for (n, value) in values.iter_mut().enumerate() {
-                    *value = F32s::from(lanes::each(|lane| rows[lane][n]));
+                let mut rows = [of(models[0]); LANES];
+                for (row, model) in rows.iter_mut().zip(models) {
+                    *row = of(model);
                 }
-                values
+                by_wavelength(&rows)
             }
         }
     }
+}
+
+/// Eight spectra, wavelength by wavelength.
+// Out of line: models have a dozen of them.
+#[inline(never)]
+fn by_wavelength<const N: usize>(rows: &[&[f32; N]; LANES]) -> [F32s; N] {
+    let mut values = [F32s::splat(0.0); N];
+    for (n, value) in values.iter_mut().enumerate() {
+        *value = F32s::from(lanes::each(|lane| rows[lane][n]));
+    }
+    values
 }
 
 /// Eight rays that have met surfaces of one model.
