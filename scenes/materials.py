@@ -475,7 +475,7 @@ OPAQUE = [
                                   baseColorTexture=picture("swirl"))),
     Ball("stone", plain(base=picture("stone"), metal=picture("stone roughness"),
                         normalTexture=picture("stone normals"))),
-    Ball("gilded stone", blended("stone", "gold, GGX", picture("windows"), (0.7, 0.6, 0.4))),
+    Ball("gilded checks", blended("checks", "gold, GGX", picture("windows"), (0.7, 0.6, 0.4))),
     Ball("lacquer", plain((0.35, 0.05, 0.30), 0.0, 0.7, extensions={
         "clearcoat": {"clearcoatFactor": 1.0, "clearcoatTexture": picture("lacquer"),
                       "clearcoatRoughnessFactor": 1.0,

@@ -461,7 +461,7 @@ fn edits_that_do_not_go_together_stop_all() {
             "job 0, `unset` is not a list of KIND/NAME/KEY",
             "job 1, `materials/gold/metal` is stated twice",
             "job 2, materials/snow/metal: no material is called `snow`",
-            "job 3, nodes/glass ball/matrix.0: is an item of a list",
+            "job 3, nodes/glass ball/matrix.0 is an item of a list",
             "job 4, nodes/glass ball/scale: the node has a `matrix`",
             "job 5, cameras/camera/film.resolution: means nothing where `width` and `height`",
         ],

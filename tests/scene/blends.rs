@@ -141,7 +141,7 @@ fn textures_feed_weights_and_parts() {
     let mix = world.find("mix").unwrap();
     let textures = (*world.entities().get::<&Textures>(mix).unwrap()).clone();
     let [(Parameter::Weight, weight)] = &textures.parameters[..] else { panic!("{textures:?}") };
-    assert_eq!((weight.factor, weight.reads), ([0.5; 3], Reads::Red));
+    assert_eq!((weight.factor, weight.reads), ([0.5; 3], Reads::Luminance));
     assert_eq!(weight.texture.as_ref().map(|texture| texture.set), Some(1));
     let [(Parameter::BaseColor, color)] = &textures.parts[0].parameters[..] else {
         panic!("{textures:?}")

@@ -103,7 +103,7 @@ fn falloffs_are_keys_of_gltf_and_are_written() {
     let of_hard = kinds(&loaded(&hard));
     assert!(matches!(of_hard[..], [PunctualKind::Spot { falloff: it, .. }] if it == falloff));
     for (kind, falloff, words) in
-        [("spot", "sharp", "falloff: is not known"), ("point", "angle", "falloff: is for spots")]
+        [("spot", "sharp", "falloff is not known"), ("point", "angle", "falloff is for spots")]
     {
         let mut document = good();
         let light = &mut document["extensions"]["KHR_lights_punctual"]["lights"][0];
@@ -282,7 +282,7 @@ fn measured_tables_are_those_of_the_file() {
     assert!(error.contains("one wavelength for all"), "{error}");
     for (more, words) in [
         ("<float name='wavelength' value='700'/>", "700 nm is not among those of the table"),
-        ("<float name='roughness' value='1'/>", "roughness: is no property"),
+        ("<float name='roughness' value='1'/>", "roughness is no property"),
     ] {
         let error = load_of(more).map(|_| ()).unwrap_err();
         assert!(error.contains(words), "{error}");

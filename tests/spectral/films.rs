@@ -277,7 +277,7 @@ fn films_that_cannot_be_are_refused() {
     let laser = Some(WhiteBalance::new("laser", laser).expect("a light"));
     let of_laser = Options { white_balance: laser, ..options(Color::Rgb, range, 0) };
     let error = Settings::new(of_laser).expect_err("no white").to_string();
-    assert!(error.contains("laser needs a light that red, green and blue are in"), "{error}");
+    assert!(error.contains("laser: needs a light that red, green and blue are in"), "{error}");
 }
 
 fn responses_of(values: &[f32; 2]) -> Color {
