@@ -486,7 +486,7 @@ def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
     quad = sunstone.Geometry.quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
     with refused("material `wall`: there is one of this name already"):
         room.add_material("wall", "diffuse")
-    with refused("material `x`, ior means nothing for a material of bsdf \"diffuse\""):
+    with refused("material `x`, ior: means nothing for a material of bsdf \"diffuse\""):
         room.add_material("x", "diffuse", ior=1.5)
     with refused("material `x`, bsdf: `velvet` is not a model"):
         room.add_material("x", "velvet")  # type: ignore[arg-type]
@@ -521,9 +521,9 @@ def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
         room.set_camera("c")
     with refused("singular or not finite"):
         room.set_camera("c", yfov=1.0, position=(1, 1, 1), target=(1, 1, 1))
-    with refused("medium `fog`, sigma_a is missing"):
+    with refused("medium `fog`, sigma_a: is missing"):
         room.add_medium("fog", "isotropic", sigma_s=1.0)
-    with refused("medium `fog`, particles\\[0\\], distribution, of is missing"):
+    with refused("medium `fog`, particles\\[0\\], distribution, of: is missing"):
         beads = {"kind": "gamma", "mean_um": 1, "sd_um": 0.1}
         part = {"distribution": beads, "eta": 1.5, "volume_fraction": 0.1}
         room.add_medium("fog", "mie", particles=[part], host={"eta": 1.33})
@@ -537,7 +537,7 @@ def test_worlds_refuse_what_is_wrong(room: sunstone.World) -> None:
 
 
 def test_geometries_are_refused_by_shape() -> None:
-    with pytest.raises(sunstone.SceneError, match=r"positions must have the shape \(count, 3\)"):
+    with pytest.raises(sunstone.SceneError, match=r"positions: must have the shape \(count, 3\)"):
         sunstone.Geometry(np.zeros((3, 2)), np.zeros((1, 3)))
     with pytest.raises(sunstone.SceneError, match="triangles: 7 is not one of the 3"):
         world = sunstone.World()
@@ -853,5 +853,5 @@ def test_files_without_camera_and_light_are_shown(tmp_path: pathlib.Path) -> Non
     assert np.array_equal(again.render(**SMALL).stokes, image.stokes)
     with pytest.raises(sunstone.SceneError, match="nothing in the scene emits"):
         sunstone.load(path, light="none", time=0.5).render(**SMALL)
-    with pytest.raises(sunstone.SceneError, match="time must be seconds"):
+    with pytest.raises(sunstone.SceneError, match="time: must be seconds"):
         sunstone.load(path, time=-1)
