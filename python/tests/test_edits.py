@@ -118,7 +118,7 @@ def test_values_are_told() -> None:
 
 REFUSED: list[tuple[str, Any, str]] = [
     ("materials/snow/ior", 1.5, r"cornell.gltf: materials/snow/ior: no material is called `snow`"),
-    ("materials/glass/iro", 1.5, r"a material has no key `iro`\n  help: keys are alpha, alpha_texture, axis_deg"),
+    ("materials/glass/iro", 1.5, r"a material has no key `iro`\n  help: keys are alpha, alpha_texture, alpha_u"),
     ("shapes/glass/ior", 1.5, r"`shapes` is no kind of object\n  help: kinds are materials"),
     ("glass", 1.5, r"glass is no edit\n  help: write KIND/NAME/KEY"),
     ("materials/glass/ior", -1, r'material 5 "glass", .*ior: -1 must be greater than 0'),
