@@ -55,15 +55,15 @@ pub fn store(column: &mut [f32], row: usize, end: usize, value: F32s) {
     if row + LANES <= end {
         column[row..row + LANES].copy_from_slice(&lanes);
     } else {
-        store_tail(&mut column[row..end], &lanes);
+        store_tail(column, row, end, &lanes);
     }
 }
 
 /// The last rows of [`store`]: out of line, as there are hundreds of places that store.
 #[cold]
 #[inline(never)]
-fn store_tail<T: Copy>(column: &mut [T], lanes: &[T; LANES]) {
-    column.copy_from_slice(&lanes[..column.len()]);
+fn store_tail<T: Copy>(column: &mut [T], row: usize, end: usize, lanes: &[T; LANES]) {
+    column[row..end].copy_from_slice(&lanes[..end - row]);
 }
 
 /// Multiplies the rows from `row` to `end` (exclusive), at most eight.
@@ -87,7 +87,7 @@ pub fn store_u32(column: &mut [u32], row: usize, end: usize, value: U32s) {
     if row + LANES <= end {
         column[row..row + LANES].copy_from_slice(&lanes);
     } else {
-        store_tail(&mut column[row..end], &lanes);
+        store_tail(column, row, end, &lanes);
     }
 }
 
@@ -110,7 +110,7 @@ pub fn store_signed(column: &mut [i16], row: usize, end: usize, value: F32s) {
     if row + LANES <= end {
         column[row..row + LANES].copy_from_slice(&lanes);
     } else {
-        store_tail(&mut column[row..end], &lanes);
+        store_tail(column, row, end, &lanes);
     }
 }
 

@@ -56,7 +56,8 @@ impl Packets {
     }
 
     /// The numbers from `LANES * packet` on of eight rows.
-    #[inline(always)]
+    // Out of line: tables have up to ten packets, and places that read them are many.
+    #[inline(never)]
     fn gather(&self, rows: &[usize; LANES], packet: usize) -> [F32s; LANES] {
         let mut lanes = [F32s::splat(0.0); LANES];
         for (lane, &row) in lanes.iter_mut().zip(rows) {

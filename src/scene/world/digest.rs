@@ -14,7 +14,7 @@ use super::light::{Luminaire, Projection};
 use super::{
     Ball, Boundary, Bsdf, Emission, EmittedStokes, Environment, FillsScene, Geometry, Lens, MadeOf,
     Medium, Mesh, Name, Order, Punctual, Raster, Resolution, Sides, Textures, Transform, Window,
-    World,
+    World, places_in_order,
 };
 
 /// The components that are digested as `Debug` says them, which names all fields, and numbers to
@@ -63,9 +63,11 @@ impl World {
     fn digest_column<C: Component + Debug>(&self, digest: &mut Digest) {
         digest.say(format_args!("{}", std::any::type_name::<C>()));
         let mut query = self.entities().query::<(&Order, Entity, &C)>();
-        let mut rows: Vec<(&Order, Entity, &C)> = query.iter().collect();
-        rows.sort_by_key(|(order, ..)| order.0);
-        rows.iter().for_each(|row| digest.say(format_args!("{row:?}")));
+        let rows: Vec<(&Order, Entity, &C)> = query.iter().collect();
+        let orders: Vec<u32> = rows.iter().map(|(order, ..)| order.0).collect();
+        for place in places_in_order(&orders) {
+            digest.say(format_args!("{:?}", rows[place]));
+        }
     }
 }
 

@@ -135,7 +135,10 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
             );
         }
         to.enter(surfaces, scene, &scattered.direction, (row, nested));
-        to.depart_specular(&at, &scattered, bounce.side, row);
+        let Scattered { direction, ref weight, alone, .. } = scattered;
+        let met = (at.geometric, at.normal, at.cos_i);
+        let alone = M::DISPERSES.then_some(alone);
+        to.depart_specular([at.direction, direction], met, (weight, alone), (bounce.side, row));
     }
 }
 
@@ -305,25 +308,26 @@ impl<const N: usize> Departing<'_, N> {
         }
     }
 
-    #[inline(always)]
-    fn depart_specular<M: Specular<N>>(
+    /// Rows go on as they were sent by the surfaces that they have met: of these the geometric
+    /// normal, the shading normal, and the cosine of arrival to it.
+    #[inline(never)]
+    fn depart_specular(
         &mut self,
-        at: &Incidence<M>,
-        scattered: &Scattered<N, M::Kernel>,
-        side: Side,
-        row: usize,
+        [before, direction]: [Vector<F32s>; 2],
+        (geometric, normal, cos_i): (Vector<F32s>, Vector<F32s>, F32s),
+        (weight, alone): (&[F32s; N], Option<F32s>),
+        (side, row): (Side, usize),
     ) {
-        let &Scattered { direction, ref weight, .. } = scattered;
-        let cos_out = direction.dot(at.geometric).abs();
+        let cos_out = direction.dot(geometric).abs();
         // Veach 1997, equation 5.19, for a direction that has the cosine of arrival (or Snell's
         // partner of it) to the shading normal on both sides; one without shading normals.
         let adjoint = match side {
             Side::Sensor => F32s::splat(1.0),
             Side::Light => {
-                let cos_in = at.direction.dot(at.geometric).abs();
-                let shading_out = direction.dot(at.normal).abs();
-                let flat = (cos_in - at.cos_i).abs().simd_lt(F32s::splat(1e-6));
-                let ratio = at.cos_i * cos_out / (cos_in * shading_out);
+                let cos_in = before.dot(geometric).abs();
+                let shading_out = direction.dot(normal).abs();
+                let flat = (cos_in - cos_i).abs().simd_lt(F32s::splat(1e-6));
+                let ratio = cos_i * cos_out / (cos_in * shading_out);
                 Real::select(flat, F32s::splat(1.0), ratio)
             }
         };
@@ -331,8 +335,8 @@ impl<const N: usize> Departing<'_, N> {
         for (n, beta) in beta.iter_mut().enumerate() {
             *beta = lanes::load(&self.beta[n], row) * weight[n] * adjoint;
         }
-        if M::DISPERSES {
-            collapse(&mut beta, scattered.alone);
+        if let Some(alone) = alone {
+            collapse(&mut beta, alone);
         }
         for (column, &beta) in self.beta.iter_mut().zip(&beta) {
             lanes::store(column, row, self.end, beta);
