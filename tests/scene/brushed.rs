@@ -192,3 +192,24 @@ fn what_is_written_is_read_again() {
         assert_eq!(models[0], models[1]);
     }
 }
+
+/// The direction goes by the coordinates of meshes where nothing else does.
+#[test]
+fn meshes_without_pictures_say_where_the_right_is() {
+    let mut document = painted();
+    for key in ["textures", "images", "samplers"] {
+        document.as_object_mut().unwrap().remove(key);
+    }
+    let path = scratch("coordinates.gltf");
+    let mut has_coordinates = |extensions: Value| {
+        document["materials"][0] = json!({"extensions": extensions});
+        Written::of(&load_json(&document).unwrap()).unwrap().save(&path).unwrap();
+        std::fs::read_to_string(&path).unwrap().contains("TEXCOORD_0")
+    };
+    let brushed = json!({"bsdf": "rough_conductor", "metal": "Al", "alpha_u": 0.4, "alpha_v": 0.1});
+    let anisotropic = json!({"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}});
+    for extensions in [json!({"SUNSTONE_polarization": brushed}), anisotropic] {
+        assert!(has_coordinates(extensions));
+    }
+    assert!(!has_coordinates(json!({})), "the test cannot fail");
+}

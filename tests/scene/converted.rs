@@ -434,10 +434,7 @@ fn what_is_wrong_with_the_extensions_textures_is_told() {
         (rough(json!({"alpha_texture": {"index": 9}})), "alpha_texture has no `index` of a"),
         (rough(json!({"alpha_texture": {}})), "alpha_texture has no `index` of a"),
         (rough(json!({"alpha_texture": 3})), "alpha_texture is not an object"),
-        (
-            rough(json!({"alpha_texture": {"index": 0, "source": 0}})),
-            "alpha_texture.source is not",
-        ),
+        (rough(json!({"alpha_texture": {"index": 0, "source": 0}})), "alpha_texture.source is not"),
         (
             rough(json!({"alpha_texture": texture(json!({"channel": "hue"}))})),
             "alpha_texture, SUNSTONE_polarization.channel is no channel",

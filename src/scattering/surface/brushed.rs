@@ -185,11 +185,16 @@ impl<const N: usize> Lobes<N> for Brushes<'_, N> {
         self.each(|kind, rows, mask| {
             let own: Drawn<N> =
                 with_lobes!(self, kind, rows, of => of.draw(facing, given, u, side));
+            // What the list of models says of all of them is that light may go through.
+            let mask_of_weight = match kind {
+                Base::Metal | Base::Mixed => facing.reflects(given, own.direction),
+                Base::Glass => mask,
+            };
             drawn.direction = Vector::select(mask, own.direction, drawn.direction);
             drawn.pdf = Real::select(mask, own.pdf, drawn.pdf);
             drawn.lost = Real::select(mask, own.lost, drawn.lost);
             for (weight, own) in drawn.weight.iter_mut().zip(own.weight) {
-                *weight = Real::select(mask, own, *weight);
+                *weight = Real::select(mask, mask_of_weight & own, *weight);
             }
         });
         drawn

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::Import;
-use super::extension::Body;
+use super::extension::{Body, MATERIAL};
 use super::textures::Slot;
 use crate::image::texels::Coding;
 use crate::math::Range;
@@ -125,6 +125,13 @@ pub fn write_anisotropy(grain: &Grain, across: f32, material: &mut Value) {
 pub fn is_stated(material: &Value) -> bool {
     let of = &material["extensions"][KHR_ANISOTROPY];
     of["anisotropyStrength"].as_f64().is_some_and(|strength| strength != 0.0)
+}
+
+/// Whether any material has facets that are stretched, whose direction goes by the coordinates and
+/// tangents of meshes.
+pub fn any_is_stretched(materials: &Value) -> bool {
+    let keys = |material| Body::of(material, "", &MATERIAL).is_ok_and(|body| body.has("alpha_u"));
+    materials.as_array().into_iter().flatten().any(|it| is_stated(it) || keys(it))
 }
 
 impl Import<'_> {

@@ -37,7 +37,7 @@ type Posed<'a> = (usize, usize, Option<&'a Pose>);
 
 /// What has been read of all meshes of a file, by mesh and primitive.
 #[derive(Default)]
-pub struct ReadGeometries(Mutex<BTreeMap<(usize, usize), Slot>>);
+pub struct ReadGeometries(Mutex<BTreeMap<(usize, usize, bool), Slot>>);
 
 /// What has been read of one primitive, if it has been.
 type Slot = Arc<Mutex<Option<ReadGeometry>>>;
@@ -45,7 +45,7 @@ type Slot = Arc<Mutex<Option<ReadGeometry>>>;
 impl ReadGeometries {
     /// What there is at a place. Who is the first to ask has it locked until it is filled, so that
     /// worlds which are made at the same time share it too.
-    fn at(&self, key: (usize, usize)) -> Slot {
+    fn at(&self, key: (usize, usize, bool)) -> Slot {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(all.entry(key).or_default())
     }
@@ -162,7 +162,7 @@ impl Import<'_> {
             self.warn_about(primitive, &read, place);
             return Ok((!read.geometry.triangles.is_empty()).then_some(read.geometry));
         }
-        let shared = self.shared.at((mesh, index));
+        let shared = self.shared.at((mesh, index, self.has_coordinates));
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
         let read = match &*shared {
             Some(read) => {
@@ -227,7 +227,7 @@ impl Import<'_> {
         Ok(ReadGeometry { geometry, dropped, behind })
     }
 
-    /// What textures go by, if the file has any, and the colors of vertices.
+    /// What textures and stretched facets go by, if the file has any, and the colors of vertices.
     fn read_paint(
         &self,
         geometry: &mut Geometry,
@@ -245,7 +245,7 @@ impl Import<'_> {
                 |color: Vec4| if color.is_finite() { color.max(Vec4::ZERO) } else { color };
             geometry.colors = colors.map(not_negative).collect();
         }
-        if document.value["textures"].as_array().is_none_or(Vec::is_empty) {
+        if !self.has_coordinates {
             return Ok(());
         }
         if let Some((accessor, at)) = of(Semantic::TexCoords(0), "TEXCOORD_0") {

@@ -246,6 +246,8 @@ struct Import<'a> {
     geometries: BTreeMap<(usize, usize, Option<usize>), Result<Part, SceneError>>,
     /// Vertices and corners that the meshes read so far have, and some for each of their instances.
     elements: u64,
+    /// Whether anything goes by the coordinates and tangents of meshes.
+    has_coordinates: bool,
     /// The blends whose parts are being read, by index in the file.
     blending: Vec<usize>,
     /// Whether pictures have been decoded.
@@ -270,6 +272,9 @@ impl<'a> Import<'a> {
             let text = format!("extensions that are not known are ignored: {}", listed(unknown));
             warnings.add_like("extensions", "", &text);
         }
+        let has_textures = document.value["textures"].as_array().is_some_and(|it| !it.is_empty());
+        let has_coordinates =
+            has_textures || facets::any_is_stretched(&document.value["materials"]);
         Self {
             document,
             world: World::new(""),
@@ -280,6 +285,7 @@ impl<'a> Import<'a> {
             shared,
             geometries: BTreeMap::new(),
             elements: 0,
+            has_coordinates,
             blending: Vec::new(),
             has_pictures: false,
             wants_frame: false,

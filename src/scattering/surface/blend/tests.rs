@@ -92,9 +92,13 @@ impl Tabled {
     }
 
     pub fn draw(&self, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
+        self.draw_on(&facing(), given, numbers)
+    }
+
+    pub fn draw_on(&self, facing: &Facing, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
         let u = [numbers.lanes(), numbers.lanes(), numbers.lanes()];
         of!(self, models => {
-            models.draw((&self.rows, &models.lanes(&self.rows)), &facing(), given, u, Side::Sensor)
+            models.draw((&self.rows, &models.lanes(&self.rows)), facing, given, u, Side::Sensor)
         })
     }
 

@@ -193,6 +193,32 @@ fn the_direction_turns_with_the_surface() {
     }
 }
 
+/// Opaque ones of one side are black from behind.
+#[test]
+fn backs_send_nothing_on() {
+    let mut numbers = Numbers(190_000);
+    let one_sided = Facing { two_sided: F32s::ZERO, ..facing() };
+    for case in 0..40 {
+        let of = match case % 2 {
+            0 => metal(0.1, 6.0, 0.2, (Distribution::Ggx, true)),
+            _ => Model::MetallicRoughness {
+                base_color: [0.8],
+                metallic: 0.5,
+                alpha: 0.3,
+                ior: 1.5,
+                specular: 1.0,
+            },
+        };
+        let model = Tabled::new(&brushed(of, 0.5, numbers.next()));
+        let [front, back] = [0, 1].map(|way| ways(&mut numbers, way)[0]);
+        let sum = |given, numbers: &mut Numbers| {
+            model.draw_on(&one_sided, given, numbers).weight[0].reduce_add()
+        };
+        assert!(sum(front, &mut numbers) > 0.0, "the test cannot fail");
+        assert_eq!(sum(back, &mut numbers), 0.0);
+    }
+}
+
 /// Eight of them at once, of models that differ, are each what they are alone.
 #[test]
 fn lanes_do_not_mix() {
