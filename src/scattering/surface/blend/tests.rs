@@ -95,6 +95,51 @@ impl Tabled {
         self.draw_on(&facing(), given, numbers)
     }
 
+    /// Counts of so many draws, from one direction in all lanes, in bins of the sphere against the
+    /// density's sums over them. Wilson and Hilferty 1931: a standard normal number, above 4.2 in
+    /// one of 75,000 cases.
+    pub fn score_of_draws(
+        &self,
+        given: Vector<F32s>,
+        (turns, packets): (usize, usize),
+        numbers: &mut Numbers,
+    ) -> f64 {
+        const HEIGHTS: usize = 16;
+        const FINE: usize = LANES;
+        let mut counts = vec![0.0_f64; HEIGHTS * turns];
+        for _ in 0..packets {
+            let drawn = self.draw(given, numbers);
+            let lost = drawn.lost.to_bitmask();
+            let kept = drawn.direction.to_rows().into_iter().enumerate();
+            for (_, [x, y, z]) in kept.filter(|(lane, _)| lost >> lane & 1 == 0) {
+                let turn = (y.atan2(x) / std::f32::consts::TAU).rem_euclid(1.0);
+                let turn = ((turn * turns as f32) as usize).min(turns - 1);
+                let height = ((0.5 * z + 0.5) * HEIGHTS as f32) as usize;
+                counts[height.min(HEIGHTS - 1) * turns + turn] += 1.0;
+            }
+        }
+        let all = (packets * LANES) as f64;
+        let (mut chi2, mut freedom) = (0.0, 0.0);
+        for (bin, count) in counts.into_iter().enumerate() {
+            let place = lanes::each(|lane| {
+                ((bin % turns) as f32 + (lane as f32 + 0.5) / FINE as f32) / turns as f32
+            });
+            let density = |row: usize| {
+                let height = (bin / turns) as f32 + (row as f32 + 0.5) / FINE as f32;
+                let cos = F32s::splat(2.0 * height / HEIGHTS as f32 - 1.0);
+                f64::from(self.pdf(given, directions(cos, F32s::from(place))).reduce_add())
+            };
+            let sum: f64 = (0..FINE).map(density).sum();
+            let expected = all * sum * 4.0 * PI / (HEIGHTS * turns * FINE * FINE) as f64;
+            if expected > 20.0 {
+                chi2 += (count - expected).powi(2) / expected;
+                freedom += 1.0;
+            }
+        }
+        let part = 2.0 / (9.0 * freedom);
+        ((chi2 / freedom).cbrt() - (1.0 - part)) / f64::sqrt(part)
+    }
+
     pub fn draw_on(&self, facing: &Facing, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
         let u = [numbers.lanes(), numbers.lanes(), numbers.lanes()];
         of!(self, models => {
@@ -323,57 +368,13 @@ fn what_is_drawn_weighs_what_parts_scatter() {
 /// Counts of draws in bins of the sphere against the density's sums over them.
 #[test]
 fn draws_have_their_densities() {
-    const HEIGHTS: usize = 16;
-    const TURNS: usize = 8;
-    const FINE: usize = 8;
-    const PACKETS: usize = 1200;
     let mut numbers = Numbers(70_000);
     for case in 0..6 {
         let model = random_blend(&mut numbers, 0.4, 1);
-        let tabled = Tabled::new(&model);
         let cos = (0.1 + 0.85 * numbers.next()) * if case % 2 == 0 { 1.0 } else { -1.0 };
         let given = directions(F32s::splat(cos), F32s::splat(numbers.next()));
-        let mut counts = [0.0_f64; HEIGHTS * TURNS];
-        for _ in 0..PACKETS {
-            let drawn = tabled.draw(given, &mut numbers);
-            let lost = drawn.lost.to_bitmask();
-            for (lane, [x, y, z]) in drawn.direction.to_rows().into_iter().enumerate() {
-                if lost >> lane & 1 == 1 {
-                    continue;
-                }
-                let turn = (y.atan2(x) / std::f32::consts::TAU).rem_euclid(1.0);
-                let turn = ((turn * TURNS as f32) as usize).min(TURNS - 1);
-                let height = ((0.5 * z + 0.5) * HEIGHTS as f32) as usize;
-                counts[height.min(HEIGHTS - 1) * TURNS + turn] += 1.0;
-            }
-        }
-        let all = (PACKETS * LANES) as f64;
-        let (mut chi2, mut freedom) = (0.0, 0.0);
-        for (bin, count) in counts.into_iter().enumerate() {
-            let mut sum = 0.0;
-            for row in 0..FINE {
-                let height = (bin / TURNS) as f32 + (row as f32 + 0.5) / FINE as f32;
-                let cos = F32s::splat(2.0 * height / HEIGHTS as f32 - 1.0);
-                for first in (0..FINE).step_by(LANES) {
-                    let turns = lanes::each(|lane| {
-                        let part = ((first + lane) as f32 + 0.5) / FINE as f32;
-                        ((bin % TURNS) as f32 + part) / TURNS as f32
-                    });
-                    sum += f64::from(
-                        tabled.pdf(given, directions(cos, F32s::from(turns))).reduce_add(),
-                    );
-                }
-            }
-            let expected = all * sum * 4.0 * PI / (HEIGHTS * TURNS * FINE * FINE) as f64;
-            if expected > 20.0 {
-                chi2 += (count - expected).powi(2) / expected;
-                freedom += 1.0;
-            }
-        }
-        // Wilson and Hilferty 1931: a standard normal number, above 4.2 in one of 75,000 cases.
-        let part = 2.0 / (9.0 * freedom);
-        let z = ((chi2 / freedom).cbrt() - (1.0 - part)) / f64::sqrt(part);
-        assert!(z < 4.2, "case {case}: {chi2} of {freedom}, z {z}, {model:?}, cos {cos}");
+        let z = Tabled::new(&model).score_of_draws(given, (8, 1200), &mut numbers);
+        assert!(z < 4.2, "case {case}: z {z}, {model:?}, cos {cos}");
     }
 }
 

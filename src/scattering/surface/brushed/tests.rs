@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::super::blend::tests::{Tabled, alike, facing, pure, ways};
 use super::super::rough::tests::{Numbers, directions};
 use super::*;
-use crate::math::{LANES, lanes};
+use crate::math::LANES;
 use crate::polarization::{Distribution, Kernel, Stokes};
 use crate::scene::world::Along;
 
@@ -282,53 +282,12 @@ fn both_directions_are_alike_and_matrices_are_physical() {
 /// Counts of draws in bins of the sphere against the density's sums over them.
 #[test]
 fn draws_have_their_densities() {
-    const HEIGHTS: usize = 16;
-    const TURNS: usize = 16;
-    const FINE: usize = 8;
-    const PACKETS: usize = 2000;
     let mut numbers = Numbers(170_000);
     for case in 0..8 {
         let model = random_brushed(&mut numbers, 0.35);
-        let tabled = Tabled::new(&model);
         let cos = (0.1 + 0.85 * numbers.next()) * if case % 4 == 0 { -1.0 } else { 1.0 };
         let given = directions(F32s::splat(cos), F32s::splat(numbers.next()));
-        let mut counts = [0.0_f64; HEIGHTS * TURNS];
-        for _ in 0..PACKETS {
-            let drawn = tabled.draw(given, &mut numbers);
-            let lost = drawn.lost.to_bitmask();
-            for (lane, [x, y, z]) in drawn.direction.to_rows().into_iter().enumerate() {
-                if lost >> lane & 1 == 1 {
-                    continue;
-                }
-                let turn = (y.atan2(x) / std::f32::consts::TAU).rem_euclid(1.0);
-                let turn = ((turn * TURNS as f32) as usize).min(TURNS - 1);
-                let height = ((0.5 * z + 0.5) * HEIGHTS as f32) as usize;
-                counts[height.min(HEIGHTS - 1) * TURNS + turn] += 1.0;
-            }
-        }
-        let all = (PACKETS * LANES) as f64;
-        let (mut chi2, mut freedom) = (0.0, 0.0);
-        for (bin, count) in counts.into_iter().enumerate() {
-            let mut sum = 0.0;
-            for row in 0..FINE {
-                let height = (bin / TURNS) as f32 + (row as f32 + 0.5) / FINE as f32;
-                let cos = F32s::splat(2.0 * height / HEIGHTS as f32 - 1.0);
-                let turns = lanes::each(|lane| {
-                    let part = (lane as f32 + 0.5) / FINE as f32;
-                    ((bin % TURNS) as f32 + part) / TURNS as f32
-                });
-                let drawn = directions(cos, F32s::from(turns));
-                sum += f64::from(tabled.pdf(given, drawn).reduce_add());
-            }
-            let expected = all * sum * 4.0 * PI / (HEIGHTS * TURNS * FINE * FINE) as f64;
-            if expected > 20.0 {
-                chi2 += (count - expected).powi(2) / expected;
-                freedom += 1.0;
-            }
-        }
-        // Wilson and Hilferty 1931: a standard normal number, above 4.2 in one of 75,000 cases.
-        let part = 2.0 / (9.0 * freedom);
-        let z = ((chi2 / freedom).cbrt() - (1.0 - part)) / f64::sqrt(part);
-        assert!(z < 4.2, "case {case}: {chi2} of {freedom}, z {z}, {model:?}, cos {cos}");
+        let z = Tabled::new(&model).score_of_draws(given, (16, 2000), &mut numbers);
+        assert!(z < 4.2, "case {case}: z {z}, {model:?}, cos {cos}");
     }
 }
