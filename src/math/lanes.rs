@@ -131,6 +131,13 @@ pub fn mask_of(lanes: [bool; LANES]) -> F32s {
     F32s::from(mask)
 }
 
+/// The mask of the lanes that have a bit set.
+#[inline(always)]
+pub fn are_set(lanes: U32s, bit: u32) -> F32s {
+    let bit = U32s::splat(bit);
+    bytemuck::cast((lanes & bit).simd_eq(bit))
+}
+
 /// One row of three columns.
 #[inline(always)]
 pub fn row_of(columns: &[Vec<f32>; 3], row: usize) -> [f32; 3] {

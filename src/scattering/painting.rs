@@ -267,18 +267,6 @@ impl<const N: usize> Scene<N> {
         }
     }
 
-    /// Rows that have been hit: those of their materials, and those in the tables of their models.
-    // Out of line: every model's loops ask this once for eight vertices.
-    #[inline(never)]
-    pub fn rows_of_hits(&self, surfaces: &SurfaceColumns, rows: &LaneRows) -> [LaneRows; 2] {
-        let material = rows.map(|row| self.material_row(surfaces.primitive[row]));
-        let model = match self.has_models_by_place {
-            true => rows.map(|row| self.model_row(surfaces, row)),
-            false => material.map(|row| self.surfaces.materials()[row].row as usize),
-        };
-        [material, model]
-    }
-
     /// The share of a primitive that is there where it has been hit.
     pub fn coverage_at(&self, primitive: u32, weights: [f32; 2]) -> f32 {
         let found = self.optics.painting.as_deref().and_then(|painting| {

@@ -11,6 +11,7 @@ use crate::film::layout::Layout;
 use crate::geometry::{
     Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
+use crate::math::lanes::{F32s, U32s};
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::{Emitter, EmitterModel};
@@ -52,6 +53,8 @@ pub struct Scene<const N: usize> {
     pub surfaces: Surfaces<N>,
     /// For every triangle and sphere, its row in the materials.
     material_of_primitive: Arc<[u32]>,
+    /// For every material, what [`of_model`] says.
+    model_of_material: Vec<u32>,
     /// All kinds of events.
     pub events: Vec<Event>,
     /// Nothing, then for every triangle and sphere, its kind of event.
@@ -175,6 +178,7 @@ impl<const N: usize> Scene<N> {
             camera,
             optics,
             material_of_primitive,
+            model_of_material: surfaces.materials().iter().map(of_model).collect(),
             event_of_hit,
             surfaces,
         };
@@ -207,6 +211,7 @@ impl<const N: usize> Scene<N> {
             accelerator: Arc::clone(&self.accelerator),
             optics,
             sensor: self.sensor.clone(),
+            model_of_material: surfaces.materials().iter().map(of_model).collect(),
             surfaces,
             material_of_primitive: Arc::clone(&self.material_of_primitive),
             events: self.events.clone(),
@@ -273,11 +278,32 @@ impl<const N: usize> Scene<N> {
     pub fn material_row(&self, primitive: u32) -> usize {
         match self.material_of_primitive.get(primitive as usize) {
             Some(row) => *row as usize,
-            None => {
-                let surface = self.shapes.surface_of(primitive);
-                self.shapes.surfaces[surface as usize].material as usize
-            }
+            None => self.material_of_copy(primitive),
         }
+    }
+
+    /// The row of the material of a primitive of an instance.
+    #[inline(never)]
+    fn material_of_copy(&self, primitive: u32) -> usize {
+        let surface = self.shapes.surface_of(primitive);
+        self.shapes.surfaces[surface as usize].material as usize
+    }
+
+    /// Of the surfaces that have been hit in some rows, the rows in the tables of their models, and
+    /// the mask of those whose backs scatter too.
+    // Out of line: every model's loops ask this once for eight vertices.
+    #[inline(never)]
+    pub fn models_of_hits(&self, surfaces: &SurfaceColumns, rows: &LaneRows) -> (LaneRows, F32s) {
+        let material = |row: usize| self.material_row(surfaces.primitive[row]);
+        let found = rows.words(|row| self.model_of_material[material(row)]);
+        let rows = match (self.has_models_by_place, rows) {
+            (true, rows) => rows.map(|row| self.model_row(surfaces, row)),
+            (false, LaneRows::Same(_)) => LaneRows::Same((found.as_array()[0] & !BACK) as usize),
+            (false, LaneRows::Each(_)) => {
+                LaneRows::Each((found & U32s::splat(!BACK)).to_array().map(|row| row as usize))
+            }
+        };
+        (rows, lanes::are_set(found, BACK))
     }
 
     /// A primitive's material.
@@ -557,6 +583,14 @@ impl<const N: usize> Scene<N> {
 fn materials_of_primitives(shapes: &Shapes) -> Arc<[u32]> {
     let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
     shapes.surface_of_primitive.iter().map(material_of).collect()
+}
+
+/// The bit of [`of_model`] for the back.
+const BACK: u32 = 1 << 31;
+
+/// A material's row in the table of its model, and in the highest bit whether its back scatters too.
+fn of_model(material: &Material) -> u32 {
+    material.row | if material.two_sided { BACK } else { 0 }
 }
 
 /// What is met by way of hits: nothing, or the event of a primitive's material.

@@ -12,7 +12,7 @@ use super::event::{Elements, Form, spheroids};
 use super::medium::Medium;
 use super::phase::{Scatters, half_sine2};
 use super::side::Side;
-use super::surface::model::{LaneRows, two_sided};
+use super::surface::model::LaneRows;
 use super::surface::{Connecting, Facing};
 
 /// What rows have met: all surfaces of one model, or one medium.
@@ -241,11 +241,11 @@ impl<'a, M: Connecting<N>, const N: usize> OnSurfaces<'a, M, N> {
     /// The rows in the table of those in some rows, and their normals.
     #[inline(always)]
     pub fn load(self, surfaces: &SurfaceColumns, rows: impl RowLanes) -> (LaneRows, Facing) {
-        let [material, models] = self.scene.rows_of_hits(surfaces, &rows.rows());
+        let (models, two_sided) = self.scene.models_of_hits(surfaces, &rows.rows());
         let facing = Facing {
             geometric: rows.vectors(&surfaces.geometric_normal),
             shading: rows.vectors(&surfaces.shading_normal),
-            two_sided: two_sided(self.scene.surfaces.materials(), &material),
+            two_sided,
         };
         (models, facing)
     }

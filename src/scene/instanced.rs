@@ -107,11 +107,17 @@ impl Instanced {
     }
 
     /// The instance that a primitive belongs to, if any.
+    #[inline(always)]
+    pub fn instance_of(&self, primitive: u32) -> Option<&Instance> {
+        let place = (primitive as usize).checked_sub(self.first)?;
+        self.instance_at(place)
+    }
+
+    /// The instance of the primitive at a place behind the first of them.
     // Out of line: most scenes have none, and places that ask are many.
     #[inline(never)]
-    pub fn instance_of(&self, primitive: u32) -> Option<&Instance> {
-        let block = (primitive as usize).checked_sub(self.first)? >> BLOCK_SHIFT;
-        self.of_block.get(block).map(|row| &self.instances[*row as usize])
+    fn instance_at(&self, place: usize) -> Option<&Instance> {
+        self.of_block.get(place >> BLOCK_SHIFT).map(|row| &self.instances[*row as usize])
     }
 
     /// The instance that a primitive belongs to, its object, and the triangle's row there.

@@ -73,13 +73,34 @@ pub fn path_seed(job_seed: u32, stream: Stream, path: u32) -> u32 {
 // Out of line: it is called everywhere, once for eight vertices.
 #[inline(never)]
 pub fn draw(seed: U32s, iteration: U32s, path_length: u32, purpose: Purpose) -> [F32s; 2] {
+    let (x, shuffle) = first_dimension(seed, iteration, path_length, purpose);
+    let second = mix_lanes(shuffle ^ U32s::splat(0xb529_7a4d));
+    [first_number(x, shuffle), unit(owen(sobol_second(x), second))]
+}
+
+/// The first of the two numbers of [`draw`], at two thirds of its price.
+#[inline(never)]
+pub fn draw_first(seed: U32s, iteration: U32s, path_length: u32, purpose: Purpose) -> F32s {
+    let (x, shuffle) = first_dimension(seed, iteration, path_length, purpose);
+    first_number(x, shuffle)
+}
+
+/// The first Sobol' dimension of shuffled sequences, and what shuffles them.
+#[inline(always)]
+fn first_dimension(
+    seed: U32s,
+    iteration: U32s,
+    path_length: u32,
+    purpose: Purpose,
+) -> (U32s, U32s) {
     let set = path_length * PURPOSES + purpose as u32;
     let shuffle = mix_lanes(seed ^ U32s::splat(combine(0x5bd1_e995, set)));
-    let first = mix_lanes(shuffle ^ U32s::splat(0x51ed_270b));
-    let second = mix_lanes(shuffle ^ U32s::splat(0xb529_7a4d));
-    let x = owen_reversed(reverse_bits(iteration), shuffle);
-    let y = sobol_second(x);
-    [unit(owen(x, first)), unit(owen(y, second))]
+    (owen_reversed(reverse_bits(iteration), shuffle), shuffle)
+}
+
+#[inline(always)]
+fn first_number(x: U32s, shuffle: U32s) -> F32s {
+    unit(owen(x, mix_lanes(shuffle ^ U32s::splat(0x51ed_270b))))
 }
 
 /// Owen scrambling of a number whose bits are already reversed (Laine and Karras 2011; constants

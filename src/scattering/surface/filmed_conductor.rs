@@ -43,7 +43,7 @@ impl<const N: usize> Specular<N> for FilmedConductor<N> {
         _side: Side,
     ) -> Scattered<N, Self::Kernel> {
         let direction = reflect(at.direction, at.normal);
-        let faces = at.front | at.two_sided();
+        let faces = at.front | at.two_sided;
         let stays = at.stays(direction);
         let mut weight = [F32s::splat(0.0); N];
         let mut kernels = [Block::identity(); N];

@@ -15,7 +15,6 @@ use crate::scattering::side::Side;
 use crate::scattering::vertex::DenseKernels;
 use crate::scene::baked::{self, Shapes};
 
-use super::Material;
 use super::facing::Facing;
 
 /// A surface model with its parameters at the wavelengths of the render.
@@ -250,13 +249,19 @@ impl LaneRows {
         }
     }
 
+    /// A word for every lane.
+    #[inline(always)]
+    pub fn words(&self, of: impl Fn(usize) -> u32) -> U32s {
+        match self {
+            Self::Same(row) => U32s::splat(of(*row)),
+            Self::Each(rows) => U32s::from(lanes::each(|lane| of(rows[lane]))),
+        }
+    }
+
     /// The rows as numbers.
     #[inline(always)]
     pub fn numbers(&self) -> U32s {
-        match self {
-            Self::Same(row) => U32s::splat(*row as u32),
-            Self::Each(rows) => U32s::from(rows.map(|row| row as u32)),
-        }
+        self.words(|row| row as u32)
     }
 }
 
@@ -351,8 +356,8 @@ pub struct Incidence<'a, M> {
     pub collapsed: F32s,
     /// The model's parameters.
     pub models: ModelLanes<'a, M>,
-    materials: &'a [Material],
-    material: LaneRows,
+    /// Mask of the rows whose back scatters too.
+    pub two_sided: F32s,
     shapes: &'a Shapes,
     surface: [u32; LANES],
 }
@@ -373,7 +378,7 @@ impl<'a, M: Surface> Incidence<'a, M> {
         let normal = against(Vector::load(&surfaces.shading_normal, row), direction);
         let used = |lane: usize| row + lane.min(live - 1);
         let of_lanes = LaneRows::Each(lanes::each(used));
-        let [material, rows] = scene.rows_of_hits(surfaces, &of_lanes);
+        let (rows, two_sided) = scene.models_of_hits(surfaces, &of_lanes);
         Self {
             direction,
             geometric,
@@ -382,17 +387,10 @@ impl<'a, M: Surface> Incidence<'a, M> {
             front: direction.dot(geometric).simd_lt(F32s::splat(0.0)),
             collapsed: F32s::splat(0.0),
             models: ModelLanes::new(models, rows),
-            materials: scene.surfaces.materials(),
-            material,
+            two_sided,
             shapes: &scene.shapes,
             surface: lanes::each(|lane| surfaces.surface[used(lane)]),
         }
-    }
-
-    /// Mask of the rows whose back scatters too.
-    #[inline(always)]
-    pub fn two_sided(&self) -> F32s {
-        two_sided(self.materials, &self.material)
     }
 
     /// What the surfaces have in common where the rays have met them.
@@ -406,13 +404,6 @@ impl<'a, M: Surface> Incidence<'a, M> {
     pub fn stays(&self, drawn: Vector<F32s>) -> F32s {
         (drawn.dot(self.geometric) * self.direction.dot(self.geometric)).simd_lt(F32s::splat(0.0))
     }
-}
-
-/// Mask of the materials whose back scatters too.
-#[inline(always)]
-pub fn two_sided(materials: &[Material], rows: &LaneRows) -> F32s {
-    let sides = rows.gather(|row| if materials[row].two_sided { 1.0 } else { 0.0 });
-    sides.simd_gt(F32s::splat(0.5))
 }
 
 /// The mirrored direction of `direction` at `normal`.

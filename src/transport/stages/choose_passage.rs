@@ -4,7 +4,7 @@ use crate::geometry::HitColumns;
 use crate::math::U32s;
 use crate::math::columns::Rows;
 use crate::math::hash::combine;
-use crate::transport::sampler::{Purpose, draw};
+use crate::transport::sampler::{Purpose, draw_first};
 use crate::transport::tables::crossings::Crossing;
 use crate::transport::tables::flights::FlightTable;
 use crate::transport::tables::paths::AnyPaths;
@@ -35,7 +35,7 @@ pub fn choose_passage<const N: usize>(
         let seed = combine(paths.identity.seed[row], progress.crossed);
         progress.crossed += 1;
         let [seed, iteration] = [seed, paths.identity.iteration[row]].map(U32s::splat);
-        let [u, _] = draw(seed, iteration, path_length, Purpose::Passage);
+        let u = draw_first(seed, iteration, path_length, Purpose::Passage);
         if u.to_array()[0] >= crossings.chance[index] {
             progress.is_over = true;
             hits.set(row, crossings.hits.get(index));

@@ -54,7 +54,7 @@ pub fn connect_to_vertices<const N: usize, M: LightModel<N>>(
     for row in rows.clone() {
         let lane = (row - rows.start) % LANES;
         if lane == 0 {
-            places = paths.identity.draw(row, path_length, Purpose::Connections)[0].to_array();
+            places = paths.identity.draw_first(row, path_length, Purpose::Connections).to_array();
         }
         let slot = paths.identity.slot[row] as usize;
         let of_path = light.order.rows_of(slot);

@@ -23,7 +23,7 @@ pub fn draw_distances<const N: usize>(
         if clear && !scene.has_straight_on {
             continue;
         }
-        let [u, _] = paths.identity.draw(first, path_length, Purpose::Distance);
+        let u = paths.identity.draw_first(first, path_length, Purpose::Distance);
         let left = (-(F32s::splat(1.0) - u).ln()).to_array();
         for (progress, left) in flights.progress[first..end].iter_mut().zip(left) {
             progress.left = left;

@@ -116,7 +116,7 @@ fn choose_plane<const N: usize>(
     let wavelength = identity.wavelength::<N>(row);
     let chosen: [f32; LANES] =
         lanes::each(|lane| gains[wavelength[lane] as usize].as_array()[lane]);
-    let [u, _] = identity.draw(row, bounce.path_length, Purpose::Decision);
+    let u = identity.draw_first(row, bounce.path_length, Purpose::Decision);
     let turns = !(u * two).simd_lt(F32s::from(chosen));
     let turned = before.cross(after) + before * before.dot(after);
     let gains = gains.map(|gain| turns.select(two - gain, gain));

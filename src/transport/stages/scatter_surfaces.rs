@@ -120,7 +120,7 @@ fn send_on<const N: usize, const POLARIZED: bool, M: Specular<N>>(
             at.collapsed = have_collapsed(lanes::load(&to.beta[1], row));
         }
         let choose = |way: OneOfTwo| {
-            let [u, _] = to.identity.draw(row, bounce.path_length, Purpose::Decision);
+            let u = to.identity.draw_first(row, bounce.path_length, Purpose::Decision);
             match to.lean {
                 Some(lean) if POLARIZED => to.choose_by_light(lean, u, &way, (row, bounce.side)),
                 Some(_) | None => Choice { first: u.simd_lt(way.share), gain: F32s::ONE },
@@ -154,7 +154,7 @@ fn scatter<const N: usize, const POLARIZED: bool, M: Connecting<N>>(
     for row in rows.clone().step_by(LANES) {
         let [first, second] = to.identity.draw(row, bounce.path_length, Purpose::Direction);
         let third = match M::DECIDES {
-            true => to.identity.draw(row, bounce.path_length, Purpose::Decision)[0],
+            true => to.identity.draw_first(row, bounce.path_length, Purpose::Decision),
             false => F32s::ZERO,
         };
         let some = Consecutive(row, LANES.min(rows.end - row));

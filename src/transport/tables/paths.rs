@@ -8,7 +8,7 @@ use crate::math::{F32s, LANES, U32s, lanes};
 use crate::scattering::emitter::tree::Vantage;
 use crate::scattering::nesting::UNKNOWN;
 use crate::transport::mis::{PartialWeights, TurnDensities};
-use crate::transport::sampler::{Purpose, draw};
+use crate::transport::sampler::{Purpose, draw, draw_first};
 
 use super::carriers::CarrierTable;
 use super::media::MediaColumns;
@@ -68,6 +68,14 @@ impl IdentityColumns {
         draw(seed, iteration, path_length, purpose)
     }
 
+    /// The first of the two numbers of [`Self::draw`].
+    #[inline(always)]
+    pub fn draw_first(&self, row: usize, path_length: u32, purpose: Purpose) -> F32s {
+        let seed = lanes::load_u32(&self.seed, row);
+        let iteration = lanes::load_u32(&self.iteration, row);
+        draw_first(seed, iteration, path_length, purpose)
+    }
+
     /// Seeds and iterations of any eight rows.
     #[inline(always)]
     pub fn of_rows(&self, rows: &[usize; LANES]) -> (U32s, U32s) {
@@ -87,7 +95,7 @@ impl IdentityColumns {
         if N == 1 {
             return [0; LANES];
         }
-        let [u, _] = self.draw(row, 0, Purpose::Wavelength);
+        let u = self.draw_first(row, 0, Purpose::Wavelength);
         let place = (u * F32s::splat(N as f32)).to_array();
         lanes::each(|lane| (place[lane] as u32).min(N as u32 - 1))
     }
