@@ -15,10 +15,12 @@
 //! | [`scenes`] | scenes, loaded once and shared |
 //! | [`gate`] | how much is in work at once |
 //! | [`run`] | jobs side by side |
+//! | [`crash`] | what becomes of them when the program fails |
 //! | [`merging`], [`leftovers`] | images of the parts that tasks have rendered, and their files |
 //! | [`farm`] | scripts and templates for engines that run tasks |
 
 pub mod check;
+pub mod crash;
 pub mod farm;
 pub mod file;
 mod gate;

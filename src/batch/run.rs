@@ -1,17 +1,16 @@
 //! Jobs side by side: every thread takes the next when it is done with one, and all render on the
 //! same threads, so that these are busy whatever the sizes of the jobs.
 
-use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use std::{fs, io, thread};
 
+use super::crash::{Failures, InWork};
 use super::gate::Gate;
 use super::merging::{Merged, Merging, MergingError};
 use super::order::{Checksums, Order};
@@ -117,7 +116,7 @@ enum JobError {
     #[error(transparent)]
     Merging(#[from] MergingError),
     #[error("the program failed: {0}")]
-    Panic(String),
+    Failed(String),
 }
 
 impl JobError {
@@ -136,7 +135,7 @@ impl JobError {
             | Self::OverScene(_)
             | Self::Part(_)
             | Self::Merging(_)
-            | Self::Panic(_) => false,
+            | Self::Failed(_) => false,
         }
     }
 }
@@ -157,6 +156,12 @@ struct Work<'a> {
     batch: &'a Batch<'a>,
     scenes: Scenes,
     gate: Gate,
+    /// The jobs in the order in which they are begun.
+    queue: Vec<&'a Order>,
+    /// How many of them are done while no other is.
+    alone: usize,
+    /// When those are done.
+    are_done: OnceLock<()>,
     next: AtomicUsize,
     /// Samples so far.
     samples: AtomicU64,
@@ -169,10 +174,17 @@ impl Batch<'_> {
     /// go on; if not, jobs in work are dropped.
     pub fn run(&self, mut hear: impl FnMut(News) -> ControlFlow<()>) {
         let count = self.threads.count();
+        let is_suspect = |order: &&Order| Failures::known().is_suspect(&order.output_name);
+        let (mut queue, others): (Vec<_>, Vec<_>) = self.orders.iter().partition(is_suspect);
+        let alone = queue.len();
+        queue.extend(others);
         let work = Work {
             batch: self,
             scenes: Scenes::new(self.allow_outside),
             gate: Gate::new(count as u64 * PIXELS_OF_THREAD),
+            queue,
+            alone,
+            are_done: OnceLock::new(),
             next: AtomicUsize::new(0),
             samples: AtomicU64::new(0),
             stop: Stop::default(),
@@ -181,11 +193,11 @@ impl Batch<'_> {
         thread::scope(|scope| {
             for started in 0..(count + MORE).min(self.orders.len()) {
                 let (work, of_thread) = (&work, sender.clone());
-                let take = move || work.take_all(&of_thread);
+                let take = move || work.take_all(started == 0, &of_thread);
                 if thread::Builder::new().spawn_scoped(scope, take).is_err() {
                     // The system has no more of them.
                     if started == 0 {
-                        work.take_all(&sender);
+                        work.take_all(true, &sender);
                     }
                     break;
                 }
@@ -209,12 +221,23 @@ impl Batch<'_> {
 }
 
 impl<'a> Work<'a> {
-    /// Takes one job after the other.
-    fn take_all(&self, sender: &Sender<News<'a>>) {
+    /// Takes one job after the other. The thread that is the first does what is to be done alone.
+    fn take_all(&self, is_first: bool, sender: &Sender<News<'a>>) {
+        if is_first {
+            self.take_until(self.alone, sender);
+            let _ = self.are_done.set(());
+        }
+        self.are_done.wait();
+        self.take_until(self.queue.len(), sender);
+    }
+
+    /// Takes one job after the other, until so many have been begun.
+    fn take_until(&self, end: usize, sender: &Sender<News<'a>>) {
         while !self.stop.is_set() {
-            let index = self.next.fetch_add(1, Ordering::Relaxed);
-            let Some(order) = self.batch.orders.get(index) else { return };
-            if let Some(news) = self.done(order, sender) {
+            let is_left = |next| (next < end).then_some(next + 1);
+            let relaxed = Ordering::Relaxed;
+            let Ok(index) = self.next.fetch_update(relaxed, relaxed, is_left) else { return };
+            if let Some(news) = self.done(self.queue[index], sender) {
                 // Nobody hears of it any more if the batch is over.
                 let _ = sender.send(news);
             }
@@ -278,15 +301,18 @@ impl<'a> Work<'a> {
         order: &Order,
         account: &mut Account,
     ) -> Result<Option<String>, JobError> {
-        let made = catch_unwind(AssertUnwindSafe(|| match self.batch.how {
+        if let Some(words) = Failures::known().words(&order.output_name) {
+            return Err(JobError::Failed(words.to_owned()));
+        }
+        let _in_work = InWork::new(&order.output_name);
+        match self.batch.how {
             How::Once(whole) => match whole.get(&order.index) {
                 Some(merging) => self.merge_or_render(merging, order, account),
                 None => self.render(order, account),
             },
             How::Again => self.render(order, account),
             How::Merging(merging) => self.merge(merging, order, account).map(Some),
-        }));
-        made.unwrap_or_else(|panic| Err(JobError::Panic(words_of(&*panic))))
+        }
     }
 
     fn render(&self, order: &Order, account: &mut Account) -> Result<Option<String>, JobError> {
@@ -441,10 +467,4 @@ fn refuse_overwriting(order: &Order, inputs: &[PathBuf]) -> Result<(), JobError>
         }
     }
     Ok(())
-}
-
-/// What a panic says.
-fn words_of(panic: &(dyn Any + Send)) -> String {
-    let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
-    words.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }

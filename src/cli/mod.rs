@@ -28,6 +28,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
 
+use crate::batch::crash::watch;
 use crate::bench::measure::MeasureError;
 use crate::math::text::counted;
 use crate::render::statistics::SAMPLES;
@@ -116,7 +117,7 @@ impl From<RenderError> for CliError {
 }
 
 /// Runs the program: 0 done, 1 something went wrong, 2 the command line was wrong, 128 and the
-/// number of a signal if that ended a render.
+/// number of a signal if that ended a render; 101 if it was the program's own fault.
 ///
 /// Begins with [`processor::refusal`]; until that has answered, nothing may run that the
 /// processor might not know.
@@ -127,7 +128,10 @@ pub fn run() -> ExitCode {
             let _ = std::io::stderr().write_all(text.as_bytes());
             ExitCode::FAILURE
         }
-        None => run_command(),
+        None => {
+            watch();
+            run_command()
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The program from outside: the binary is run, its files, words and exit codes are looked at.
 
 mod batch;
+mod batch_crash;
 mod batch_mitsuba;
 mod batch_more;
 mod bench;
