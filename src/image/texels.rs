@@ -268,25 +268,25 @@ impl Texels {
     #[inline]
     pub fn at(&self, column: u32, row: u32, coding: Coding) -> [f32; 4] {
         let first = self.channels * (row as usize * self.width as usize + column as usize);
-        let value = |channel: usize| {
-            let is_alpha = self.has_alpha() && channel + 1 == self.channels;
-            match (&self.values, coding) {
-                (Values::Bytes(of), Coding::Srgb) if !is_alpha => {
-                    DECODED[usize::from(of[first + channel])]
-                }
-                (Values::Bytes(of), _) => f32::from(of[first + channel]) / 255.0,
-                (Values::Words(of), Coding::Srgb) if !is_alpha => {
-                    decoded(f64::from(of[first + channel]) / 65535.0)
-                }
-                (Values::Words(of), _) => f32::from(of[first + channel]) / 65535.0,
-                (Values::Floats(of), _) => of[first + channel],
+        let all = first..first + self.channels;
+        match (&self.values, coding) {
+            (Values::Floats(of), _) => texel(&of[all], |it| it, |it| it),
+            (Values::Bytes(of), Coding::Srgb) => {
+                let decoded = &*DECODED;
+                texel(&of[all], |it| decoded[usize::from(it)], |it| f32::from(it) / 255.0)
             }
-        };
-        match self.channels {
-            1 => [value(0), value(0), value(0), 1.0],
-            2 => [value(0), value(0), value(0), value(1)],
-            3 => [value(0), value(1), value(2), 1.0],
-            _ => [value(0), value(1), value(2), value(3)],
+            (Values::Bytes(of), Coding::Linear) => {
+                let linear = |it| f32::from(it) / 255.0;
+                texel(&of[all], linear, linear)
+            }
+            (Values::Words(of), Coding::Srgb) => {
+                let color = |it| decoded(f64::from(it) / 65535.0);
+                texel(&of[all], color, |it| f32::from(it) / 65535.0)
+            }
+            (Values::Words(of), Coding::Linear) => {
+                let linear = |it| f32::from(it) / 65535.0;
+                texel(&of[all], linear, linear)
+            }
         }
     }
 
@@ -298,6 +298,18 @@ impl Texels {
         let texel = at / self.channels;
         let [column, row] = [texel % self.width as usize, texel / self.width as usize];
         Some(format!("has {what} in column {column}, row {row}"))
+    }
+}
+
+/// Red, green, blue and alpha of a texel's values: of grey, grey and alpha, colors, or these and alpha.
+#[inline(always)]
+fn texel<T: Copy>(values: &[T], color: impl Fn(T) -> f32, alpha: impl Fn(T) -> f32) -> [f32; 4] {
+    match *values {
+        [red, green, blue] => [color(red), color(green), color(blue), 1.0],
+        [red, green, blue, a] => [color(red), color(green), color(blue), alpha(a)],
+        [grey, a] => [color(grey), color(grey), color(grey), alpha(a)],
+        [grey, ..] => [color(grey), color(grey), color(grey), 1.0],
+        [] => [0.0; 4],
     }
 }
 

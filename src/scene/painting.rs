@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec4Swizzles};
 use super::baked::LEAST_COSINE;
 use super::corners::Painted;
 use super::world::{Coverage, Paint, Relief, ReliefFrame, SurfaceModel, Taps, Textures};
-use crate::spectrum::{Carried, Role, Spectrum};
+use crate::spectrum::{Carried, Role, Spectrum, lit};
 
 /// The textures of all materials.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +51,7 @@ impl<const N: usize> Painting<N> {
 
     /// What a material emits at a point.
     pub fn radiance(&self, paint: &Paint, at: (&Painted, [f32; 2])) -> [f32; N] {
-        self.value(paint, Some(Role::Emission), at)
+        lit(self.value(paint, Some(Role::Coefficient), at), &self.carried)
     }
 
     fn value(&self, paint: &Paint, role: Option<Role>, at: (&Painted, [f32; 2])) -> [f32; N] {

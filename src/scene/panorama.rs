@@ -9,7 +9,7 @@
 //! interpolation of brightness times the sine of the polar angle at the middles of texels, zero at
 //! the poles. Per steradian that is nearly in proportion to what is seen, and zero only where that
 //! is. Running sums of the rows, blended as the rows are, give a point by two searches (the inverse
-//! of a piecewise quadratic function each).
+//! of a piecewise quadratic function each); in a row, those of every sixteenth column come first.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -21,13 +21,16 @@ use rayon::prelude::*;
 use super::painting::columns;
 use super::world::{Picture, Taps};
 use crate::image::texels::{Coding, Texels};
-use crate::math::elementary::{atan2, cos, hypot, sin, sin_cos};
-use crate::spectrum::{Carried, Role};
+use crate::math::elementary::{cos, sin, sin_cos};
+use crate::math::{F32s, LANES, Vector, lanes};
+use crate::spectrum::{Carried, Role, lit};
 
 /// Integers are encoded as sRGB, as in all pictures of this kind.
 const CODING: Coding = Coding::Srgb;
 /// How near to the edge of a cell points are, relative to its size: at an edge there may be none.
 const EDGE: f64 = 1e-6;
+/// Columns between two sums of a row.
+const BLOCK: usize = 16;
 
 /// A picture, and how it lies on the sphere of directions.
 #[derive(Clone, Debug)]
@@ -81,10 +84,11 @@ impl Panorama {
     #[inline(never)]
     pub fn radiance<const N: usize>(&self, direction: Vec3, carried: &Carried<N>) -> [f32; N] {
         let factor = self.factor;
-        self.taps(direction).mixed(|[red, green, blue, _]| {
+        let value = self.taps(direction).mixed(|[red, green, blue, _]| {
             let rgb = [factor[0] * red, factor[1] * green, factor[2] * blue];
-            columns(rgb, Some(Role::Emission), carried)
-        })
+            columns(rgb, Some(Role::Coefficient), carried)
+        });
+        lit(value, carried)
     }
 
     /// Whether its light is polarized.
@@ -127,21 +131,37 @@ impl Panorama {
         Some((states, self.turn.transpose() * right))
     }
 
-    /// The direction, to where the light comes from, that two numbers in [0, 1) draw, and its
-    /// density per steradian: greater than zero.
-    pub fn draw(&self, u: [f32; 2]) -> (Vec3, f32) {
+    /// The directions, to where the light comes from, that eight pairs of numbers in [0, 1) draw, and
+    /// their densities per steradian: greater than zero.
+    pub fn draw_lanes(&self, u: [F32s; 2]) -> (Vector<F32s>, F32s) {
         let directions = self.picture.directions();
-        let texels = self.picture.texels();
-        let place = directions.draw(texels, u);
-        let direction = self.turn.transpose() * place.direction().as_vec3();
-        (direction.normalize(), directions.density(texels, &place))
+        let [u, v] = u.map(F32s::to_array);
+        let places: [Place; LANES] =
+            std::array::from_fn(|lane| directions.draw([u[lane], v[lane]]));
+        let (own, sines) = directions_of(&places);
+        let rows = self.turn.transpose().to_cols_array_2d();
+        let [x, y, z] = [0, 1, 2].map(|axis| {
+            let along = |column: usize| F32s::splat(rows[column][axis]);
+            own.x * along(0) + own.y * along(1) + own.z * along(2)
+        });
+        let direction = Vector::new(x, y, z);
+        let length = direction.dot(direction).sqrt();
+        let sines = sines.to_array();
+        let density = lanes::each(|lane| directions.density(&places[lane], sines[lane]));
+        (Vector::new(x / length, y / length, z / length), F32s::from(density))
+    }
+
+    /// That of one pair.
+    pub fn draw(&self, u: [f32; 2]) -> (Vec3, f32) {
+        let (direction, density) = self.draw_lanes(u.map(F32s::splat));
+        (Vec3::from(direction.to_rows()[0]), density.to_array()[0])
     }
 
     /// The density with which a direction of unit length is drawn, per steradian.
     pub fn pdf(&self, direction: Vec3) -> f32 {
         let directions = self.picture.directions();
-        let place = Place::of(self.turn * direction, directions.size);
-        directions.density(self.picture.texels(), &place)
+        let own = self.turn * direction;
+        directions.density(&Place::of(own, directions.size), across(own))
     }
 }
 
@@ -149,14 +169,14 @@ impl Panorama {
 pub struct Directions {
     /// Columns and rows.
     size: [usize; 2],
-    /// For every row, the integral of its weights up to the middle of every texel but the first,
-    /// from that of the first; the last is the whole turn.
+    /// The weight of every texel.
+    weights: Vec<f32>,
+    /// For every row, the integral of its weights from the middle of the first texel to that of every
+    /// [`BLOCK`]th, and behind these over the whole turn.
     along: Vec<f32>,
     /// Integrals over all cells between rows, and between these and the poles, before each: one
     /// more than there are rows, and the whole behind them.
     down: Vec<f64>,
-    /// What brightness is multiplied by: one over the most.
-    unit: f64,
     /// Means over all directions, and of the directions by their brightness.
     mean: [f64; 3],
     middle: DVec3,
@@ -202,23 +222,22 @@ impl Directions {
         let unit = if most > 0.0 { 1.0 / most } else { 0.0 };
         let turns: Vec<(f64, f64)> =
             (0..width).map(|column| sin_cos(azimuth(column as f64, width))).collect();
-        let mut along = vec![0.0_f32; width * height];
-        let sums: Vec<RowSums> = along
+        let mut weights = vec![0.0_f32; width * height];
+        let sums: Vec<RowSums> = weights
             .par_chunks_mut(width)
             .enumerate()
-            .map(|(row, along)| {
+            .map(|(row, weights)| {
                 let scale = unit * sin(polar_angle(row as f64, height));
-                let weight = |column: usize| scale * brightness_at(column % width, row);
-                let mut sum = 0.0;
-                for (column, along) in along.iter_mut().enumerate() {
-                    sum += 0.5 * (weight(column) + weight(column + 1));
-                    *along = sum as f32;
+                for (column, weight) in weights.iter_mut().enumerate() {
+                    *weight = (scale * brightness_at(column, row)) as f32;
                 }
                 let texels = (0..width).map(|it| texels.at(it as u32, row as u32, CODING));
                 RowSums::of(texels.zip(&turns))
             })
             .collect();
-        let whole = |row: usize| f64::from(along[(row + 1) * width - 1]);
+        let along: Vec<f32> = weights.par_chunks(width).flat_map_iter(sums_along).collect();
+        let ends = along.len() / height;
+        let whole = |row: usize| f64::from(along[(row + 1) * ends - 1]);
         let mut down = vec![0.0, 0.25 * whole(0)];
         for row in 1..height {
             down.push(down[row] + 0.5 * (whole(row - 1) + whole(row)));
@@ -226,9 +245,9 @@ impl Directions {
         down.push(down[height] + 0.25 * whole(height - 1));
         let mut directions = Self {
             size: [width, height],
+            weights,
             along,
             down,
-            unit,
             mean: [0.0; 3],
             middle: DVec3::ZERO,
             spread: 1.0,
@@ -260,21 +279,24 @@ impl Directions {
         }
     }
 
-    /// The integral of a row's weights up to a column.
-    fn up_to(&self, row: usize, column: usize) -> f64 {
-        match column {
-            0 => 0.0,
-            _ => f64::from(self.along[row * self.size[0] + column - 1]),
-        }
+    /// The sums of a row: one for every block, and the whole.
+    fn sums(&self, row: usize) -> &[f32] {
+        let count = self.along.len() / self.size[1];
+        &self.along[row * count..][..count]
+    }
+
+    /// The weights of a row.
+    fn row(&self, row: usize) -> &[f32] {
+        &self.weights[row * self.size[0]..][..self.size[0]]
     }
 
     /// The place that two numbers in [0, 1) draw.
-    fn draw(&self, texels: &Texels, u: [f32; 2]) -> Place {
-        let [width, height] = self.size;
+    fn draw(&self, u: [f32; 2]) -> Place {
+        let height = self.size[1];
         let [u, v] = u.map(f64::from);
         let target = v * self.down[height + 1];
         let cell = self.down[1..=height].partition_point(|&sum| sum <= target);
-        let whole = |row: usize| self.up_to(row, width);
+        let whole = |row: usize| self.sums(row).last().map_or(0.0, |sum| f64::from(*sum));
         // Cells at the poles are half as high.
         let (ends, high) = match cell {
             0 => ([0.0, whole(0)], 0.5),
@@ -283,58 +305,113 @@ impl Directions {
         };
         let down = inverse(ends, (target - self.down[cell]) / high);
         let mut place = Place { size: self.size, cell: [0, cell], shares: [0.0, down] };
-        let (rows, shares) = place.rows();
-        let up_to = |column: usize| {
-            shares[0] * self.up_to(rows[0], column) + shares[1] * self.up_to(rows[1], column)
-        };
-        let target = u * up_to(width);
-        let (mut low, mut high) = (0, width);
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if up_to(middle) <= target { low = middle } else { high = middle }
-        }
-        place.cell[0] = low;
-        place.shares[0] = inverse(self.weights(texels, &place), target - up_to(low));
+        let (column, share) = self.draw_column(&place, u);
+        place.cell[0] = column;
+        place.shares[0] = share;
         place
     }
 
-    /// The weights at the two columns of a place.
-    fn weights(&self, texels: &Texels, place: &Place) -> [f64; 2] {
-        let (rows, shares) = place.rows();
-        let height = self.size[1];
-        let factors: [f64; 2] = std::array::from_fn(|it| {
-            self.unit * shares[it] * sin(polar_angle(rows[it] as f64, height))
-        });
-        place.columns().map(|column| {
-            let at = |row: usize| brightness(texels.at(column as u32, row as u32, CODING));
-            factors[0] * at(rows[0]) + factors[1] * at(rows[1])
-        })
+    /// Where in its row a place is drawn by a number in [0, 1): behind which column, and how far.
+    fn draw_column(&self, place: &Place, u: f64) -> (usize, f64) {
+        let ([upper, lower], [above, below]) = place.rows();
+        let mixed = |of: [&[f32]; 2], at: usize| {
+            above * f64::from(of[0][at]) + below * f64::from(of[1][at])
+        };
+        let sums = [self.sums(upper), self.sums(lower)];
+        let blocks = sums[0].len() - 1;
+        let target = u * mixed(sums, blocks);
+        let (mut low, mut high) = (0, blocks);
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if mixed(sums, middle) <= target { low = middle } else { high = middle }
+        }
+        let rows = [self.row(upper), self.row(lower)];
+        let width = self.size[0];
+        let mut left = target - mixed(sums, low);
+        let first = BLOCK * low;
+        let mut found = (first, [0.0; 2], 0.0);
+        let mut ends = [mixed(rows, first), 0.0];
+        for column in first..(first + BLOCK).min(width) {
+            ends[1] = mixed(rows, (column + 1) % width);
+            let cell = 0.5 * (ends[0] + ends[1]);
+            // By rounding something may be left behind the last cell that has light.
+            if cell > 0.0 {
+                found = (column, ends, left);
+            }
+            if left < cell {
+                break;
+            }
+            left -= cell;
+            ends[0] = ends[1];
+        }
+        let (column, ends, left) = found;
+        (column, inverse(ends, left))
     }
 
-    /// The density of a place, per steradian.
-    fn density(&self, texels: &Texels, place: &Place) -> f32 {
+    /// The density of a place, per steradian, where this is the sine of the polar angle.
+    fn density(&self, place: &Place, sine: f32) -> f32 {
+        let ([upper, lower], [above, below]) = place.rows();
+        let [left, right] = place.columns().map(|column| {
+            above * f64::from(self.row(upper)[column]) + below * f64::from(self.row(lower)[column])
+        });
         let [width, height] = self.size.map(|it| it as f64);
-        let [left, right] = self.weights(texels, place);
         let weight = left + (right - left) * place.shares[0];
-        let steradians = TAU / width * (PI / height) * sin(place.polar_angle());
+        let steradians = TAU / width * (PI / height) * f64::from(sine);
         (weight / (self.down[self.size[1] + 1] * steradians)) as f32
     }
+}
+
+/// The integral of a row's weights to every [`BLOCK`]th column, and over all of it.
+fn sums_along(weights: &[f32]) -> impl Iterator<Item = f32> {
+    let blocks = weights.len().div_ceil(BLOCK);
+    let mut sum = 0.0;
+    let between = move |block: usize| {
+        for column in BLOCK * block..(BLOCK * (block + 1)).min(weights.len()) {
+            let next = weights[(column + 1) % weights.len()];
+            sum += 0.5 * (f64::from(weights[column]) + f64::from(next));
+        }
+        sum as f32
+    };
+    std::iter::once(0.0).chain((0..blocks).map(between))
+}
+
+/// The sine of the angle of a direction of unit length from +y.
+fn across(direction: Vec3) -> f32 {
+    direction.x.mul_add(direction.x, direction.z * direction.z).sqrt()
+}
+
+/// The directions of places, and the sines of their angles from +y.
+fn directions_of(places: &[Place; LANES]) -> (Vector<F32s>, F32s) {
+    let from_pole = F32s::from(lanes::each(|lane| places[lane].from_pole().0));
+    let to_pole = F32s::from(lanes::each(|lane| places[lane].from_pole().1));
+    let around = F32s::from(lanes::each(|lane| {
+        let Place { size, cell, shares } = &places[lane];
+        azimuth(cell[0] as f64 + shares[0], size[0]) as f32
+    }));
+    let (sine, cosine) = from_pole.sin_cos();
+    let (z, x) = around.sin_cos();
+    (Vector::new(sine * x, to_pole * cosine, sine * z), sine)
 }
 
 impl Place {
     /// That of a direction of unit length.
     fn of(direction: Vec3, size: [usize; 2]) -> Self {
         let [width, height] = size.map(|it| it as f64);
-        let direction = direction.as_dvec3();
-        let across = hypot(direction.x, direction.z);
-        let around = atan2(direction.z, direction.x) / TAU + 0.5;
-        let x = (around * width + width - 0.5) % width;
-        let y = (atan2(across, direction.y) / PI).clamp(0.0, 1.0) * height - 0.5;
+        // From the nearer pole, so that no digits are lost there.
+        let ends = lanes::each(|lane| [direction.z, across(direction)][lane % 2]);
+        let sides = lanes::each(|lane| [direction.x, direction.y.abs()][lane % 2]);
+        let [around, from_pole, ..] = F32s::from(ends).atan2(F32s::from(sides)).to_array();
+        let x = ((f64::from(around) / TAU + 0.5) * width + width - 0.5) % width;
         let column = (x as usize).min(size[0] - 1);
-        let (cell, down) = match y {
-            _ if y < 0.0 => (0, 2.0 * y + 1.0),
-            _ if y >= height - 1.0 => (size[1], 2.0 * (y - (height - 1.0))),
-            _ => (y as usize + 1, y.fract()),
+        // In rows.
+        let from_pole = (f64::from(from_pole) / PI).clamp(0.0, 0.5) * height;
+        let (cell, down) = match from_pole {
+            it if it < 0.5 => (0, 2.0 * it),
+            it => ((it + 0.5) as usize, (it + 0.5).fract()),
+        };
+        let (cell, down) = match direction.y < 0.0 {
+            true => (size[1] - cell, 1.0 - down),
+            false => (cell, down),
         };
         let shares = [x - column as f64, down].map(|share| share.clamp(EDGE, 1.0 - EDGE));
         Self { size, cell: [column, cell], shares }
@@ -364,15 +441,12 @@ impl Place {
         }
     }
 
-    fn polar_angle(&self) -> f64 {
-        polar_angle(self.y(), self.size[1])
-    }
-
-    /// Its direction.
-    fn direction(&self) -> DVec3 {
-        let (sine, cosine) = sin_cos(self.polar_angle());
-        let (z, x) = sin_cos(azimuth(self.cell[0] as f64 + self.shares[0], self.size[0]));
-        DVec3::new(sine * x, cosine, sine * z)
+    /// Its angle from the nearer pole, and 1 or -1 for the upper and the lower one.
+    fn from_pole(&self) -> (f32, f32) {
+        let y = self.y();
+        let below = self.size[1] as f64 - 1.0 - y;
+        let (rows, pole) = if y <= below { (y, 1.0) } else { (below, -1.0) };
+        (polar_angle(rows, self.size[1]) as f32, pole)
     }
 
     /// The columns and rows about it, and their shares.

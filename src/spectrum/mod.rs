@@ -13,6 +13,7 @@ mod curves;
 mod data;
 pub mod density;
 mod dispersion;
+mod fits;
 mod formula;
 mod illuminants;
 mod indices;
@@ -36,7 +37,7 @@ pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
 pub use seen::rgb_of_bands;
-pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable};
+pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable, lit};
 pub use white_balance::WhiteBalance;
 
 use std::sync::Arc;

@@ -18,13 +18,13 @@
 //! Dark colors are fitted as bright ones that are scaled down: [`Smooth`]. Greys are constants: a
 //! grey `g` is `g` at every wavelength, to the last bit of an `f32`.
 
-use std::collections::HashMap;
-use std::sync::{LazyLock, RwLock};
+use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
 use super::cie::VISIBLE_NM;
 use super::color_space::{NODES, RgbResponse, White, nodes_nm};
+use super::fits::remembered;
 
 /// Distance of a color from what is asked for, in the worst channel, at which it is met.
 const TOLERANCE: f64 = 1e-9;
@@ -54,6 +54,7 @@ impl Sigmoid {
     }
 
     /// The value at a wavelength in nanometers; beyond 360 and 830 nm that at these.
+    #[inline]
     pub fn at(&self, wavelength_nm: f64) -> f64 {
         let [first, last] = VISIBLE_NM;
         let t = (wavelength_nm.clamp(first, last) - first) / (last - first);
@@ -73,6 +74,7 @@ impl Sigmoid {
 
 /// S(x) and its derivative. Near zero and near one digits are kept: far out S is 1 / (4 x^2) from
 /// these.
+#[inline]
 fn sigmoid(x: f64) -> [f64; 2] {
     let square = 1.0 + x * x;
     let root = square.sqrt();
@@ -80,34 +82,10 @@ fn sigmoid(x: f64) -> [f64; 2] {
     [if x < 0.0 { tail } else { 1.0 - tail }, 0.5 / (square * root)]
 }
 
-/// Most colors whose fits are remembered, of which a picture may have many.
-const KNOWN_MAX: usize = 1 << 20;
-/// Among so many maps, a power of two, that threads seldom wait for each other.
-const MAPS: usize = 64;
-
-/// Fits by the bits of colors and the white.
-type Fits = HashMap<([u64; 3], White), Sigmoid>;
-
 /// The fit of a color, which is remembered: spectral renders ask for all in every iteration, and
 /// for those of pictures at every point.
 fn known(rgb: DVec3, white: White) -> Sigmoid {
-    static KNOWN: LazyLock<[RwLock<Fits>; MAPS]> =
-        LazyLock::new(|| std::array::from_fn(|_| RwLock::default()));
-    const SOUND: &str = "no thread panics while it holds the lock";
-    let key = (rgb.to_array().map(f64::to_bits), white);
-    let mixed = key.0.iter().fold(0, |mixed: u64, bits| {
-        (mixed.rotate_left(21) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-    });
-    let map = &KNOWN[(mixed >> 32) as usize % MAPS];
-    if let Some(fit) = map.read().expect(SOUND).get(&key) {
-        return *fit;
-    }
-    let fit = fitted(rgb, white);
-    let mut known = map.write().expect(SOUND);
-    if known.len() < KNOWN_MAX / MAPS {
-        known.insert(key, fit);
-    }
-    fit
+    remembered(rgb.to_array(), white, || fitted(rgb, white))
 }
 
 /// The smooth spectrum of a color: a number times a sigmoid.
@@ -136,13 +114,18 @@ impl Smooth {
     }
 
     /// The value at a wavelength in nanometers.
+    #[inline]
     pub fn at(&self, wavelength_nm: f64) -> f64 {
         self.scale * self.shape.at(wavelength_nm)
     }
 
     /// The values at wavelengths in nanometers.
     pub fn values<const N: usize>(&self, wavelengths_nm: &[f32; N]) -> [f32; N] {
-        wavelengths_nm.map(|nm| self.at(f64::from(nm)) as f32)
+        let mut values = [0.0; N];
+        for (value, nm) in values.iter_mut().zip(wavelengths_nm) {
+            *value = self.at(f64::from(*nm)) as f32;
+        }
+        values
     }
 
     fn scaled(rgb: [f64; 3], white: White, scale_max: f64) -> Self {

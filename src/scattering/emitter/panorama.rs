@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, Vector};
 use crate::scene::baked::{Bounds, Shapes};
 use crate::scene::emitter::Panorama;
 
@@ -89,8 +89,5 @@ fn draw(tables: &Tables, u: [F32s; 2]) -> (Vector<F32s>, F32s) {
     let Some(panorama) = &tables.panorama else {
         unreachable!("there is an emitter of this model");
     };
-    let [u, v] = u.map(|u| u.to_array());
-    let drawn: [_; LANES] = std::array::from_fn(|lane| panorama.draw([u[lane], v[lane]]));
-    let direction = Vector::gather(|lane| drawn[lane].0.to_array());
-    (direction, F32s::from(lanes::each(|lane| drawn[lane].1)))
+    panorama.draw_lanes(u)
 }
