@@ -92,6 +92,7 @@ fn world(ball: Bsdf, rings: &[Ring], seen: Seen) -> PlacedWorld {
         }
         let middle = DVec3::X * middle;
         let place = Transform::looking(middle + DVec3::Z * 3.0, middle, DVec3::Y);
+        let [half_width, half_height] = [half_width, half_height].map(|it| it as f32);
         let lens = Lens::Orthographic { half_width, half_height };
         world.set_camera("sun", lens, place)?;
         world.set_resolution(resolution)?;
