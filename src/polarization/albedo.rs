@@ -14,6 +14,10 @@
 //! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
 //! reflects just what is missing.
 
+mod angles;
+
+pub use angles::Angles;
+
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -96,7 +100,16 @@ impl CoatAlbedo {
     /// Of this index of refraction, relative to what is outside.
     pub fn of(distribution: Distribution, ior: f32, alpha: f32) -> Self {
         let facets = facets(distribution).terms(alpha);
-        let reflected = Table::shared(distribution, Of::Coat { ior }).at(alpha);
+        Self::of_terms(facets, Table::shared(distribution, Of::Coat { ior }).at(alpha))
+    }
+
+    /// Of facets with this reflectance by the angle of the light, as [`Angles::sampled`] has it.
+    pub fn of_any(distribution: Distribution, reflectance: &Angles, alpha: f32) -> Self {
+        let facets = facets(distribution).terms(alpha);
+        Self::of_terms(facets, angles::powers(distribution, reflectance, alpha))
+    }
+
+    fn of_terms(facets: [f32; TERMS], reflected: [f32; POWERS]) -> Self {
         let (terms, powers) = (facets.map(F32s::splat), reflected.map(F32s::splat));
         let at = |cos| Self::at(Albedo::missing(&terms, cos), &powers, cos);
         Self { facets, reflected, mean: mean_in_decades(facets[POWERS], at) }
@@ -354,13 +367,45 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
     if let Of::Cloth = of {
         return of_cloth(alpha, cos);
     }
-    let none = F32s::splat(0.0);
+    let mut sum = 0.0;
+    for_each_drawn(distribution, alpha, cos, |Draw { facets, normal, given, u, weight }| {
+        let drawn = facets.draw(normal, given, u);
+        let pdf = facets.pdf(normal, given, drawn);
+        let reflection = facets.reflect(normal, given, drawn);
+        let reflectance = match of {
+            Of::Mirrors | Of::Cloth => F32s::splat(1.0),
+            Of::Coat { ior } | Of::Glass { ior } => {
+                fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
+            }
+        };
+        let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
+        sum += f64::from((pdf.simd_gt(F32s::ZERO) & (weight * share)).reduce_add());
+        if let Of::Glass { ior } = of {
+            let passed = passed(&facets, normal, (given, u), F32s::splat(ior));
+            sum += f64::from((weight * passed).reduce_add());
+        }
+    });
+    sum / (HEIGHTS * TURNS) as f64
+}
+
+/// Eight numbers to draw facets by that are seen from a direction.
+struct Draw {
+    facets: Facets,
+    normal: Vector<F32s>,
+    given: Vector<F32s>,
+    u: [F32s; 2],
+    /// How much they count for, over the mean of all.
+    weight: F32s,
+}
+
+/// Calls `each` with all numbers that facets are drawn by which are seen at a cosine: of
+/// `HEIGHTS * TURNS` the mean is that of what is seen.
+fn for_each_drawn(distribution: Distribution, alpha: f32, cos: f64, mut each: impl FnMut(Draw)) {
     let is_beckmann = distribution == Distribution::Beckmann;
     let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
     let normal = Vector::splat([0.0, 0.0, 1.0]);
     let sin = (1.0 - cos * cos).sqrt();
     let given = Vector::splat([sin as f32, 0.0, cos as f32]);
-    let mut sum = 0.0;
     for height in 0..HEIGHTS {
         // More of them where facets of the long tail are drawn.
         let left = 1.0 - (height as f32 + 0.5) / HEIGHTS as f32;
@@ -368,24 +413,9 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
         for turn in (0..TURNS).step_by(LANES) {
             let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / TURNS as f32);
             let u = [F32s::from(turns), height];
-            let drawn = facets.draw(normal, given, u);
-            let pdf = facets.pdf(normal, given, drawn);
-            let reflection = facets.reflect(normal, given, drawn);
-            let reflectance = match of {
-                Of::Mirrors | Of::Cloth => F32s::splat(1.0),
-                Of::Coat { ior } | Of::Glass { ior } => {
-                    fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
-                }
-            };
-            let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
-            sum += f64::from((pdf.simd_gt(none) & (weight * share)).reduce_add());
-            if let Of::Glass { ior } = of {
-                let passed = passed(&facets, normal, (given, u), F32s::splat(ior));
-                sum += f64::from((weight * passed).reduce_add());
-            }
+            each(Draw { facets, normal, given, u, weight });
         }
     }
-    sum / (HEIGHTS * TURNS) as f64
 }
 
 /// The share of light of the cosine `cos` that cloth of white threads reflects: its mean over the

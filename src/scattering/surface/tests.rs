@@ -7,7 +7,7 @@ use crate::scene::baked;
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
         Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric,
-        FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
+        Filmed, FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
         RoughConductor, RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();
@@ -26,6 +26,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         Layered,
         Plastic,
         Measured,
+        Filmed,
         Blend,
         Brushed,
     ];

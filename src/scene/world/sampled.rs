@@ -52,6 +52,10 @@ impl<S> SurfaceModel<S> {
             Self::Brushed { of, grain } => {
                 SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
             }
+            Self::Filmed { of, film } => {
+                let of = sampled_within(of, &mut sample)?;
+                SurfaceModel::Filmed { of, film: film.sampled(&mut sample)? }
+            }
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -102,6 +106,10 @@ impl<S> SurfaceModel<S> {
                 true => Self::Null,
                 false => Self::Brushed { of, grain },
             },
+            Self::Filmed { of, film } if of.is_smooth_metal() => match of.simplified() {
+                Self::Conductor { eta, k } => Self::FilmedConductor { eta, k, film },
+                of => Self::Filmed { of: Box::new(of), film },
+            },
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -112,6 +120,7 @@ impl<S> SurfaceModel<S> {
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::Blend { .. }
+            | Self::Filmed { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -121,6 +130,18 @@ impl<S> SurfaceModel<S> {
             | Self::Retarder { .. }
             | Self::Sheet { .. }
             | Self::Null => self,
+        }
+    }
+}
+
+impl<S> SurfaceModel<S> {
+    /// Whether it is rough metal whose facets are all too even to be computed with.
+    fn is_smooth_metal(&self) -> bool {
+        match self {
+            Self::Brushed { of, grain } => of.is_smooth(grain) && of.is_smooth_metal(),
+            model => {
+                matches!(model, Self::RoughConductor { alpha, .. } if *alpha < ALPHA_MIN)
+            }
         }
     }
 }
