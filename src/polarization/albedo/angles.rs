@@ -1,9 +1,10 @@
 //! At which angles light meets the facets that reflect it: by that, what facets reflect in all
 //! follows for any reflectance, as that under a film, without an integral of its own.
 
-use std::sync::OnceLock;
-
-use super::{ALPHAS, Draw, POWERS, for_each_drawn, nodes, vandermonde_inverse};
+use super::{
+    ALPHAS, Draw, HEIGHTS, Of, POWERS, TURNS, Table, between_rows, for_each_drawn, nodes, passed,
+    vandermonde_inverse,
+};
 use crate::math::{F32s, LANES, lanes};
 use crate::polarization::Distribution;
 
@@ -28,71 +29,103 @@ impl Angles {
     }
 }
 
-/// What makes coefficients of powers of a reflectance, as [`super::CoatAlbedo`] has them: a row for
-/// each.
-type Matrix = [[f32; ANGLES]; POWERS];
+/// What makes coefficients of powers of a reflectance: a row for each, of which the last number is
+/// what there is without.
+pub type Matrix = [[f32; ANGLES + 1]; POWERS];
 
-/// Those of all roughnesses of the grid.
-static OF_GGX: [OnceLock<Box<Matrix>>; ALPHAS + 1] = [const { OnceLock::new() }; ALPHAS + 1];
-static OF_BECKMANN: [OnceLock<Box<Matrix>>; ALPHAS + 1] = [const { OnceLock::new() }; ALPHAS + 1];
-
-/// Coefficients of powers of the root of the cosine of what facets of a roughness reflect, over
-/// what mirrors would.
-pub fn powers(distribution: Distribution, reflectance: &Angles, alpha: f32) -> [f32; POWERS] {
-    let rows = match distribution {
-        Distribution::Ggx => &OF_GGX,
-        Distribution::Beckmann => &OF_BECKMANN,
-    };
-    let place = alpha.clamp(0.0, 1.0).sqrt() * ALPHAS as f32;
-    let row = (place as usize).min(ALPHAS - 1);
-    let part = place - row as f32;
-    let [less, more] = [row, row + 1].map(|row| {
-        let matrix = rows[row].get_or_init(|| matrix(distribution, row));
-        matrix.each_ref().map(|weights| {
-            let terms = weights.iter().zip(&reflectance.0).map(|(weight, value)| weight * value);
-            terms.sum::<f32>()
+impl Table {
+    /// Coefficients at a roughness, as of [`Table::at`], with this reflectance: of mirrors, those of
+    /// a coat, of which what is reflected counts.
+    pub fn by_angles(&self, reflectance: &Angles, alpha: f32) -> [f32; POWERS] {
+        between_rows(alpha, |row| {
+            let matrix = self.by_angles[row].get_or_init(|| self.matrix(row));
+            matrix.each_ref().map(|[weights @ .., without]| {
+                let terms = weights.iter().zip(&reflectance.0);
+                without + terms.map(|(weight, value)| weight * value).sum::<f32>()
+            })
         })
-    });
-    std::array::from_fn(|term| less[term] + part * (more[term] - less[term]))
+    }
+
+    /// That of a roughness of the grid.
+    fn matrix(&self, row: usize) -> Box<Matrix> {
+        let root = row as f32 / ALPHAS as f32;
+        let values = nodes().map(|node| self.values(root * root, node));
+        let term = |row: [f64; POWERS], angle: usize| {
+            let sum: f64 = row.iter().zip(&values).map(|(factor, of)| factor * of[angle]).sum();
+            sum as f32
+        };
+        Box::new(vandermonde_inverse().map(|row| std::array::from_fn(|angle| term(row, angle))))
+    }
+
+    /// What the polynomial of a roughness is of, from 0 to 1, for each of the angles and without.
+    fn values(&self, alpha: f32, x: f64) -> [f64; ANGLES + 1] {
+        match self.of {
+            Of::Glass { ior } => {
+                let met = met(self.distribution, (alpha, Some(ior)), self.cosine(alpha, x));
+                let mut missing = met.map(|share| -share / (HEIGHTS * TURNS) as f64);
+                missing[ANGLES] += 1.0;
+                missing
+            }
+            Of::Mirrors | Of::Coat { .. } | Of::Cloth => {
+                let met = met(self.distribution, (alpha, None), x * x);
+                let all: f64 = met.iter().sum();
+                met.map(|share| share / all)
+            }
+        }
+    }
 }
 
-/// That of a roughness of the grid.
-fn matrix(distribution: Distribution, row: usize) -> Box<Matrix> {
-    let root = row as f32 / ALPHAS as f32;
-    let met = nodes().map(|node| met(distribution, root * root, node * node));
-    let term = |row: [f64; POWERS], angle: usize| {
-        let sum: f64 = row.iter().zip(&met).map(|(factor, met)| factor * met[angle]).sum();
-        sum as f32
-    };
-    Box::new(vandermonde_inverse().map(|row| std::array::from_fn(|angle| term(row, angle))))
-}
-
-/// Which share of light of the cosine `cos` that mirrors reflect meets them at each of the angles;
-/// what is between two counts for both.
-fn met(distribution: Distribution, alpha: f32, cos: f64) -> [f64; ANGLES] {
-    let mut sums = [0.0; ANGLES];
+/// How much of light of the cosine `cos` that facets would reflect meets them at each of the
+/// angles, less what goes through glass of an index there, where angles are those on the side of
+/// the lower index; and what is reflected totally, and goes through.
+fn met(
+    distribution: Distribution,
+    (alpha, ior): (f32, Option<f32>),
+    cos: f64,
+) -> [f64; ANGLES + 1] {
+    let mut sums = [0.0; ANGLES + 1];
     for_each_drawn(distribution, alpha, cos, |Draw { facets, normal, given, u, weight }| {
         let drawn = facets.draw(normal, given, u);
         let pdf = facets.pdf(normal, given, drawn);
         let reflection = facets.reflect(normal, given, drawn);
         let share = weight * (reflection.value * drawn.dot(normal) / pdf);
-        let share = (pdf.simd_gt(F32s::ZERO) & share).to_array();
-        for (share, cos) in share.into_iter().zip(reflection.cos_half.to_array()) {
-            let place = cos.sqrt() * (ANGLES - 1) as f32;
-            let less = (place as usize).min(ANGLES - 2);
-            let part = place * place - (less * less) as f32;
-            let part = f64::from(part / (2 * less + 1) as f32);
-            sums[less] += f64::from(share) * (1.0 - part);
-            sums[less + 1] += f64::from(share) * part;
-        }
+        let share = pdf.simd_gt(F32s::ZERO) & share;
+        let Some(ior) = ior else { return add(&mut sums, reflection.cos_half, share) };
+        let (outside, total) = outside(reflection.cos_half, ior);
+        add(&mut sums, outside, !total & share);
+        let (passed, cos_half) = passed(&facets, normal, (given, u), F32s::splat(ior));
+        let passed = weight * passed;
+        add(&mut sums, self::outside(cos_half, ior).0, -passed);
+        sums[ANGLES] += f64::from((passed + (total & share)).reduce_add());
     });
-    let all: f64 = sums.iter().sum();
-    sums.map(|sum| sum / all)
+    sums
+}
+
+/// The cosine on the side of the lower index of refraction, which is `ior` relative to that of the
+/// side of the cosine `cos` if it is less than one, and the mask of total reflection.
+fn outside(cos: F32s, ior: f32) -> (F32s, F32s) {
+    if ior >= 1.0 {
+        return (cos, F32s::ZERO);
+    }
+    let sin2 = (F32s::ONE - cos * cos) * F32s::splat(1.0 / (ior * ior));
+    ((F32s::ONE - sin2).fast_max(F32s::ZERO).sqrt(), sin2.simd_ge(F32s::ONE))
+}
+
+/// Adds shares at cosines; what is between two counts for both.
+fn add(sums: &mut [f64; ANGLES + 1], cos: F32s, share: F32s) {
+    for (share, cos) in share.to_array().into_iter().zip(cos.to_array()) {
+        let place = cos.clamp(0.0, 1.0).sqrt() * (ANGLES - 1) as f32;
+        let less = (place as usize).min(ANGLES - 2);
+        let part = place * place - (less * less) as f32;
+        let part = f64::from(part / (2 * less + 1) as f32);
+        sums[less] += f64::from(share) * (1.0 - part);
+        sums[less + 1] += f64::from(share) * part;
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Albedo, CoatAlbedo, Of, integrate};
+    use super::super::{Albedo, CoatAlbedo, integrate};
     use super::*;
     use crate::polarization::fresnel;
 
@@ -116,6 +149,13 @@ mod tests {
                     assert!((found - expected).abs() < 3e-3, "{text}: {found} {expected}");
                 }
                 assert!((any.mean - coat.mean).abs() < 1e-3, "{} {}", any.mean, coat.mean);
+                let reflectance = Angles::sampled(of);
+                for ior in [ior, 1.0 / ior] {
+                    let any = Albedo::of_any_glass(distribution, (ior, &reflectance), alpha);
+                    let glass = Albedo::of_glass(distribution, ior, alpha);
+                    let off = (any.mean - glass.mean).abs();
+                    assert!(off < 2e-3, "{ior} {alpha}: {} {}", any.mean, glass.mean);
+                }
             }
         }
     }
@@ -126,9 +166,10 @@ mod tests {
         let fringes = |cos: F32s| F32s::splat(0.5) + F32s::splat(0.3) * (cos * 12.0).cos();
         let sampled = Angles::sampled(fringes);
         for (alpha, cos) in [(0.05, 0.9), (0.3, 0.5), (0.8, 0.2)] {
-            let met = met(Distribution::Ggx, alpha, cos);
+            let met = met(Distribution::Ggx, (alpha, None), cos);
             let pairs = met.iter().zip(&sampled.0);
             let found: f64 = pairs.map(|(share, value)| share * f64::from(*value)).sum();
+            let found = found / met.iter().sum::<f64>();
             let mut sums = [0.0; 2];
             for_each_drawn(Distribution::Ggx, alpha, cos, |it| {
                 let Draw { facets, normal, given, u, weight } = it;
@@ -143,7 +184,7 @@ mod tests {
             let expected = sums[0] / sums[1];
             assert!((found - expected).abs() < 6e-3, "{alpha} {cos}: {found} {expected}");
             let all = integrate(Distribution::Ggx, Of::Mirrors, alpha, cos);
-            let own = sums[1] / (super::super::HEIGHTS * super::super::TURNS) as f64;
+            let own = sums[1] / (HEIGHTS * TURNS) as f64;
             assert!((all - own).abs() < 1e-6, "{all} {own}");
         }
     }

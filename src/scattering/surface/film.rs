@@ -73,7 +73,11 @@ impl Covering<F32s> {
         let (first, second) = (self.share * covered, (F32s::ONE - self.share) * bare);
         let m00 = first + second;
         let part = Real::select(m00.simd_gt(F32s::ZERO), first / m00, F32s::ONE);
-        let mix = |of: F32s, other: F32s| part.mul_add(of - other, other);
+        // What is covered throughout is as if no other were there.
+        let mix = |of: F32s, other: F32s| {
+            let mixed = part.mul_add(of - other, other);
+            Real::select(self.share.simd_ge(F32s::ONE), of, mixed)
+        };
         let block = Block {
             a: mix(block.a, bare_block.a),
             c: mix(block.c, bare_block.c),

@@ -5,8 +5,9 @@
 //! [`super::metallic_roughness`] with other facets, which may be stretched as those of
 //! [`super::brushed`]. What several facets scatter is given back as there, with the film in the
 //! means: of metal, the mean reflectance over the hemisphere at each wavelength; of a coat, its
-//! albedo at each wavelength, which the base lies under ([`Angles`]); of glass, the albedo of bare
-//! glass, and of a film that absorbs what it leaves of light that meets several facets.
+//! albedo at each wavelength, which the base lies under ([`Angles`]); of glass, the albedo of the
+//! mean reflectance of all wavelengths, and of a film that absorbs what that leaves of light which
+//! meets several facets.
 //!
 //! A film costs more than all else about such a surface, so that this is compiled once for any
 //! number of wavelengths, and for all of these models.
@@ -220,28 +221,30 @@ impl<const N: usize> Filmed<N> {
         (distribution, alpha, is_given_back): (Distribution, f32, bool),
         films: impl Fn(usize) -> Covering<F32s>,
     ) {
-        let relative = indices[1] / indices[0];
-        let albedos =
-            [relative, 1.0 / relative].map(|of| Albedo::of_glass(distribution, of, alpha));
-        // Shares that are reflected, and that leave, over the hemisphere of a side.
-        let means = |side: usize, n: usize| {
+        // What leaves a side at a wavelength, and the share of it that is reflected.
+        let leaves = |side: usize, n: usize, cos: F32s| {
             let around = [indices[side], indices[1 - side]].map(F32s::splat);
-            let film = films(n);
-            let reflected = mean_over_cosines(|cos| film.on_glass(cos, around).reflectance);
-            let leaves = |FilmedFace { reflectance, transmittance, .. }: FilmedFace<F32s>| {
-                reflectance + transmittance
-            };
-            [reflected, mean_over_cosines(|cos| leaves(film.on_glass(cos, around)))]
+            let FilmedFace { reflectance, transmittance, .. } = films(n).on_glass(cos, around);
+            let leaves = reflectance + transmittance;
+            [leaves, reflectance / leaves.fast_max(F32s::splat(TINY))]
         };
-        let reflected = |_: f32, side: usize| {
-            (0..N).map(|n| means(side, n)[0]).sum::<f32>() / N as f32
+        let reflected = |side: usize, cos: F32s| {
+            let sum = (1..N).fold(leaves(side, 0, cos)[1], |sum, n| sum + leaves(side, n, cos)[1]);
+            sum * F32s::splat(1.0 / N as f32)
         };
+        let relative = indices[1] / indices[0];
+        let lower = usize::from(relative < 1.0);
+        let reflectance = Angles::sampled(|cos| reflected(lower, cos));
+        let albedos = [relative, 1.0 / relative]
+            .map(|ior| Albedo::of_any_glass(distribution, (ior, &reflectance), alpha));
+        let of_side = |_: f32, side: usize| mean_over_cosines(|cos| reflected(side, cos));
         self.be_of(distribution, alpha);
         self.fixed.is_glass = true;
         self.fixed.indices = indices;
-        self.fixed.sides = sides(relative, (&albedos, is_given_back), reflected);
+        self.fixed.sides = sides(relative, (&albedos, is_given_back), of_side);
         self.spectra[SEVERAL] = std::array::from_fn(|n| {
-            let left = 0.5 * (means(0, n)[1] + means(1, n)[1]).min(2.0);
+            let of_side = |side| mean_over_cosines(|cos| leaves(side, n, cos)[0]);
+            let left = (0.5 * (of_side(0) + of_side(1))).min(1.0);
             let missing = 1.0 - 0.5 * (albedos[0].mean + albedos[1].mean);
             left * left * (1.0 - missing) / (1.0 - left * missing)
         });

@@ -64,6 +64,27 @@ pub fn written(film: &ThinFilm<Spectrum>, of: &mut impl FnMut(&Spectrum) -> Valu
     body
 }
 
+/// The numbers that go with a picture of a film (`is_there`), times a factor: the keys of the
+/// extension and of glTF, and the values. None can be said of a thickness by wavelength.
+pub fn numbers(
+    film: &ThinFilm<Spectrum>,
+    parameter: Parameter,
+    factor: f32,
+    is_there: bool,
+) -> Option<Vec<(&'static str, &'static str, f32)>> {
+    if parameter == Parameter::FilmShare {
+        return Some(vec![("share", "iridescenceFactor", factor)]);
+    }
+    let &Spectrum::Constant(most) = &film.thickness else { return None };
+    let [black, white] = film.portions.map(|portion| portion * most);
+    let mut numbers =
+        vec![("thickness_nm", DEFAULTS[1].0, black + (white - black) * factor.min(1.0))];
+    if is_there {
+        numbers.push(("thickness_black_nm", DEFAULTS[2].0, black));
+    }
+    Some(numbers)
+}
+
 /// What [`iridescent`] reads, of a film of an index that is one number, and does not absorb.
 pub fn write_iridescence(film: &ThinFilm<Spectrum>, material: &mut Value) -> bool {
     let (&Spectrum::Constant(eta), &Spectrum::Constant(thickness)) = (&film.eta, &film.thickness)
