@@ -2,9 +2,7 @@
 
 use serde_json::json;
 use sunstone::internals::scene::World;
-use sunstone::world::{
-    Bsdf, Filter, Material, Paint, Parameter, Reads, Textures, ThinFilm,
-};
+use sunstone::world::{Bsdf, Filter, Material, Paint, Parameter, Reads, Textures, ThinFilm};
 
 use super::painted::{add, noise, paint, panel, quad as painted_quad, stage, texture};
 use super::scenes::{Named, add_panel, pinhole, room, v};

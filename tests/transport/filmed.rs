@@ -17,7 +17,7 @@ const ALPHA: f64 = 0.3;
 const REPLICATES: u32 = 32;
 /// Titanium at 550 nm, about, under its oxide.
 const INDEX: [f64; 2] = [1.87, 2.6];
-const FILM: Film<f64> = Film { eta: 2.4, k: 0.0, waves: 75.0 / 550.0, spread: 0.0 };
+const FILM: Film<f64> = Film { eta: 2.4, k: 0.0, waves: 40.0 / 550.0, spread: 0.0 };
 
 /// S0 and S1 of a plate seen at an angle along its plane of incidence, means of images and their
 /// standard errors. Right is across the plane.
@@ -60,8 +60,7 @@ fn expected(deg: f64, face: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
         let l = DVec3::new(r * phi.cos(), r * phi.sin(), z);
         let h = (l + v).normalize();
         let tan2 = (1.0 - h.z * h.z) / (h.z * h.z);
-        let density =
-            ALPHA * ALPHA / (PI * h.z.powi(4) * (ALPHA * ALPHA + tan2).powi(2));
+        let density = ALPHA * ALPHA / (PI * h.z.powi(4) * (ALPHA * ALPHA + tan2).powi(2));
         let facets = density / (1.0 + lambda(l) + lambda(v)) / (4.0 * l.z * v.z) * l.z;
         let [reflectance, diattenuation] = face(v.dot(h));
         // The axis across the facets' plane, about the light to the camera, from the right.
@@ -75,7 +74,7 @@ fn expected(deg: f64, face: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
 }
 
 fn film() -> Value {
-    json!({"eta": FILM.eta, "k": FILM.k, "thickness_nm": 75.0})
+    json!({"eta": FILM.eta, "k": FILM.k, "thickness_nm": 40.0})
 }
 
 /// Of four numbers each, four standard errors: by chance in one of 4,000 cases.

@@ -40,9 +40,8 @@ impl<const N: usize> FilmRow<N> {
         film: impl Fn(&M) -> &Self + Copy,
         n: usize,
     ) -> Covering<F32s> {
-        let field = |of: fn(&ThinFilm<[f32; N]>, usize) -> f32| {
-            models.field(|model| of(&film(model).0, n))
-        };
+        let field =
+            |of: fn(&ThinFilm<[f32; N]>, usize) -> f32| models.field(|model| of(&film(model).0, n));
         Covering {
             film: Film {
                 eta: field(|film, n| film.eta[n]),
@@ -104,10 +103,8 @@ impl Covering<F32s> {
         let bare = glass(cos_i, &bare, indices);
         let (reflectance, reflection) =
             self.mixed((of.reflectance, of.reflection), (bare.reflectance, bare.reflection));
-        let (transmittance, transmission) = self.mixed(
-            (of.transmittance, of.transmission),
-            (bare.transmittance, bare.transmission),
-        );
+        let (transmittance, transmission) = self
+            .mixed((of.transmittance, of.transmission), (bare.transmittance, bare.transmission));
         Filmed { reflectance, reflection, transmittance, transmission, cos_t: of.cos_t }
     }
 }

@@ -6,8 +6,8 @@ use crate::scene::baked;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric,
-        Filmed, FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
+        Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric, Filmed,
+        FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
         RoughConductor, RoughDielectric, ThinDielectric,
     };
     let met: Vec<Met> = SurfaceKind::events().map(|event| event.met).collect();

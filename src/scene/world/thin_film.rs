@@ -109,10 +109,12 @@ pub(super) fn check_film(of: &Bsdf, film: &ThinFilm<Spectrum>) -> Result<(), Fau
             exterior_ior: Spectrum::Constant(_),
             ..
         } => Ok(()),
-        SurfaceModel::RoughDielectric { .. } | SurfaceModel::DispersiveDielectric { .. } => refused(
-            "films on glass with dispersion are not supported",
-            "give indices that are numbers",
-        ),
+        SurfaceModel::RoughDielectric { .. } | SurfaceModel::DispersiveDielectric { .. } => {
+            refused(
+                "films on glass with dispersion are not supported",
+                "give indices that are numbers",
+            )
+        }
         SurfaceModel::MetallicRoughness { .. } => match film.k == Spectrum::Constant(0.0) {
             true => Ok(()),
             false => refused("of glTF's metallic-roughness absorbs", "take its `k` away"),

@@ -7,10 +7,8 @@ use super::super::blend::tests::{Tabled, alike, facing, pure, ways};
 use super::super::model::LaneRows;
 use super::super::rough::tests::{Numbers, directions};
 use super::*;
-use crate::polarization::{
-    Film, Kernel, Rotation, Stokes, filmed_conductor, filmed_dielectric,
-};
-use crate::scene::world::Along;
+use crate::polarization::{Film, Kernel, Rotation, Stokes, filmed_conductor, filmed_dielectric};
+use crate::scene::world::{Along, Grain};
 
 type Model = SurfaceModel<[f32; 1]>;
 type OneFilm = ThinFilm<[f32; 1]>;
@@ -53,7 +51,7 @@ fn random_base(numbers: &mut Numbers, alpha_min: f32) -> Model {
     let distribution = Distribution::ALL[usize::from(c < 0.5)];
     let of = match (numbers.next() * 3.0) as u32 {
         0 => metal(0.05 + 3.0 * a, 7.0 * b, alpha, distribution),
-        1 => glass([0.6, 0.7, 1.5, 2.0, 2.4][(5.0 * a) as usize], alpha, distribution),
+        1 => glass([0.6, 1.5, 2.4][(3.0 * a) as usize], alpha, distribution),
         _ => mixed(a, (2.0 * b - 0.5).clamp(0.0, 1.0), alpha, 1.0 + c),
     };
     if numbers.next() > 0.33 {
@@ -77,7 +75,7 @@ fn random(numbers: &mut Numbers, alpha_min: f32) -> Model {
 #[test]
 fn surfaces_without_a_film_are_bare() {
     let mut numbers = Numbers(210_000);
-    for case in 0..90 {
+    for case in 0..60 {
         let plain = random_base(&mut numbers, 0.05);
         let none = match case % 2 {
             0 => film(1.0 + numbers.next(), 0.0, 0.0),
@@ -85,9 +83,14 @@ fn surfaces_without_a_film_are_bare() {
         };
         let (whole, bare) = (Tabled::new(&filmed(plain.clone(), none)), Tabled::new(&plain));
         let [given, drawn] = ways(&mut numbers, case);
-        // Coats have a polynomial of their own, and tails are exponentials of what is rounded.
-        let is_coated = matches!(plain.without_grain(), Model::MetallicRoughness { .. });
-        let beside = F32s::splat(if is_coated { 800.0 } else { 0.0 });
+        // Albedos of coats and of glass are integrated in other ways, to 0.003, and tails are
+        // exponentials of what is rounded.
+        let beside = match plain.without_grain() {
+            Model::MetallicRoughness { .. } => 300.0,
+            Model::RoughDielectric { .. } => 30.0,
+            _ => 0.0,
+        };
+        let beside = F32s::splat(beside);
         let alpha = plain.without_grain().facets_alpha().copied().unwrap_or(1.0);
         let peak = F32s::splat(0.1 / (alpha * alpha));
         let value = bare.value(given, drawn);
@@ -107,7 +110,7 @@ fn surfaces_without_a_film_are_bare() {
 #[test]
 fn both_directions_are_alike_and_matrices_are_physical() {
     let mut numbers = Numbers(220_000);
-    for case in 0..200 {
+    for case in 0..100 {
         let model = random(&mut numbers, 0.0);
         let tabled = Tabled::new(&model);
         let [given, mut drawn] = ways(&mut numbers, case);
@@ -187,7 +190,8 @@ fn leaving(model: &Model, cos: f32, light: [f32; 4], numbers: &mut Numbers) -> [
     for _ in 0..PACKETS {
         let Drawn { direction, weight: [weight], .. } = tabled.draw(given, numbers);
         let (kernel, axis) = tabled.kernel(given, direction);
-        let arriving = Rotation::between(across, axis, -given).apply(Stokes(light.map(F32s::splat)));
+        let arriving =
+            Rotation::between(across, axis, -given).apply(Stokes(light.map(F32s::splat)));
         let to = across - direction * across.dot(direction);
         let Stokes(out) = Rotation::between(axis, to, direction).apply(kernel.scatter(arriving));
         let lit = weight.simd_gt(F32s::ZERO);
@@ -251,7 +255,7 @@ fn hardly_rough_ones_are_as_smooth_ones() {
 
 /// The share of light of the cosine that leaves; of power, or, with that of radiance.
 fn albedo(model: &Model, cos: f32, numbers: &mut Numbers) -> [f64; 2] {
-    const PACKETS: usize = 700;
+    const PACKETS: usize = 400;
     let tabled = Tabled::new(model);
     let given = directions(F32s::splat(cos), F32s::splat(0.3));
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -270,27 +274,22 @@ fn albedo(model: &Model, cos: f32, numbers: &mut Numbers) -> [f64; 2] {
 #[test]
 fn lossless_ones_keep_all_light() {
     let mut numbers = Numbers(260_000);
-    for (eta, waves) in [(1.3, 0.3), (2.4, 0.12), (1.8, 0.9)] {
-        for alpha in [0.05, 0.3, 1.0] {
-            let models = [
-                metal(1e-6, 1.0, alpha, Distribution::Ggx),
-                mixed(1.0, 0.0, alpha, 1.5),
-                glass(1.5, alpha, Distribution::Ggx),
-                glass(1.5, alpha, Distribution::Beckmann),
-            ];
-            for of in models {
-                for cos in [0.05, 0.4, 1.0, -0.1, -0.7] {
-                    if cos < 0.0 && !of.transmits() {
-                        continue;
-                    }
-                    let model = filmed(of.clone(), film(eta, 0.0, waves));
-                    let [mean, error] = albedo(&model, cos, &mut numbers);
-                    println!("{eta} {waves} {alpha} {cos}: {mean:.4} {error:.4} {of:?}");
-                    // Four standard errors: by chance in one of 16,000 cases, of which there are
-                    // some hundred.
-                    assert!((mean - 1.0).abs() < 0.015 + 4.0 * error, "{mean} {model:?} {cos}");
-                }
+    for (eta, waves, alpha) in [(1.3, 0.3, 0.05), (2.4, 0.12, 0.3), (1.8, 0.9, 1.0)] {
+        let models = [
+            metal(1e-6, 1.0, alpha, Distribution::Ggx),
+            mixed(1.0, 0.0, alpha, 1.5),
+            glass(1.5, alpha, Distribution::Ggx),
+            glass(1.5, alpha, Distribution::Beckmann),
+        ];
+        let cosines = [0.05, 0.4, 1.0, -0.1, -0.7].into_iter();
+        for (of, cos) in models.iter().flat_map(|of| cosines.clone().map(move |cos| (of, cos))) {
+            if cos < 0.0 && !of.transmits() {
+                continue;
             }
+            let model = filmed(of.clone(), film(eta, 0.0, waves));
+            let [mean, error] = albedo(&model, cos, &mut numbers);
+            // Four standard errors: by chance in one of 16,000 cases, of which there are fifty.
+            assert!((mean - 1.0).abs() < 0.012 + 4.0 * error, "{mean} {model:?} {cos}");
         }
     }
     assert_eq!(facing().shading.to_rows()[0], [0.0, 0.0, 1.0]);
