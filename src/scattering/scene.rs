@@ -287,13 +287,10 @@ impl<const N: usize> Scene<N> {
         &self.surfaces.materials()[self.material_row(primitive)]
     }
 
-    /// Whether nothing goes through a primitive: it is of no surface, or of one whose material is
-    /// opaque, or of a kind that lets light straight on at most.
+    /// Whether nothing goes through a primitive, but straight on.
     pub fn is_closed(&self, primitive: u32) -> bool {
-        let surface = self.shapes.surface_of(primitive);
-        surface == NONE
-            || self.shapes.surfaces[surface as usize].is_opaque
-            || !self.material_at(primitive).kind.passes_any_way()
+        let surface = self.shapes.surfaces.get(self.shapes.surface_of(primitive) as usize);
+        surface.is_none_or(|it| it.is_opaque) || !self.material_at(primitive).kind.passes_any_way()
     }
 
     /// The events that some surface or medium of the scene is met by.

@@ -34,8 +34,8 @@ impl Angles {
 pub type Matrix = [[f32; ANGLES + 1]; POWERS];
 
 impl Table {
-    /// Coefficients at a roughness, as of [`Table::at`], with this reflectance: of mirrors, those of
-    /// a coat, of which what is reflected counts.
+    /// Coefficients at a roughness, as of [`Table::at`], with this reflectance: of mirrors, those
+    /// of a coat, of which what is reflected counts.
     pub fn by_angles(&self, reflectance: &Angles, alpha: f32) -> [f32; POWERS] {
         between_rows(alpha, |row| {
             let matrix = self.by_angles[row].get_or_init(|| self.matrix(row));

@@ -324,15 +324,11 @@ impl<'a> Writer<'a> {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
             Bsdf::Sheet { axis_deg, action } => sheets::written(*axis_deg, action, of),
-            Bsdf::FilmedConductor { eta, k, film } => {
-                let film = films::written(film, &mut of);
-                json!({"bsdf": "conductor", "eta": of(eta), "k": of(k), "film": film})
-            }
-            Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
-                let film = films::written(film, &mut of);
-                json!({"bsdf": "dielectric", "ior": ior, "exterior_ior": exterior_ior,
-                    "film": film})
-            }
+            Bsdf::FilmedConductor { eta, k, film } => json!({"bsdf": "conductor", "eta": of(eta),
+                "k": of(k), "film": films::written(film, &mut of)}),
+            Bsdf::FilmedDielectric { ior, exterior_ior, film } => json!({"bsdf": "dielectric",
+                "ior": ior, "exterior_ior": exterior_ior,
+                "film": films::written(film, &mut of)}),
             Bsdf::Null => json!({"bsdf": "null"}),
             Bsdf::Brushed { of, grain } => facets::written(self.bsdf(name, of), grain),
             Bsdf::Filmed { of: inner, film } => {

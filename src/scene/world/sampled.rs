@@ -2,6 +2,7 @@
 
 use super::blend::sampled_parts;
 use super::grain::sampled_within;
+use super::thin_film::filmed_within;
 use super::{SurfaceModel, ThinFilm};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::spectrum::Role;
@@ -52,10 +53,7 @@ impl<S> SurfaceModel<S> {
             Self::Brushed { of, grain } => {
                 SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
             }
-            Self::Filmed { of, film } => {
-                let of = sampled_within(of, &mut sample)?;
-                SurfaceModel::Filmed { of, film: film.sampled(&mut sample)? }
-            }
+            Self::Filmed { of, film } => filmed_within(of, film, &mut sample)?,
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -106,10 +104,7 @@ impl<S> SurfaceModel<S> {
                 true => Self::Null,
                 false => Self::Brushed { of, grain },
             },
-            Self::Filmed { of, film } if of.is_smooth_metal() => match of.simplified() {
-                Self::Conductor { eta, k } => Self::FilmedConductor { eta, k, film },
-                of => Self::Filmed { of: Box::new(of), film },
-            },
+            Self::Filmed { of, film } if of.is_smooth_metal() => of.simplified().under(film),
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -137,12 +132,10 @@ impl<S> SurfaceModel<S> {
 impl<S> SurfaceModel<S> {
     /// Whether it is rough metal whose facets are all too even to be computed with.
     fn is_smooth_metal(&self) -> bool {
-        match self {
-            Self::Brushed { of, grain } => of.is_smooth(grain) && of.is_smooth_metal(),
-            model => {
-                matches!(model, Self::RoughConductor { alpha, .. } if *alpha < ALPHA_MIN)
-            }
+        if let Self::Brushed { of, grain } = self {
+            return of.is_smooth(grain) && of.is_smooth_metal();
         }
+        matches!(self, Self::RoughConductor { alpha, .. } if *alpha < ALPHA_MIN)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Films on surfaces so thin that what their two faces reflect interferes.
 
+use super::grain::sampled_within;
 use super::{Bsdf, Parameter, SurfaceModel};
 use crate::math::{Fault, Range};
 use crate::spectrum::{Role, Spectrum};
@@ -157,17 +158,33 @@ impl Bsdf {
     /// ```
     #[must_use]
     pub fn filmed(self, film: ThinFilm<Spectrum>) -> Self {
-        match self {
-            Self::Conductor { eta, k } => Self::FilmedConductor { eta, k, film },
-            Self::Dielectric { ior, exterior_ior } => {
-                Self::FilmedDielectric { ior, exterior_ior, film }
-            }
-            of => Self::Filmed { of: Box::new(of), film },
-        }
+        self.under(film)
     }
 }
 
+/// A model under a film with `sample` of their spectra: see [`SurfaceModel::sampled`].
+pub(super) fn filmed_within<S, T, E>(
+    of: &SurfaceModel<S>,
+    film: &ThinFilm<S>,
+    // By way of a pointer, or each depth would be a function of its own.
+    mut sample: &mut dyn FnMut(&S, &'static str, Role) -> Result<T, E>,
+) -> Result<SurfaceModel<T>, E> {
+    let of = sampled_within(of, sample)?;
+    Ok(SurfaceModel::Filmed { of, film: film.sampled(&mut sample)? })
+}
+
 impl<S> SurfaceModel<S> {
+    /// See [`Bsdf::filmed`].
+    pub(super) fn under(self, film: ThinFilm<S>) -> Self {
+        if let Self::Conductor { eta, k } = self {
+            return Self::FilmedConductor { eta, k, film };
+        }
+        if let Self::Dielectric { ior, exterior_ior } = self {
+            return Self::FilmedDielectric { ior, exterior_ior, film };
+        }
+        Self::Filmed { of: Box::new(self), film }
+    }
+
     /// The model without its film, if that is a part of its own.
     pub(crate) fn without_film(&self) -> &Self {
         if let Self::Filmed { of, .. } = self { of } else { self }

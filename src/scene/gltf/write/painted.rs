@@ -233,8 +233,8 @@ impl Painter<'_> {
         Ok(())
     }
 
-    /// How much a film covers, and how thick it is: in the extension's words, or in glTF's where the
-    /// model is one of glTF's own.
+    /// How much a film covers, and how thick it is: in the extension's words, or in glTF's where
+    /// the model is one of glTF's own.
     fn film(&mut self, bsdf: &Bsdf, paints: [Option<&Paint>; 2]) -> Result<(), SceneError> {
         let (Bsdf::Filmed { film, .. }
         | Bsdf::FilmedConductor { film, .. }
