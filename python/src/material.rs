@@ -50,16 +50,7 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "conductor" => conductor(keys)?,
         "dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
-            match (film(keys)?, ior, exterior_ior) {
-                (None, ior, exterior_ior) => Bsdf::boundary(ior, exterior_ior),
-                (Some(film), Spectrum::Constant(ior), Spectrum::Constant(exterior_ior)) => {
-                    Bsdf::FilmedDielectric { ior, exterior_ior, film }
-                }
-                _ => {
-                    let problem = "films on glass with dispersion are not supported";
-                    return Err(keys.refuse("film", problem, "give indices that are numbers"));
-                }
-            }
+            filmed(Bsdf::boundary(ior, exterior_ior), keys)?
         }
         "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
         "null" => Bsdf::Null,
@@ -109,7 +100,14 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
         "rough_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
             let (alpha, distribution, multiple_scattering) = facets(keys)?;
-            Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering }
+            let bsdf = Bsdf::RoughDielectric {
+                ior,
+                exterior_ior,
+                alpha,
+                distribution,
+                multiple_scattering,
+            };
+            filmed(bsdf, keys)?
         }
         "thin_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
@@ -177,9 +175,14 @@ fn indices(keys: &Keys) -> PyResult<[Spectrum; 2]> {
 
 fn conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "conductor")?;
+    filmed(Bsdf::Conductor { eta, k }, keys)
+}
+
+/// A model under its film, if it has one.
+fn filmed(bsdf: Bsdf, keys: &Keys) -> PyResult<Bsdf> {
     Ok(match film(keys)? {
-        Some(film) => Bsdf::FilmedConductor { eta, k, film },
-        None => Bsdf::Conductor { eta, k },
+        Some(film) => bsdf.filmed(film),
+        None => bsdf,
     })
 }
 
@@ -191,14 +194,15 @@ fn film(keys: &Keys) -> PyResult<Option<ThinFilm<Spectrum>>> {
     let eta = eta.ok_or_else(|| film.refuse("eta", "is missing", remedy))?;
     let k = film.refraction("k", Part::Extinction)?.unwrap_or(0.0.into());
     let thickness_nm: f32 = film.need("thickness_nm", "in nanometers, as 300")?;
+    let share = film.take("share")?.unwrap_or(1.0);
     film.finish("a film")?;
-    Ok(Some(ThinFilm::new(eta, k, thickness_nm)))
+    Ok(Some(ThinFilm { share, ..ThinFilm::new(eta, k, thickness_nm) }))
 }
 
 fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "rough_conductor")?;
     let (alpha, distribution, multiple_scattering) = facets(keys)?;
-    Ok(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering })
+    filmed(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering }, keys)
 }
 
 /// What facets are like, and whether what several of them scatter is given back.

@@ -14,6 +14,10 @@
 //! albedo E(mu) the lobe `(1 - E(i)) (1 - E(o)) / (pi (1 - E_mean))`, which is reciprocal and
 //! reflects just what is missing.
 
+mod angles;
+
+pub use angles::Angles;
+
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -59,9 +63,20 @@ impl Albedo {
     /// Of facets of a dielectric of this index of refraction, relative to what is on the side that
     /// light comes from: what they reflect and let through. The index counts to a thousandth.
     pub fn of_glass(distribution: Distribution, ior: f32, alpha: f32) -> Self {
-        let steps = (ln(ior) / STEP_OF_IOR).round();
-        let ior = exp(steps * STEP_OF_IOR);
+        let ior = exp((ln(ior) / STEP_OF_IOR).round() * STEP_OF_IOR);
         Self::of_terms(Table::shared(distribution, Of::Glass { ior }).terms(alpha))
+    }
+
+    /// The same of glass with this reflectance by the angle on the side of the lower index, and
+    /// with total reflection on the other.
+    pub fn of_any_glass(
+        distribution: Distribution,
+        (ior, reflectance): (f32, &Angles),
+        alpha: f32,
+    ) -> Self {
+        let ior = exp((ln(ior) / STEP_OF_IOR).round() * STEP_OF_IOR);
+        let table = Table::shared(distribution, Of::Glass { ior });
+        Self::of_terms(table.with_scale(table.by_angles(reflectance, alpha), alpha))
     }
 
     /// What is missing at eight cosines, 0 to 1, by the terms there; within [0, 1].
@@ -96,7 +111,16 @@ impl CoatAlbedo {
     /// Of this index of refraction, relative to what is outside.
     pub fn of(distribution: Distribution, ior: f32, alpha: f32) -> Self {
         let facets = facets(distribution).terms(alpha);
-        let reflected = Table::shared(distribution, Of::Coat { ior }).at(alpha);
+        Self::of_terms(facets, Table::shared(distribution, Of::Coat { ior }).at(alpha))
+    }
+
+    /// Of facets with this reflectance by the angle of the light, as [`Angles::sampled`] has it.
+    pub fn of_any(distribution: Distribution, reflectance: &Angles, alpha: f32) -> Self {
+        let mirrors = facets(distribution);
+        Self::of_terms(mirrors.terms(alpha), mirrors.by_angles(reflectance, alpha))
+    }
+
+    fn of_terms(facets: [f32; TERMS], reflected: [f32; POWERS]) -> Self {
         let (terms, powers) = (facets.map(F32s::splat), reflected.map(F32s::splat));
         let at = |cos| Self::at(Albedo::missing(&terms, cos), &powers, cos);
         Self { facets, reflected, mean: mean_in_decades(facets[POWERS], at) }
@@ -225,11 +249,18 @@ struct Table {
     of: Of,
     /// Coefficients at the roughnesses of the grid.
     rows: [OnceLock<[f32; POWERS]>; ALPHAS + 1],
+    /// The same of any reflectance.
+    by_angles: [OnceLock<Box<angles::Matrix>>; ALPHAS + 1],
 }
 
 impl Table {
     const fn new(distribution: Distribution, of: Of) -> Self {
-        Self { distribution, of, rows: [const { OnceLock::new() }; ALPHAS + 1] }
+        Self {
+            distribution,
+            of,
+            rows: [const { OnceLock::new() }; ALPHAS + 1],
+            by_angles: [const { OnceLock::new() }; ALPHAS + 1],
+        }
     }
 
     /// The one that all ask.
@@ -277,9 +308,7 @@ impl Table {
     fn value(&self, alpha: f32, x: f64) -> f64 {
         match self.of {
             Of::Mirrors | Of::Glass { .. } => {
-                let scale = f64::from(self.scale(alpha));
-                let cos = scale * x / (1.0 + scale - x);
-                1.0 - integrate(self.distribution, self.of, alpha, cos)
+                1.0 - integrate(self.distribution, self.of, alpha, self.cosine(alpha, x))
             }
             Of::Cloth => integrate(self.distribution, self.of, alpha, x * x),
             Of::Coat { .. } => {
@@ -287,6 +316,12 @@ impl Table {
                 of(self.of) / of(Of::Mirrors)
             }
         }
+    }
+
+    /// The cosine of a node of what is missing.
+    fn cosine(&self, alpha: f32, x: f64) -> f64 {
+        let scale = f64::from(self.scale(alpha));
+        scale * x / (1.0 + scale - x)
     }
 
     /// Of the cosines about which light goes missing.
@@ -305,18 +340,27 @@ impl Table {
 
     /// The coefficients: linear in the root of the roughness.
     fn at(&self, alpha: f32) -> [f32; POWERS] {
-        let place = alpha.clamp(0.0, 1.0).sqrt() * ALPHAS as f32;
-        let row = (place as usize).min(ALPHAS - 1);
-        let part = place - row as f32;
-        let [less, more] = [row, row + 1].map(|row| self.row(row));
-        std::array::from_fn(|term| less[term] + part * (more[term] - less[term]))
+        between_rows(alpha, |row| *self.row(row))
     }
 
     /// The coefficients, and their scale.
     fn terms(&self, alpha: f32) -> [f32; TERMS] {
-        let (powers, scale) = (self.at(alpha), self.scale(alpha.min(1.0)));
+        self.with_scale(self.at(alpha), alpha)
+    }
+
+    fn with_scale(&self, powers: [f32; POWERS], alpha: f32) -> [f32; TERMS] {
+        let scale = self.scale(alpha.min(1.0));
         std::array::from_fn(|term| powers.get(term).copied().unwrap_or(scale))
     }
+}
+
+/// Coefficients at a roughness, of those at the roughnesses of the grid.
+fn between_rows(alpha: f32, of: impl Fn(usize) -> [f32; POWERS]) -> [f32; POWERS] {
+    let place = alpha.clamp(0.0, 1.0).sqrt() * ALPHAS as f32;
+    let row = (place as usize).min(ALPHAS - 1);
+    let part = place - row as f32;
+    let [less, more] = [row, row + 1].map(of);
+    std::array::from_fn(|term| less[term] + part * (more[term] - less[term]))
 }
 
 /// Where polynomials are computed: at the nodes of Chebyshev.
@@ -354,13 +398,47 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
     if let Of::Cloth = of {
         return of_cloth(alpha, cos);
     }
-    let none = F32s::splat(0.0);
+    let mut sum = 0.0;
+    for_each_drawn(distribution, alpha, cos, |Draw { facets, normal, given, u, weight }| {
+        let drawn = facets.draw(normal, given, u);
+        let pdf = facets.pdf(normal, given, drawn);
+        let reflection = facets.reflect(normal, given, drawn);
+        let reflectance = match of {
+            Of::Mirrors | Of::Cloth => F32s::splat(1.0),
+            Of::Coat { ior } | Of::Glass { ior } => {
+                fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
+            }
+        };
+        let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
+        sum += f64::from((pdf.simd_gt(F32s::ZERO) & (weight * share)).reduce_add());
+        if let Of::Glass { ior } = of {
+            let (share, cos_half) = passed(&facets, normal, (given, u), F32s::splat(ior));
+            let reflectance = fresnel::dielectric_reflectance(cos_half, F32s::splat(ior)).0;
+            let passed = share * (F32s::ONE - reflectance);
+            sum += f64::from((weight * passed).reduce_add());
+        }
+    });
+    sum / (HEIGHTS * TURNS) as f64
+}
+
+/// Eight numbers to draw facets by that are seen from a direction.
+struct Draw {
+    facets: Facets,
+    normal: Vector<F32s>,
+    given: Vector<F32s>,
+    u: [F32s; 2],
+    /// How much they count for, over the mean of all.
+    weight: F32s,
+}
+
+/// Calls `each` with all numbers that facets are drawn by which are seen at a cosine: of
+/// `HEIGHTS * TURNS` the mean is that of what is seen.
+fn for_each_drawn(distribution: Distribution, alpha: f32, cos: f64, mut each: impl FnMut(Draw)) {
     let is_beckmann = distribution == Distribution::Beckmann;
     let facets = Facets::new(F32s::splat(alpha), lanes::mask_of([is_beckmann; LANES]));
     let normal = Vector::splat([0.0, 0.0, 1.0]);
     let sin = (1.0 - cos * cos).sqrt();
     let given = Vector::splat([sin as f32, 0.0, cos as f32]);
-    let mut sum = 0.0;
     for height in 0..HEIGHTS {
         // More of them where facets of the long tail are drawn.
         let left = 1.0 - (height as f32 + 0.5) / HEIGHTS as f32;
@@ -368,24 +446,9 @@ fn integrate(distribution: Distribution, of: Of, alpha: f32, cos: f64) -> f64 {
         for turn in (0..TURNS).step_by(LANES) {
             let turns = lanes::each(|lane| ((turn + lane) as f32 + 0.5) * 0.5 / TURNS as f32);
             let u = [F32s::from(turns), height];
-            let drawn = facets.draw(normal, given, u);
-            let pdf = facets.pdf(normal, given, drawn);
-            let reflection = facets.reflect(normal, given, drawn);
-            let reflectance = match of {
-                Of::Mirrors | Of::Cloth => F32s::splat(1.0),
-                Of::Coat { ior } | Of::Glass { ior } => {
-                    fresnel::dielectric_reflectance(reflection.cos_half, F32s::splat(ior)).0
-                }
-            };
-            let share = reflection.value * drawn.dot(normal) / pdf * reflectance;
-            sum += f64::from((pdf.simd_gt(none) & (weight * share)).reduce_add());
-            if let Of::Glass { ior } = of {
-                let passed = passed(&facets, normal, (given, u), F32s::splat(ior));
-                sum += f64::from((weight * passed).reduce_add());
-            }
+            each(Draw { facets, normal, given, u, weight });
         }
     }
-    sum / (HEIGHTS * TURNS) as f64
 }
 
 /// The share of light of the cosine `cos` that cloth of white threads reflects: its mean over the
@@ -412,20 +475,22 @@ fn of_cloth(alpha: f32, cos: f64) -> f64 {
     2.0 * std::f64::consts::PI * sum / (STEPS * STEPS) as f64
 }
 
-/// The share of light that goes through facets that are drawn by `u`.
+/// The share of light that goes through facets that are drawn by `u` and reflect nothing, and the
+/// cosine of incidence on them.
 fn passed(
     facets: &Facets,
     normal: Vector<F32s>,
     (given, u): (Vector<F32s>, [F32s; 2]),
     ior: F32s,
-) -> F32s {
+) -> (F32s, F32s) {
     let half = facets.draw_half(normal, given, u);
     let cos = given.dot(half);
     let (reflectance, cos_t) = fresnel::dielectric_reflectance(cos, ior);
     let drawn = half * (cos / ior - cos_t) - given * (F32s::splat(1.0) / ior);
     let refraction = facets.refract(normal, given, drawn, ior);
     let share = refraction.value * ior * ior * -drawn.dot(normal) / refraction.pdf;
-    refraction.pdf.simd_gt(F32s::splat(0.0)) & (share * (F32s::splat(1.0) - reflectance))
+    let is_refracted = refraction.pdf.simd_gt(F32s::ZERO) & reflectance.simd_lt(F32s::ONE);
+    (is_refracted & share, cos)
 }
 
 #[cfg(test)]

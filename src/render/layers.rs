@@ -234,7 +234,7 @@ fn base_color(model: &SurfaceModel<[f32; 3]>) -> [f32; 3] {
             above / below
         }),
         SurfaceModel::Measured { table, .. } => [table.lobe().albedo; 3],
-        SurfaceModel::Brushed { of, .. } => base_color(of),
+        SurfaceModel::Brushed { of, .. } | SurfaceModel::Filmed { of, .. } => base_color(of),
         SurfaceModel::Blend { parts, weight } => {
             let [first, second] = parts.each_ref().map(base_color);
             std::array::from_fn(|n| first[n] + (second[n] - first[n]) * weight)

@@ -322,6 +322,7 @@ impl Interfaces {
                 | SurfaceModel::Measured { .. }
                 | SurfaceModel::Blend { .. }
                 | SurfaceModel::Brushed { .. }
+                | SurfaceModel::Filmed { .. }
                 | SurfaceModel::FilmedConductor { .. }
                 | SurfaceModel::FilmedDielectric { .. }
                 | SurfaceModel::RoughConductor { .. }

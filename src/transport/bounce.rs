@@ -74,7 +74,10 @@ impl<const N: usize, C: ?Sized> Arrived<'_, N, C> {
     /// the same as before it.
     pub fn beyond(&self, scene: &Scene<N>, row: usize) -> u32 {
         let inside = self.paths.media.inside(row);
-        if !(self.paths.media.present() && self.event.met.passes_any_way()) {
+        let may_pass = || self.event.met.passes_any_way() && scene.passes_any_way;
+        if !(self.paths.media.present() && may_pass())
+            || scene.is_closed(self.surfaces.primitive[row])
+        {
             return inside;
         }
         let of = |columns| Vec3::from(lanes::row_of(columns, row));
@@ -86,7 +89,8 @@ impl<const N: usize, C: ?Sized> Arrived<'_, N, C> {
     #[inline(always)]
     pub fn inside_towards(&self, scene: &Scene<N>, direction: Vector<F32s>, row: usize) -> U32s {
         let inside = self.paths.media.inside_of_lanes(row);
-        match self.event.met.passes_any_way() && self.paths.media.present() {
+        let may_pass = self.event.met.passes_any_way() && scene.passes_any_way;
+        match may_pass && self.paths.media.present() {
             true => self.inside_beyond(scene, (inside, direction), row),
             false => inside,
         }

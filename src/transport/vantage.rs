@@ -34,8 +34,7 @@ fn one_sided<const N: usize>(
 ) -> Vector<F32s> {
     let is_one_sided = |lane: usize| {
         let primitive = surfaces.primitive.get(row + lane).copied().unwrap_or(NONE);
-        scene.shapes.surface_of(primitive) == NONE
-            || !scene.material_at(primitive).kind.passes_any_way()
+        scene.is_closed(primitive)
     };
     let mask = lanes::mask_of(lanes::each(is_one_sided));
     Vector::new(mask & normal.x, mask & normal.y, mask & normal.z)

@@ -8,6 +8,7 @@ mod common;
 mod converted;
 mod errors;
 mod far;
+mod filmed;
 mod films;
 mod framed;
 mod fuzz;

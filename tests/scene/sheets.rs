@@ -96,7 +96,15 @@ fn sheets_are_refused_by_name() {
 
 fn film(eta: f32, nm: f32) -> ThinFilm<[f32; 3]> {
     let thickness = [605.0, 542.0, 455.0].map(|wave| nm / wave);
-    ThinFilm { eta: [eta; 3], k: [0.0; 3], thickness, spread: [0.025; 3] }
+    ThinFilm {
+        eta: [eta; 3],
+        k: [0.0; 3],
+        thickness,
+        spread: [0.025; 3],
+        share: 1.0,
+        portion: 1.0,
+        portions: [0.0, 1.0],
+    }
 }
 
 #[test]
@@ -133,9 +141,12 @@ fn films_are_those_of_the_extension_and_of_gltf() {
     };
     assert_eq!(found, film(1.3, 250.0));
     let half = with(1.0, 0.0, json!({"iridescenceFactor": 0.5}));
-    assert!(warnings(&half).contains("its film covers it whole"), "{}", warnings(&half));
-    let matte = with(0.0, 0.0, whole);
-    assert!(warnings(&matte).contains("its iridescence is ignored"));
+    assert_eq!(warnings(&half), "");
+    let SurfaceModel::FilmedConductor { film: found, .. } = baked(&half).optics.materials[0].model
+    else {
+        panic!("no film")
+    };
+    assert_eq!(found, ThinFilm { share: 0.5, ..film(1.3, 400.0) });
     let none = with(1.0, 0.0, json!({}));
     assert!(matches!(baked(&none).optics.materials[0].model, SurfaceModel::Conductor { .. }));
 }

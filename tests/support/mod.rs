@@ -6,6 +6,7 @@ pub mod brushed;
 pub mod dispersive;
 pub mod evidence;
 pub mod fields;
+pub mod filmed;
 pub mod filters;
 pub mod gltf;
 pub mod layers;

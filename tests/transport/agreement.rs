@@ -31,6 +31,7 @@ use crate::support::blends::BLENDS;
 use crate::support::brushed::BRUSHED;
 use crate::support::dispersive::DISPERSIVE;
 use crate::support::evidence;
+use crate::support::filmed::FILMED;
 use crate::support::filters::FILTERS;
 use crate::support::layers::LAYERED;
 use crate::support::odd_lights::ODD_LIGHTS;
@@ -388,6 +389,28 @@ fn integrators_agree_on_brushed_surfaces() {
 #[ignore = "minutes"]
 fn integrators_agree_on_brushed_surfaces_closely() {
     check(brushed(), [REPLICATES, 2 * ITERATIONS]);
+}
+
+fn filmed() -> impl Iterator<Item = (String, World)> {
+    FILMED.into_iter().map(|(name, build)| (name.to_owned(), build()))
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_on_films() {
+    check(filmed(), [REPLICATES, ITERATIONS / 4]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn integrators_agree_per_band_on_films() {
+    check_bands(built(&FILMED[..1]), [16, ITERATIONS / 8], 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn integrators_agree_on_films_closely() {
+    check(filmed(), [REPLICATES, 2 * ITERATIONS]);
 }
 
 fn layered() -> impl Iterator<Item = (String, World)> {

@@ -18,6 +18,7 @@ mod contacts;
 mod convergence;
 mod door;
 mod emitters;
+mod filmed;
 mod films;
 mod furnace;
 mod glimpses;

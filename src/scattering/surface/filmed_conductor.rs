@@ -3,7 +3,7 @@
 use super::film::FilmRow;
 use super::model::{Choice, Incidence, OneOfTwo, Scattered, Specular, Surface, reflect, strongest};
 use crate::math::F32s;
-use crate::polarization::{Block, film, s_axis};
+use crate::polarization::{Block, s_axis};
 use crate::scattering::side::Side;
 use crate::scene::world::ThinFilm;
 
@@ -26,8 +26,11 @@ impl<const N: usize> FilmedConductor<N> {
 
 impl<const N: usize> Surface for FilmedConductor<N> {
     fn scattered(&self) -> f32 {
-        let reflectance =
-            |n: usize| film::filmed_conductor(1.0, &self.film.at(n), [self.eta[n], self.k[n]]).0;
+        let reflectance = |n: usize| {
+            let index = [self.eta[n], self.k[n]].map(F32s::splat);
+            let [reflectance, ..] = self.film.at(n).on_metal(F32s::ONE, index).0.to_array();
+            reflectance
+        };
         strongest::<N>(std::array::from_fn(reflectance))
     }
 }
@@ -51,17 +54,11 @@ impl<const N: usize> Specular<N> for FilmedConductor<N> {
             let eta = at.models.field(|model| model.eta[n]);
             let k = at.models.field(|model| model.k[n]);
             let film = FilmRow::lanes(&at.models, |model| &model.film, n);
-            let (reflectance, block) = on_metal(at.cos_i, &film, [eta, k]);
+            let (reflectance, block) = film.on_metal(at.cos_i, [eta, k]);
             *kernel = block;
             *weight = faces & stays & reflectance;
         }
         let axis = if POLARIZED { s_axis(at.normal, at.direction) } else { direction };
         Scattered { direction, weight, kernels, axis, alone: F32s::splat(0.0) }
     }
-}
-
-/// One copy for all colors and modes.
-#[inline(never)]
-fn on_metal(cos_i: F32s, film: &film::Film<F32s>, index: [F32s; 2]) -> (F32s, Block<F32s>) {
-    film::filmed_conductor(cos_i, film, index)
 }

@@ -4,7 +4,7 @@
 use super::film::FilmRow;
 use super::model::{Choice, Incidence, OneOfTwo, Scattered, Specular, Surface, reflect, refract};
 use crate::math::{F32s, Real, Vector};
-use crate::polarization::{Block, Filmed, film, s_axis};
+use crate::polarization::{Block, Filmed, s_axis};
 use crate::scattering::side::Side;
 use crate::scene::world::ThinFilm;
 
@@ -46,10 +46,10 @@ impl<const N: usize> Specular<N> for FilmedDielectric<N> {
         let before = Real::select(at.front, front, back);
         let behind = Real::select(at.front, back, front);
         let film_at = |n| FilmRow::lanes(&at.models, |model| &model.film, n);
-        let first = on_glass(at.cos_i, &film_at(0), [before, behind]);
+        let first = film_at(0).on_glass(at.cos_i, [before, behind]);
         let mut all = [first; N];
         for (n, filmed) in all.iter_mut().enumerate().skip(1) {
-            *filmed = on_glass(at.cos_i, &film_at(n), [before, behind]);
+            *filmed = film_at(n).on_glass(at.cos_i, [before, behind]);
         }
         let mut sums = [zero; 2];
         for Filmed { reflectance, reflection, .. } in &all {
@@ -80,10 +80,4 @@ impl<const N: usize> Specular<N> for FilmedDielectric<N> {
         }
         Scattered { direction, weight, kernels, axis, alone: zero }
     }
-}
-
-/// One copy for all colors and modes.
-#[inline(never)]
-fn on_glass(cos_i: F32s, film: &film::Film<F32s>, indices: [F32s; 2]) -> Filmed<F32s> {
-    film::filmed_dielectric(cos_i, film, indices)
 }

@@ -5,6 +5,7 @@
 use super::blend::Blend;
 use super::brushed::Brushed;
 use super::facing::Facing;
+use super::filmed::Filmed;
 use super::layered::Layered;
 use super::measured::Measured;
 use super::metallic_roughness::MetallicRoughness;

@@ -31,7 +31,7 @@ use crate::scattering::event::Form;
 use crate::scattering::vertex::mean;
 
 /// Least share of light that gets through a coat, on the average.
-const THROUGH_MIN: f32 = 1e-3;
+pub const THROUGH_MIN: f32 = 1e-3;
 
 /// One material.
 #[derive(Clone, Copy, Debug)]

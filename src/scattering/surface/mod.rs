@@ -17,6 +17,7 @@ mod dispersive_dielectric;
 mod element;
 mod facing;
 mod film;
+mod filmed;
 mod filmed_conductor;
 mod filmed_dielectric;
 mod glossy;
@@ -49,6 +50,7 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use dispersive_dielectric::DispersiveDielectric;
+use filmed::Filmed;
 use filmed_conductor::FilmedConductor;
 use filmed_dielectric::FilmedDielectric;
 use layered::Layered;
@@ -102,6 +104,7 @@ macro_rules! surface_models {
                 Layered { layers } => layered: Layered<N>,
                 Plastic { reflectance, coat } => plastic: Plastic<N>,
                 Measured { table, places } => measured: Measured<N>,
+                Filmed { of, film } => filmed: Filmed<N>,
             }
             mixed {
                 Blend { parts, weight } => blend: Blend,

@@ -109,6 +109,11 @@ impl<const N: usize> Reflected<N> {
             let [eta, k] = [eta[n], k[n]].map(F32s::splat);
             mean_over_cosines(|cos| fresnel::conductor_reflectance(cos, eta, k))
         });
+        Self::of_means(single, albedo, is_given_back)
+    }
+
+    /// By facets of these mean reflectances.
+    pub fn of_means(single: [f32; N], albedo: &Albedo, is_given_back: bool) -> Self {
         let missing = 1.0 - albedo.mean;
         if !is_given_back || missing < MISSING_MIN {
             return Self { gain: [0.0; N], single, multiple: [0.0; N] };

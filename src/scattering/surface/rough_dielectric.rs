@@ -31,7 +31,7 @@ use crate::scattering::side::Side;
 use crate::scattering::vertex::Kernels;
 
 /// The front, and the back.
-const SIDES: usize = 2;
+pub const SIDES: usize = 2;
 
 /// One material.
 #[derive(Clone, Copy, Debug)]
@@ -47,15 +47,15 @@ pub struct RoughDielectric<const N: usize> {
 
 /// What is given back of light that arrives on one side.
 #[derive(Clone, Copy, Debug)]
-struct OfSide {
+pub struct OfSide {
     /// Terms of the albedo of what is scattered once.
-    terms: [f32; TERMS],
+    pub terms: [f32; TERMS],
     /// The share of the rest that gets through.
-    through: f32,
+    pub through: f32,
     /// The lobe of what stays on the side, over the product of what is missing of both directions.
-    back: f32,
+    pub back: f32,
     /// The same of what gets through.
-    beyond: f32,
+    pub beyond: f32,
 }
 
 impl<const N: usize> RoughDielectric<N> {
@@ -71,17 +71,25 @@ impl<const N: usize> RoughDielectric<N> {
         let ior: [f32; N] = std::array::from_fn(|n| ior[n] / exterior_ior[n]);
         let mean = ior.iter().sum::<f32>() / N as f32;
         let albedos = [mean, 1.0 / mean].map(|of| Albedo::of_glass(distribution, of, alpha));
+        let reflected = |relative: f32, _: usize| {
+            mean_over_cosines(|cos| fresnel::dielectric_reflectance(cos, F32s::splat(relative)).0)
+        };
         Self {
             ior,
             alpha,
             beckmann: if distribution == Distribution::Beckmann { 1.0 } else { 0.0 },
-            sides: sides(mean, &albedos, multiple_scattering),
+            sides: sides(mean, (&albedos, multiple_scattering), reflected),
         }
     }
 }
 
-/// What is given back at a boundary of this index of refraction, behind over before.
-fn sides(ior: f32, albedos: &[Albedo; SIDES], is_given_back: bool) -> [OfSide; SIDES] {
+/// What is given back at a boundary of this index of refraction, behind over before; `reflected`
+/// says the mean reflectance of smooth facets on a side, where the index is this one.
+pub fn sides(
+    ior: f32,
+    (albedos, is_given_back): (&[Albedo; SIDES], bool),
+    reflected: impl FnOnce(f32, usize) -> f32,
+) -> [OfSide; SIDES] {
     let missing = albedos.map(|albedo| 1.0 - albedo.mean);
     if !is_given_back || missing.iter().any(|missing| *missing < MISSING_MIN) {
         let of =
@@ -91,8 +99,7 @@ fn sides(ior: f32, albedos: &[Albedo; SIDES], is_given_back: bool) -> [OfSide; S
     let weight = [missing[0], missing[1] * ior * ior];
     let less = usize::from(weight[1] < weight[0]);
     let relative = if less == 0 { ior } else { 1.0 / ior };
-    let reflected =
-        mean_over_cosines(|cos| fresnel::dielectric_reflectance(cos, F32s::splat(relative)).0);
+    let reflected = reflected(relative, less);
     let of = |side: usize| {
         let through = (1.0 - reflected) * weight[less] / weight[side];
         OfSide {
@@ -120,12 +127,17 @@ impl<const N: usize> Surface for RoughDielectric<N> {
         1.0
     }
 
-    /// About the refracted direction, too: paths go on from what is narrow whatever comes. Facets
-    /// turn what they refract by a third of what they turn reflected light, mostly.
     fn peak(&self) -> f32 {
-        const OF_REFRACTED: f32 = 3.0;
-        if self.alpha < OF_REFRACTED * NARROW { 2.0 } else { 0.0 }
+        peak(self.alpha)
     }
+}
+
+/// The end of the peak of facets that refract: about the refracted direction, too, paths go on from
+/// what is narrow whatever comes. Facets turn what they refract by a third of what they turn
+/// reflected light, mostly.
+pub fn peak(alpha: f32) -> f32 {
+    const OF_REFRACTED: f32 = 3.0;
+    if alpha < OF_REFRACTED * NARROW { 2.0 } else { 0.0 }
 }
 
 /// Eight of them.

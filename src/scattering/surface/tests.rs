@@ -6,7 +6,7 @@ use crate::scene::baked;
 #[test]
 fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
     use SurfaceKind::{
-        Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric,
+        Absorber, Blend, Brushed, Conductor, Dielectric, Diffuse, DispersiveDielectric, Filmed,
         FilmedConductor, FilmedDielectric, Layered, Measured, MetallicRoughness, Plastic,
         RoughConductor, RoughDielectric, ThinDielectric,
     };
@@ -26,6 +26,7 @@ fn rows_are_grouped_by_end_specular_and_connecting_kinds() {
         Layered,
         Plastic,
         Measured,
+        Filmed,
         Blend,
         Brushed,
     ];

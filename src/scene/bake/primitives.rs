@@ -210,6 +210,7 @@ fn surface(
             | Bsdf::Measured { .. }
             | Bsdf::Blend { .. }
             | Bsdf::Brushed { .. }
+            | Bsdf::Filmed { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::RoughConductor { .. }

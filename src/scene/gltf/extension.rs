@@ -159,8 +159,19 @@ pub const SPECTRUM: Keys =
 pub const INDEX: Keys =
     Keys { definition: "index", known: &["cauchy", "nm", "sellmeier", "value"], planned: &[] };
 /// Keys of a film on a surface.
-pub const THIN_FILM: Keys =
-    Keys { definition: "thin_film", known: &["eta", "k", "thickness_nm"], planned: &[] };
+pub const THIN_FILM: Keys = Keys {
+    definition: "thin_film",
+    known: &[
+        "eta",
+        "k",
+        "share",
+        "share_texture",
+        "thickness_black_nm",
+        "thickness_nm",
+        "thickness_texture",
+    ],
+    planned: &[],
+};
 /// Keys of Sellmeier's formula.
 pub const SELLMEIER: Keys =
     Keys { definition: "sellmeier", known: &["b", "c_um2", "range_nm"], planned: &[] };

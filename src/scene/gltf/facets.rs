@@ -176,7 +176,8 @@ impl Import<'_> {
         (index, label): (usize, &str),
         bsdf: &Bsdf,
     ) -> Result<(), SceneError> {
-        let Bsdf::Brushed { grain: Grain { along: Along::Strength(strength), .. }, .. } = bsdf
+        let Bsdf::Brushed { grain: Grain { along: Along::Strength(strength), .. }, .. } =
+            bsdf.without_film()
         else {
             return Ok(());
         };

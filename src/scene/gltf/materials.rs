@@ -95,7 +95,7 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
 ];
 /// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 11] = [
+const ROUGH_CONDUCTOR: [&str; 12] = [
     "alpha",
     "alpha_texture",
     "alpha_u",
@@ -103,13 +103,14 @@ const ROUGH_CONDUCTOR: [&str; 11] = [
     "axis_deg",
     "distribution",
     "eta",
+    "film",
     "k",
     "metal",
     "multiple_scattering",
     "roughness",
 ];
 /// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 10] = [
+const ROUGH_DIELECTRIC: [&str; 11] = [
     "alpha",
     "alpha_texture",
     "alpha_u",
@@ -117,6 +118,7 @@ const ROUGH_DIELECTRIC: [&str; 10] = [
     "axis_deg",
     "distribution",
     "exterior_ior",
+    "film",
     "ior",
     "multiple_scattering",
     "roughness",
@@ -259,8 +261,8 @@ impl Import<'_> {
         let volume = Volume::of(value, label)?;
         let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
-        let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         let bsdf = self.grained(bsdf, value, label)?;
+        let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         if bsdf.transmits() {
             self.add_volume(index, volume, label)?;
         }
@@ -443,6 +445,7 @@ fn dispersed(bsdf: Bsdf, value: &Value, label: &str) -> Result<Bsdf, SceneError>
         | Bsdf::Plastic { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
+        | Bsdf::Filmed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::RoughConductor { .. }
@@ -496,12 +499,15 @@ fn diffuse(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
 fn dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
-    let Some(film) = films::stated(body)? else { return Ok(Bsdf::boundary(ior, exterior_ior)) };
-    if let (&Spectrum::Constant(ior), &Spectrum::Constant(exterior_ior)) = (&ior, &exterior_ior) {
-        return Ok(Bsdf::FilmedDielectric { ior, exterior_ior, film });
-    }
-    let problem = "films on glass with dispersion are not supported";
-    Err(SceneError::new(body.field("film"), problem, "give indices that are numbers"))
+    filmed(Bsdf::boundary(ior, exterior_ior), body)
+}
+
+/// A model with the film that is stated, if one is.
+fn filmed(bsdf: Bsdf, body: &Body) -> Result<Bsdf, SceneError> {
+    Ok(match films::stated(body)? {
+        Some(film) => bsdf.filmed(film),
+        None => bsdf,
+    })
 }
 
 fn thin_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
@@ -522,27 +528,25 @@ fn refraction(body: &Body, key: &str) -> Result<Option<Spectrum>, SceneError> {
 
 fn conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "conductor")?;
-    Ok(match films::stated(body)? {
-        Some(film) => Bsdf::FilmedConductor { eta, k, film },
-        None => Bsdf::Conductor { eta, k },
-    })
+    filmed(Bsdf::Conductor { eta, k }, body)
 }
 
 fn rough_conductor(body: &Body, _: Of) -> Result<Bsdf, SceneError> {
     let (eta, k) = metal_index(body, "rough_conductor")?;
     let (distribution, multiple_scattering) = distribution_and_several(body)?;
-    facets::stated(
+    let bsdf = facets::stated(
         body,
         || alpha(body),
         |alpha| Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering },
-    )
+    )?;
+    filmed(bsdf, body)
 }
 
 fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> {
     let ior = refraction(body, "ior")?.unwrap_or_else(|| khr_ior(material).into());
     let exterior_ior = refraction(body, "exterior_ior")?.unwrap_or(1.0.into());
     let (distribution, multiple_scattering) = distribution_and_several(body)?;
-    facets::stated(
+    let bsdf = facets::stated(
         body,
         || alpha(body),
         |alpha| Bsdf::RoughDielectric {
@@ -552,7 +556,8 @@ fn rough_dielectric(body: &Body, (material, _): Of) -> Result<Bsdf, SceneError> 
             distribution,
             multiple_scattering,
         },
-    )
+    )?;
+    filmed(bsdf, body)
 }
 
 /// A table in a file, read once.

@@ -51,6 +51,7 @@ impl Import<'_> {
     pub fn alpha(&mut self, body: &Body, bsdf: &Bsdf) -> Result<Paint, SceneError> {
         let alpha = match bsdf {
             Bsdf::RoughConductor { alpha, .. } | Bsdf::RoughDielectric { alpha, .. } => *alpha,
+            Bsdf::Filmed { of, .. } => return self.alpha(body, of),
             Bsdf::Absorber
             | Bsdf::Diffuse { .. }
             | Bsdf::Conductor { .. }

@@ -13,6 +13,7 @@ use serde_json::Value;
 use super::Import;
 use super::document::Document;
 use super::extension::{Body, COVERAGE, EXTENSION, MATERIAL, TEXTURE};
+use super::films;
 use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
 use super::own_textures::own_words;
@@ -89,6 +90,7 @@ impl Import<'_> {
         if let Some(index) = index {
             self.paint_blend(&mut textures, (index, label), of.0)?;
             self.paint_grain(&mut textures, (index, label), of.0)?;
+            self.paint_film(&mut textures, (index, label), of.0)?;
         }
         Ok(textures)
     }
@@ -330,7 +332,11 @@ impl Import<'_> {
             let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
             let own = [base, metal, &material["emissiveTexture"], &material["normalTexture"]];
             let body = &material["extensions"][EXTENSION];
+            let (film, khr) = (&body["film"], &material["extensions"][films::KHR_IRIDESCENCE]);
+            let of_films = films::PICTURES.map(|(key, ..)| &khr[key]);
+            let own_films = films::OWN_PICTURES.map(|(key, _)| &film[key]);
             let more = [&body["alpha_texture"], &body["coverage"]["texture"]];
+            let more = more.into_iter().chain(of_films).chain(own_films);
             for info in own.into_iter().chain(more).chain(layers::infos(material)) {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
@@ -358,11 +364,13 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 8] = [
+        const READ: [&str; 10] = [
             "anisotropyTexture",
             "baseColorTexture",
             "clearcoatNormalTexture",
             "emissiveTexture",
+            films::PICTURES[0].0,
+            films::PICTURES[1].0,
             "metallicRoughnessTexture",
             "normalTexture",
             "occlusionTexture",
@@ -415,7 +423,7 @@ fn color_of(bsdf: &Bsdf) -> Option<(Parameter, [f32; 3])> {
         }
         Bsdf::MetallicRoughness { base_color, .. }
         | Bsdf::Layered { layers: Layers { base_color, .. } } => (Parameter::BaseColor, base_color),
-        Bsdf::Brushed { of, .. } => return color_of(of),
+        Bsdf::Brushed { of, .. } | Bsdf::Filmed { of, .. } => return color_of(of),
         Bsdf::Absorber
         | Bsdf::Conductor { .. }
         | Bsdf::RoughConductor { .. }
@@ -443,12 +451,15 @@ fn metal_and_roughness(bsdf: &Bsdf, texture: Texture) -> Vec<(Parameter, Paint)>
         | Bsdf::Layered { layers: Layers { metallic, alpha, .. } } => {
             (Some(*metallic), alpha.sqrt())
         }
-        Bsdf::RoughDielectric { alpha, .. } => (None, alpha.sqrt()),
-        Bsdf::Brushed { of, .. } => return metal_and_roughness(of, texture),
+        Bsdf::RoughConductor { alpha, .. } | Bsdf::RoughDielectric { alpha, .. } => {
+            (None, alpha.sqrt())
+        }
+        Bsdf::Brushed { of, .. } | Bsdf::Filmed { of, .. } => {
+            return metal_and_roughness(of, texture);
+        }
         Bsdf::Absorber
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }
-        | Bsdf::RoughConductor { .. }
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
         | Bsdf::Plastic { .. }

@@ -238,7 +238,9 @@ impl<'a> Writer<'a> {
     ) -> Value {
         let mut body = self.bsdf(name, bsdf);
         let mut material = json!({"name": called(name), "doubleSided": sides.two_sided});
-        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } = bsdf.without_grain()
+        let under = bsdf.without_film();
+        if let Bsdf::MetallicRoughness { metallic, alpha, ior, specular, .. } =
+            under.without_grain()
         {
             // glTF's own: the body has the color until here, and no name of a model.
             let color = body["base_color"].take();
@@ -247,8 +249,14 @@ impl<'a> Writer<'a> {
                 "metallicFactor": metallic, "roughnessFactor": alpha.sqrt()});
             material["extensions"] = json!({"KHR_materials_ior": {"ior": ior},
                 "KHR_materials_specular": {"specularFactor": specular}});
-            if let Bsdf::Brushed { grain, .. } = bsdf {
+            if let Bsdf::Brushed { grain, .. } = under {
                 facets::write_anisotropy(grain, *alpha, &mut material);
+            }
+            if let Bsdf::Filmed { film, .. } = bsdf
+                && !films::write_iridescence(film, &mut material)
+            {
+                let text = "has a film by wavelength, which glTF has not: it is not written";
+                self.warnings.add(&name.0, text);
             }
         }
         if let Bsdf::Layered { layers } = bsdf {
@@ -316,17 +324,19 @@ impl<'a> Writer<'a> {
                 json!({"bsdf": "retarder", "axis_deg": axis_deg, "retardance_deg": retardance_deg})
             }
             Bsdf::Sheet { axis_deg, action } => sheets::written(*axis_deg, action, of),
-            Bsdf::FilmedConductor { eta, k, film } => {
-                let film = films::written(film, &mut of);
-                json!({"bsdf": "conductor", "eta": of(eta), "k": of(k), "film": film})
-            }
-            Bsdf::FilmedDielectric { ior, exterior_ior, film } => {
-                let film = films::written(film, &mut of);
-                json!({"bsdf": "dielectric", "ior": ior, "exterior_ior": exterior_ior,
-                    "film": film})
-            }
+            Bsdf::FilmedConductor { eta, k, film } => json!({"bsdf": "conductor", "eta": of(eta),
+                "k": of(k), "film": films::written(film, &mut of)}),
+            Bsdf::FilmedDielectric { ior, exterior_ior, film } => json!({"bsdf": "dielectric",
+                "ior": ior, "exterior_ior": exterior_ior,
+                "film": films::written(film, &mut of)}),
             Bsdf::Null => json!({"bsdf": "null"}),
             Bsdf::Brushed { of, grain } => facets::written(self.bsdf(name, of), grain),
+            Bsdf::Filmed { of: inner, film } => {
+                let film = films::written(film, &mut of);
+                let mut body = self.bsdf(name, inner);
+                body["film"] = film;
+                body
+            }
             Bsdf::Blend { parts, weight } => {
                 blends::written(parts, *weight, |part, which| self.part(name, part, which))
             }

@@ -333,6 +333,7 @@ impl Import<'_> {
             | Bsdf::Measured { .. }
             | Bsdf::Blend { .. }
             | Bsdf::Brushed { .. }
+            | Bsdf::Filmed { .. }
             | Bsdf::FilmedConductor { .. }
             | Bsdf::FilmedDielectric { .. }
             | Bsdf::Dielectric { .. }
@@ -533,6 +534,7 @@ fn turned(material: Material) -> Option<Material> {
         | Bsdf::Measured { .. }
         | Bsdf::Blend { .. }
         | Bsdf::Brushed { .. }
+        | Bsdf::Filmed { .. }
         | Bsdf::FilmedConductor { .. }
         | Bsdf::FilmedDielectric { .. }
         | Bsdf::Polarizer { .. }

@@ -61,7 +61,7 @@ impl Bsdf {
                 let problem = format!("there are more than {BLEND_DEPTH} blends within each other");
                 refused(&problem, "blend fewer")
             }
-            Self::Brushed { of, .. } => of.check_part(),
+            Self::Brushed { of, .. } | Self::Filmed { of, .. } => of.check_part(),
             Self::Diffuse { .. }
             | Self::RoughConductor { .. }
             | Self::MetallicRoughness { .. }

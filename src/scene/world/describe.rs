@@ -151,6 +151,7 @@ fn model(bsdf: &Bsdf) -> String {
         }
         Bsdf::Blend { parts, weight } => blend(parts, *weight),
         Bsdf::Brushed { of, grain } => brushed(of, grain),
+        Bsdf::Filmed { of, film } => format!("{}, {}", model(of), thin_film(film)),
         Bsdf::ThinDielectric { ior, exterior_ior: Spectrum::Constant(1.0) } => {
             format!("thin dielectric, ior {}", spectrum(ior))
         }
@@ -213,7 +214,12 @@ fn plastic_coat(coat: &Coat) -> String {
 
 fn thin_film(film: &ThinFilm<Spectrum>) -> String {
     let (eta, k, thickness) = (spectrum(&film.eta), spectrum(&film.k), spectrum(&film.thickness));
-    format!("under a film of eta {eta}, k {k}, {thickness} nm thick")
+    let share = match film.share {
+        1.0 => String::new(),
+        share => format!(", over a share of {share}"),
+    };
+    let most = if film.portion < 1.0 { " at most" } else { "" };
+    format!("under a film of eta {eta}, k {k}, {thickness} nm thick{most}{share}")
 }
 
 fn sheet(action: &Action<Spectrum>) -> String {

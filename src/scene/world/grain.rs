@@ -101,6 +101,7 @@ impl<S> SurfaceModel<S> {
             | Self::Measured { .. }
             | Self::Blend { .. }
             | Self::Brushed { .. }
+            | Self::Filmed { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -130,7 +131,7 @@ impl<S> SurfaceModel<S> {
         if let Self::Blend { parts, .. } = self {
             return parts.iter().any(Self::has_grain);
         }
-        matches!(self, Self::Brushed { .. })
+        matches!(self.without_film(), Self::Brushed { .. })
     }
 
     /// Whether all facets are too even to be computed with.
@@ -143,6 +144,8 @@ impl<S> SurfaceModel<S> {
     pub(crate) fn for_each_grain(&mut self, each: &mut impl FnMut(&mut Grain)) {
         if let Self::Brushed { grain, .. } = self {
             each(grain);
+        } else if let Self::Filmed { of, .. } = self {
+            of.for_each_grain(each);
         } else if let Self::Blend { parts, .. } = self {
             parts.iter_mut().for_each(|part| part.for_each_grain(each));
         }

@@ -153,7 +153,9 @@ impl<const N: usize> Layers<[f32; N]> {
             | Parameter::Weight
             | Parameter::Strength
             | Parameter::GrainRight
-            | Parameter::GrainUp => return false,
+            | Parameter::GrainUp
+            | Parameter::FilmShare
+            | Parameter::FilmThickness => return false,
         }
         true
     }

@@ -6,7 +6,7 @@ use super::layers::COAT_IOR;
 use super::measured::MeasuredTable;
 use super::plastic::Coat;
 use super::sheet::Action;
-use super::thin_film::ThinFilm;
+use super::thin_film::{ThinFilm, check_film};
 use crate::math::{Fault, Range};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
@@ -112,6 +112,15 @@ pub enum SurfaceModel<S> {
         of: Box<SurfaceModel<S>>,
         /// The direction, and the roughness along it.
         grain: Grain,
+    },
+    /// Rough metal, rough glass or glTF's metallic-roughness under a thin film: see
+    /// [`Bsdf::filmed`]. Facets of less roughness than 0.001 are taken as of that, but for metal's.
+    /// Indices of glass are its own, whatever it touches.
+    Filmed {
+        /// What is under it, whose facets may be stretched along a direction.
+        of: Box<SurfaceModel<S>>,
+        /// The film.
+        film: ThinFilm<S>,
     },
     /// Smooth boundary between two dielectrics.
     Dielectric {
@@ -293,6 +302,7 @@ impl Bsdf {
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::Blend { .. }
+            | Self::Filmed { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -324,6 +334,7 @@ impl Bsdf {
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::Blend { .. }
+            | Self::Filmed { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -379,6 +390,7 @@ impl Bsdf {
             }
             Self::Blend { parts, weight } => check_blend(parts, *weight),
             Self::Brushed { of, grain } => check_grain(of, grain),
+            Self::Filmed { of, film } => check_film(of, film),
             Self::Dielectric { ior, exterior_ior } => {
                 let [ior, exterior_ior] = [*ior, *exterior_ior].map(Spectrum::Constant);
                 check_indices(&ior, &exterior_ior)
@@ -455,7 +467,7 @@ impl<S> SurfaceModel<S> {
         match self {
             Self::Layered { layers } if layers.transmits() => Passage::Sheet,
             Self::Blend { parts, .. } if parts.iter().any(Self::transmits) => Passage::Sheet,
-            Self::Brushed { of, .. } => of.passage(),
+            Self::Brushed { of, .. } | Self::Filmed { of, .. } => of.passage(),
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }

@@ -13,7 +13,8 @@ pub enum Parameter {
     /// `metallic` of [`SurfaceModel::MetallicRoughness`] and of layers.
     Metallic,
     /// The root of `alpha` of [`SurfaceModel::MetallicRoughness`],
-    /// [`SurfaceModel::RoughDielectric`] and layers: what glTF calls roughness.
+    /// [`SurfaceModel::RoughConductor`], [`SurfaceModel::RoughDielectric`] and layers: what glTF
+    /// calls roughness.
     Roughness,
     /// `specular` of [`Layers`](super::Layers).
     Specular,
@@ -44,6 +45,10 @@ pub enum Parameter {
     GrainRight,
     /// The second one, likewise.
     GrainUp,
+    /// `share` of a [`ThinFilm`](super::ThinFilm).
+    FilmShare,
+    /// `portion` of a film, between its `portions`.
+    FilmThickness,
 }
 
 impl Parameter {
@@ -62,6 +67,8 @@ impl Parameter {
             | Self::Strength
             | Self::GrainRight
             | Self::GrainUp
+            | Self::FilmShare
+            | Self::FilmThickness
             | Self::Specular
             | Self::Transmission
             | Self::DiffuseTransmission
@@ -88,7 +95,9 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             }
             (Self::MetallicRoughness { metallic, .. }, Parameter::Metallic) => *metallic = number,
             (
-                Self::MetallicRoughness { alpha, .. } | Self::RoughDielectric { alpha, .. },
+                Self::MetallicRoughness { alpha, .. }
+                | Self::RoughConductor { alpha, .. }
+                | Self::RoughDielectric { alpha, .. },
                 Parameter::Roughness,
             ) => *alpha = number * number,
             (
@@ -98,6 +107,13 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
             (Self::Brushed { of, grain }, parameter) => {
                 return grain.set(parameter, number) || of.set(parameter, value);
             }
+            (Self::Filmed { of, film }, parameter) => {
+                return film.set(parameter, number) || of.set(parameter, value);
+            }
+            (
+                Self::FilmedConductor { film, .. } | Self::FilmedDielectric { film, .. },
+                parameter,
+            ) => return film.set(parameter, number),
             (Self::Blend { weight, .. }, Parameter::Weight) => *weight = number,
             (Self::Layered { layers }, parameter) => return layers.set(parameter, value),
             (
@@ -110,8 +126,6 @@ impl<const N: usize> SurfaceModel<[f32; N]> {
                 | Self::RoughConductor { .. }
                 | Self::Measured { .. }
                 | Self::Blend { .. }
-                | Self::FilmedConductor { .. }
-                | Self::FilmedDielectric { .. }
                 | Self::Sheet { .. }
                 | Self::Dielectric { .. }
                 | Self::DispersiveDielectric { .. }

@@ -2,6 +2,7 @@
 
 use super::blend::sampled_parts;
 use super::grain::sampled_within;
+use super::thin_film::filmed_within;
 use super::{SurfaceModel, ThinFilm};
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::spectrum::Role;
@@ -52,6 +53,7 @@ impl<S> SurfaceModel<S> {
             Self::Brushed { of, grain } => {
                 SurfaceModel::Brushed { of: sampled_within(of, &mut sample)?, grain: *grain }
             }
+            Self::Filmed { of, film } => filmed_within(of, film, &mut sample)?,
             &Self::Dielectric { ior, exterior_ior } => {
                 SurfaceModel::Dielectric { ior, exterior_ior }
             }
@@ -102,6 +104,7 @@ impl<S> SurfaceModel<S> {
                 true => Self::Null,
                 false => Self::Brushed { of, grain },
             },
+            Self::Filmed { of, film } if of.is_smooth_metal() => of.simplified().under(film),
             Self::Absorber
             | Self::Diffuse { .. }
             | Self::Conductor { .. }
@@ -112,6 +115,7 @@ impl<S> SurfaceModel<S> {
             | Self::Plastic { .. }
             | Self::Measured { .. }
             | Self::Blend { .. }
+            | Self::Filmed { .. }
             | Self::FilmedConductor { .. }
             | Self::FilmedDielectric { .. }
             | Self::Dielectric { .. }
@@ -122,6 +126,16 @@ impl<S> SurfaceModel<S> {
             | Self::Sheet { .. }
             | Self::Null => self,
         }
+    }
+}
+
+impl<S> SurfaceModel<S> {
+    /// Whether it is rough metal whose facets are all too even to be computed with.
+    fn is_smooth_metal(&self) -> bool {
+        if let Self::Brushed { of, grain } = self {
+            return of.is_smooth(grain) && of.is_smooth_metal();
+        }
+        matches!(self, Self::RoughConductor { alpha, .. } if *alpha < ALPHA_MIN)
     }
 }
 

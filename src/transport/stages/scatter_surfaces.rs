@@ -89,7 +89,8 @@ fn scatter_part<const N: usize, const POLARIZED: bool>(
         },
         connecting: {
             let all = OnSurfaces::new(&scene, models);
-            let beyond = kind.passes_any_way().then_some(&*scene);
+            let may_pass = kind.passes_any_way() && scene.passes_any_way;
+            let beyond = may_pass.then_some(&*scene);
             scatter::<N, POLARIZED, _>(to, all, (surfaces, beyond), rows.clone(), bounce);
         },
         else: {},
@@ -300,7 +301,7 @@ impl<const N: usize> Departing<'_, N> {
         let passes = self.pass(surfaces, drawn, row);
         for lane in 0..LANES.min(self.end - row) {
             let (passes, to_front) = passes[lane];
-            if passes {
+            if passes && !scene.is_closed(surfaces.primitive[row + lane]) {
                 let inside = &mut self.media.inside[row + lane];
                 let known = (*inside, solids[lane]);
                 *inside = scene.medium_beyond(surfaces, row + lane, to_front, known);

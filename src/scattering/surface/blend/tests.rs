@@ -140,6 +140,14 @@ impl Tabled {
         ((chi2 / freedom).cbrt() - (1.0 - part)) / f64::sqrt(part)
     }
 
+    /// The weight of what is drawn for a path of a side.
+    pub fn draw_for(&self, given: Vector<F32s>, u: [F32s; 3], side: Side) -> F32s {
+        let Drawn { weight: [weight], .. } = of!(self, models => {
+            models.draw((&self.rows, &models.lanes(&self.rows)), &facing(), given, u, side)
+        });
+        weight
+    }
+
     pub fn draw_on(&self, facing: &Facing, given: Vector<F32s>, numbers: &mut Numbers) -> Drawn<1> {
         let u = [numbers.lanes(), numbers.lanes(), numbers.lanes()];
         of!(self, models => {

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::super::extension::EXTENSION;
 use super::super::facets::KHR_ANISOTROPY;
+use super::super::films;
 use super::super::layers::{Place, place_of};
 use super::super::materials::KHR_UNLIT;
 use super::super::own_textures::{channel_name, coding_name};
@@ -63,7 +64,9 @@ impl Painter<'_> {
     /// Adds textures to the material, which has all else of it.
     pub fn paint(&mut self, bsdf: &Bsdf, textures: &Textures) -> Result<(), SceneError> {
         let Textures { parameters, parts: _, emission, relief, coverage } = textures;
-        let (has_grain, bsdf) = (matches!(bsdf, Bsdf::Brushed { .. }), bsdf.without_grain());
+        let under = bsdf.without_film();
+        let has_grain = matches!(under, Bsdf::Brushed { .. });
+        let (whole, bsdf) = (bsdf, under.without_grain());
         let of = |wanted: &[Parameter]| {
             let mut found = parameters.iter().filter(|(parameter, _)| wanted.contains(parameter));
             found.next().map(|(_, paint)| paint)
@@ -90,6 +93,7 @@ impl Painter<'_> {
             bsdf,
             [Parameter::Strength, Parameter::GrainRight, Parameter::GrainUp].map(|it| of(&[it])),
         )?;
+        self.film(whole, [Parameter::FilmShare, Parameter::FilmThickness].map(|it| of(&[it])))?;
         if let Some(paint) = of(&[Parameter::Weight]) {
             self.check(paint)?;
             self.body()["weight"] = json!(paint.factor[0]);
@@ -176,7 +180,8 @@ impl Painter<'_> {
                 metal.texture.as_ref().filter(|_| is_one)
             }
             [None, Some(rough)] => {
-                let is_alone = matches!(bsdf, Bsdf::RoughDielectric { .. });
+                let is_alone =
+                    matches!(bsdf, Bsdf::RoughConductor { .. } | Bsdf::RoughDielectric { .. });
                 rough.texture.as_ref().filter(|_| is_alone)
             }
             [Some(_), None] => None,
@@ -225,6 +230,48 @@ impl Painter<'_> {
         let of = &mut self.material["extensions"][KHR_ANISOTROPY];
         of["anisotropyStrength"] = json!(strength.factor[0]);
         of["anisotropyTexture"] = info;
+        Ok(())
+    }
+
+    /// How much a film covers, and how thick it is: in the extension's words, or in glTF's where
+    /// the model is one of glTF's own.
+    fn film(&mut self, bsdf: &Bsdf, paints: [Option<&Paint>; 2]) -> Result<(), SceneError> {
+        let (Bsdf::Filmed { film, .. }
+        | Bsdf::FilmedConductor { film, .. }
+        | Bsdf::FilmedDielectric { film, .. }) = bsdf
+        else {
+            return Ok(());
+        };
+        let under = bsdf.without_film().without_grain();
+        let is_of_gltf = matches!(under, Bsdf::MetallicRoughness { .. });
+        for ((paint, own), (key, _, reads)) in
+            paints.into_iter().zip(films::OWN_PICTURES).zip(films::PICTURES)
+        {
+            let Some(paint) = paint else { continue };
+            self.check(paint)?;
+            let meant = if is_of_gltf { reads } else { Reads::Luminance };
+            if is_of_gltf && paint.reads != meant {
+                return self.refuse("has a film by another channel of a picture than glTF has");
+            }
+            let info = match &paint.texture {
+                Some(_) => Some(self.info_of(paint, (Coding::Linear, meant))?),
+                None => None,
+            };
+            let Some(numbers) = films::numbers(film, own.1, paint.factor[0], info.is_some()) else {
+                return self.refuse("has a film whose thickness depends on the wavelength");
+            };
+            let extensions = &mut self.material["extensions"];
+            let of = match is_of_gltf {
+                true => &mut extensions[films::KHR_IRIDESCENCE],
+                false => &mut extensions[EXTENSION]["film"],
+            };
+            for (own_key, khr_key, number) in numbers {
+                of[if is_of_gltf { khr_key } else { own_key }] = json!(number);
+            }
+            if let Some(info) = info {
+                of[if is_of_gltf { key } else { own.0 }] = info;
+            }
+        }
         Ok(())
     }
 
