@@ -11,6 +11,7 @@ mod far;
 mod films;
 mod framed;
 mod fuzz;
+mod gloss;
 mod layered;
 mod layers;
 mod luminaires;

@@ -27,6 +27,7 @@ use super::extension::{Body, MATERIAL};
 use super::facets::{self, alpha, distribution_and_several};
 use super::files::Files;
 use super::films;
+use super::gloss;
 use super::layers::{has_painted_wall, says_more};
 use super::plastics;
 use super::sheets;
@@ -46,6 +47,8 @@ use crate::spectrum::{Spectrum, metal, metal_names};
 const DEFAULT_IOR: f32 = 1.5;
 /// Reflectance of what has no material.
 const DEFAULT_REFLECTANCE: f32 = 0.8;
+/// The color of what has none.
+const WHITE: Spectrum = Spectrum::Rgb([1.0; 3]);
 /// Where glTF states an index of refraction.
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
@@ -149,10 +152,8 @@ impl Import<'_> {
                 let bsdf = self.bsdf(index, &label)?;
                 let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
-                // Of what light goes through, both sides are seen.
-                let is_layered = matches!(&bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
-                let is_open = is_layered && bsdf.transmits();
-                let sides = Sides { two_sided: material.double_sided || is_open };
+                let is_seen_behind = self.is_seen_behind(index, &label, (&bsdf, &emission))?;
+                let sides = Sides { two_sided: material.double_sided || is_seen_behind };
                 (label, Material { bsdf, sides, emission })
             }
             None => {
@@ -184,6 +185,22 @@ impl Import<'_> {
             put.map_err(|fault| SceneError::at(&label, fault))?;
         }
         Ok(entity)
+    }
+
+    /// Whether a material has a back that does something though it is one-sided. That of what light
+    /// goes through has, and that of glTF's own models which do not shine: viewers leave it out, so
+    /// that things are seen through it, and nothing real is like that. It is never black there.
+    fn is_seen_behind(
+        &self,
+        index: usize,
+        label: &str,
+        (bsdf, emission): (&Bsdf, &Option<Emission>),
+    ) -> Result<bool, SceneError> {
+        let value = &self.document.value["materials"][index];
+        let has_own = Body::of(value, label, &MATERIAL)?.has("bsdf");
+        let is_lamp = emission.is_some() && !value["extensions"][KHR_UNLIT].is_object();
+        let is_layered = matches!(bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
+        Ok(is_layered && bsdf.transmits() || !(has_own || is_lamp))
     }
 
     /// Whether a material emits by its heat.
@@ -251,13 +268,13 @@ impl Import<'_> {
         }
         let glossy = &value["extensions"][KHR_GLOSSY];
         if glossy.is_object() {
-            let text = "is of KHR_materials_pbrSpecularGlossiness: rendered as Lambertian of its \
-                        diffuse color";
+            let text = "is of KHR_materials_pbrSpecularGlossiness: its colors are taken for those \
+                        of shares of metal";
             self.warnings.add(label, text);
-            return Ok(Bsdf::diffuse(color_of(&glossy["diffuseFactor"], label)?));
+            return gloss::model(glossy, label);
         }
         let volume = Volume::of(value, label)?;
-        let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
+        let bsdf = self.metallic_roughness((index, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
         let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         let bsdf = self.grained(bsdf, value, label)?;
@@ -295,10 +312,12 @@ impl Import<'_> {
 
     fn metallic_roughness(
         &mut self,
-        material: &json::Material,
-        (value, is_solid): (&Value, bool),
+        (index, is_solid): (usize, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
+        let document = self.document;
+        let value = &document.value["materials"][index];
+        let material = &document.root.materials[index];
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
         let [red, green, blue, _] = pbr.base_color_factor.0;
@@ -317,11 +336,18 @@ impl Import<'_> {
         };
         self.read_layers(&mut layers, value, label)?;
         let is_metal = metallic == 1.0 && !of("metallicRoughnessTexture");
-        let is_wall = layers.transmission > 0.0 && !is_metal;
+        if is_metal {
+            (layers.transmission, layers.diffuse_transmission) = (0.0, 0.0);
+        }
+        let is_wall = layers.transmission > 0.0;
+        // Panes through which lamps shine straight have no color; those that have one are walls.
+        let is_clear =
+            layers.base_color == WHITE && !is_painted && self.colors_of(Some(index)).is_none();
+        let is_pane = is_smooth && is_clear;
         let is_glass = metallic == 0.0
             && layers.transmission == 1.0
             && !has_painted_wall(value)
-            && (is_solid || is_smooth && !of("metallicRoughnessTexture"));
+            && (is_solid || is_pane);
         let bsdf = if is_glass {
             if says_more(value, &layers) {
                 let text = "coats, cloth and colors of facets are ignored on glass";
@@ -329,6 +355,8 @@ impl Import<'_> {
             }
             let may_be_rough =
                 of("metallicRoughnessTexture") || is_solid && facets::is_stated(value);
+            // Not that of brighter facets.
+            let layers = Layers { ior: khr_ior(material), ..layers };
             self.glass(&layers, (is_solid, may_be_rough), label)
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
@@ -357,7 +385,7 @@ impl Import<'_> {
         (is_solid, is_painted): (bool, bool),
         label: &str,
     ) -> Bsdf {
-        if layers.base_color != Spectrum::Rgb([1.0; 3]) {
+        if layers.base_color != WHITE {
             self.warnings.add(label, "the color of the glass is ignored");
         }
         match *layers {
@@ -372,23 +400,6 @@ impl Import<'_> {
             }
             Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
             Layers { ior, .. } => Bsdf::thin_dielectric(ior),
-        }
-    }
-}
-
-/// Red, green and blue of a color with alpha that the typed document does not know; white if there
-/// is none.
-fn color_of(factor: &Value, label: &str) -> Result<[f32; 3], SceneError> {
-    let numbers: Option<Vec<f64>> = match factor.as_array() {
-        None => Some(vec![1.0; 3]),
-        Some(numbers) => numbers.iter().map(Value::as_f64).collect(),
-    };
-    match numbers.as_deref() {
-        Some([red, green, blue, ..]) => Ok([red, green, blue].map(|part| *part as f32)),
-        _ => {
-            let problem = "must be four numbers";
-            let place = format!("{label}, diffuseFactor");
-            Err(SceneError::new(place, problem, "export the scene again"))
         }
     }
 }

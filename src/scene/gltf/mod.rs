@@ -16,6 +16,7 @@ mod extension;
 mod facets;
 pub(super) mod files;
 mod films;
+mod gloss;
 mod hierarchy;
 mod instances;
 mod layers;
