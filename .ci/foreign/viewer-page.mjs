@@ -4,7 +4,7 @@ import { DRACOLoader } from "three/examples/jsm/loaders/DRACOLoader.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 
 // Samples of a pixel along each side.
-const FINE = 3;
+const FINE = 2;
 
 // A sky of a radiance times 1 + direction . gradient, as an equirectangular picture.
 function equirectangular({ radiance, gradient }) {

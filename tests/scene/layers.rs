@@ -165,6 +165,40 @@ fn bright_facets_are_of_a_greater_index() {
 }
 
 #[test]
+fn colored_solids_absorb_their_color() {
+    let glass = |distance: Value| {
+        let pbr = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0,
+            "baseColorFactor": [0.25, 0.5, 1.0, 1.0]});
+        let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0},
+            "KHR_materials_volume": {"thicknessFactor": 0.5, "attenuationDistance": distance,
+                "attenuationColor": [0.5, 1.0, 1.0]}});
+        let mut document = with(pbr, extensions);
+        // The thickness is in the mesh's own space: 1.5 of the world.
+        document["nodes"][1]["scale"] = json!([3.0, 3.0, 3.0]);
+        document
+    };
+    for (distance, red) in [(Value::Null, 0.25_f32), (json!(1.5), 0.125)] {
+        let document = glass(distance);
+        assert!(warnings(&document).contains("absorbs over its thicknessFactor"));
+        let optics = baked(&document).optics;
+        assert_eq!(
+            optics.materials[0].model,
+            SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 }
+        );
+        let left = optics.media[0].sigma_a.map(|sigma| (-1.5 * sigma).exp());
+        for (found, wanted) in left.into_iter().zip([red, 0.5, 1.0]) {
+            assert!((found - wanted).abs() < 1e-6, "{left:?}");
+        }
+    }
+    // A mesh that a node makes flat is there all the same.
+    let mut flat = glass(Value::Null);
+    flat["nodes"][1]["scale"] = json!([3.0, 0.0, 3.0]);
+    flat["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([0, 0, 0, 1]);
+    flat["materials"][0]["extensions"]["KHR_materials_volume"]["thicknessFactor"] = json!(1e-36);
+    load_json(&flat).unwrap();
+}
+
+#[test]
 fn pictures_of_metal_may_leave_glass() {
     // As exporters write it: the share of metal is the picture's alone, and mostly 0.
     let mut document = painted();

@@ -39,7 +39,7 @@ use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
     Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Sides, Skin,
-    tabulated,
+    Transform, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -229,11 +229,12 @@ impl Import<'_> {
         &mut self,
         material: Option<usize>,
         mut boundary: Boundary,
-        user: &str,
+        (user, place): (&str, &Transform),
     ) -> Result<Skin, SceneError> {
         let entity = self.material(material, user)?;
-        let volume = material.and_then(|index| self.volumes.get(&index));
-        boundary.interior = boundary.interior.or(volume.copied());
+        if let (Some(index), None) = (material, boundary.interior) {
+            boundary.interior = self.filling(index, place)?;
+        }
         Ok(Skin { material: entity, boundary })
     }
 
@@ -279,7 +280,11 @@ impl Import<'_> {
         let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         let bsdf = self.grained(bsdf, value, label)?;
         if bsdf.transmits() {
-            self.add_volume(index, volume, label)?;
+            // Walls have a color of their own.
+            let is_wall = matches!(bsdf, Bsdf::Layered { .. });
+            let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+            let volume = if is_wall { volume } else { volume.tinted([red, green, blue]) };
+            self.volumes.insert(index, volume);
         }
         Ok(bsdf)
     }
@@ -386,7 +391,8 @@ impl Import<'_> {
         label: &str,
     ) -> Bsdf {
         if layers.base_color != WHITE {
-            self.warnings.add(label, "the color of the glass is ignored");
+            let text = "the color of the glass is what it absorbs over its thicknessFactor";
+            self.warnings.add(label, text);
         }
         match *layers {
             Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {

@@ -54,6 +54,7 @@ use self::extension::{Body, CLEAR_SKY as SKY_KEYS, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
+use self::volume::Volume;
 pub use self::write::Written;
 use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
@@ -238,8 +239,10 @@ struct Import<'a> {
     /// Material entities or what is wrong with them, by index in the file; `None` is the material
     /// of what has none.
     materials: BTreeMap<Option<usize>, Result<Entity, SceneError>>,
-    /// What bodies absorb whose materials say so, by index in the file.
-    volumes: BTreeMap<usize, Filling>,
+    /// What materials say of bodies, by index in the file.
+    volumes: BTreeMap<usize, Volume>,
+    /// What bodies of materials are filled with.
+    fillings: BTreeMap<usize, Filling>,
     /// What has been read for other worlds of the same file.
     shared: &'a ReadGeometries,
     /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves
@@ -283,6 +286,7 @@ impl<'a> Import<'a> {
             media: Vec::new(),
             materials: BTreeMap::new(),
             volumes: BTreeMap::new(),
+            fillings: BTreeMap::new(),
             shared,
             geometries: BTreeMap::new(),
             elements: 0,
@@ -391,7 +395,7 @@ impl<'a> Import<'a> {
             }
             _ => own.or(stand_in),
         };
-        let skin = self.skin(material, boundary, body.label())?;
+        let skin = self.skin(material, boundary, (body.label(), &placed.to_world))?;
         let name = Name(format!("{}, sphere", body.label()));
         let put = self.world.put_ball(name, ball, skin, placed.to_world);
         put.map(|_| ()).map_err(|fault| body.place(fault))
