@@ -1,11 +1,11 @@
 //! Colors of diffuse light and of gloss, as glTF once stated them
 //! (KHR_materials_pbrSpecularGlossiness), as a base color and a share of metal.
 //!
-//! A texel has a diffuse color d and reflects s towards the normal, so that (1 - max s) d is diffuse.
-//! Metallic-roughness of base color c and share m of metal has 0.96 (1 - m) c that is diffuse, and
-//! reflects 0.04 (1 - m) + m c. That they look the same is a quadratic equation for m, of
-//! brightnesses; c is then what one of the two asks for, and more of the second where there is more
-//! metal.
+//! A texel has a diffuse color d and reflects s towards the normal, so that (1 - max s) d is
+//! diffuse. Metallic-roughness of base color c and share m of metal has 0.96 (1 - m) c that is
+//! diffuse, and reflects 0.04 (1 - m) + m c. That they look the same is a quadratic equation for m,
+//! of brightnesses; c is then what one of the two asks for, and more of the second where there is
+//! more metal.
 
 use std::sync::Arc;
 
@@ -132,8 +132,8 @@ fn has_pictures(glossy: &Value) -> bool {
 }
 
 impl Import<'_> {
-    /// The textures of base color and of roughness and metal that those of diffuse color and of gloss
-    /// stand for.
+    /// The textures of base color and of roughness and metal that those of diffuse color and of
+    /// gloss stand for.
     pub fn glossy_textures(
         &mut self,
         glossy: &Value,
@@ -151,8 +151,8 @@ impl Import<'_> {
                 (it.set, it.transform, it.wrap) != (place.set, place.transform, place.wrap)
             });
         if is_apart {
-            let text = "its textures of diffuse color and gloss are placed differently: of gloss the \
-                        mean is taken";
+            let text = "its textures of diffuse color and gloss are placed differently: of gloss \
+                        the mean is taken";
             self.warnings.add_like("places of gloss", label, text);
         }
         let source = (diffuse.as_ref(), specular.as_ref(), is_apart);

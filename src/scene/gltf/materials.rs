@@ -38,7 +38,7 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Sides, Skin,
+    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Skin,
     Transform, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
@@ -150,10 +150,8 @@ impl Import<'_> {
             Some(index) => {
                 let label = self.document.label("materials", index);
                 let bsdf = self.bsdf(index, &label)?;
-                let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
-                let is_seen_behind = self.is_seen_behind(index, &label, (&bsdf, &emission))?;
-                let sides = Sides { two_sided: material.double_sided || is_seen_behind };
+                let sides = self.sides(index, &label, (&bsdf, &emission))?;
                 (label, Material { bsdf, sides, emission })
             }
             None => {
@@ -185,22 +183,6 @@ impl Import<'_> {
             put.map_err(|fault| SceneError::at(&label, fault))?;
         }
         Ok(entity)
-    }
-
-    /// Whether a material has a back that does something though it is one-sided. That of what light
-    /// goes through has, and that of glTF's own models which do not shine: viewers leave it out, so
-    /// that things are seen through it, and nothing real is like that. It is never black there.
-    fn is_seen_behind(
-        &self,
-        index: usize,
-        label: &str,
-        (bsdf, emission): (&Bsdf, &Option<Emission>),
-    ) -> Result<bool, SceneError> {
-        let value = &self.document.value["materials"][index];
-        let has_own = Body::of(value, label, &MATERIAL)?.has("bsdf");
-        let is_lamp = emission.is_some() && !value["extensions"][KHR_UNLIT].is_object();
-        let is_layered = matches!(bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
-        Ok(is_layered && bsdf.transmits() || !(has_own || is_lamp))
     }
 
     /// Whether a material emits by its heat.

@@ -32,6 +32,7 @@ mod places;
 mod plastics;
 mod poses;
 mod sheets;
+mod sides;
 mod spectra;
 mod textures;
 mod unused;

@@ -52,8 +52,8 @@ impl Volume {
         Ok(Self { is_solid: thickness > 0.0, thickness, sigma_a, tint: [1.0; 3] })
     }
 
-    /// The same of glass of a color. Its surfaces are clear, as no real ones color what they refract:
-    /// what is inside absorbs that color over the thickness.
+    /// The same of glass of a color. Its surfaces are clear, as no real ones color what they
+    /// refract: what is inside absorbs that color over the thickness.
     pub fn tinted(self, tint: [f32; 3]) -> Self {
         Self { tint: tint.map(f64::from), ..self }
     }
