@@ -149,6 +149,12 @@ impl Texels {
         Self { width: width as u32, height, channels: 3, values }
     }
 
+    /// Bytes of red, green, blue and alpha, in rows of a width.
+    pub fn of_bytes(width: u32, texels: Vec<[u8; 4]>) -> Self {
+        let height = texels.len() as u32 / width;
+        Self { width, height, channels: 4, values: Values::Bytes(texels.into_flattened()) }
+    }
+
     /// The Stokes vectors of the bytes of a file, if they are OpenEXR with those, as films are
     /// written.
     ///

@@ -7,6 +7,7 @@ use sunstone::internals::scene::{World, Written, load};
 use crate::common::{good, load_json, scratch};
 use crate::errors::refused;
 use crate::meaning::{baked, warnings};
+use crate::textures::painted;
 
 /// The good document with another first material, of these extensions.
 fn with(pbr: Value, extensions: Value) -> Value {
@@ -81,9 +82,6 @@ fn extensions_are_layers() {
         let document = with(matte(), extensions.clone());
         assert_eq!(warnings(&document), "", "{extensions}");
         assert_eq!(model(&document), SurfaceModel::Layered { layers }, "{extensions}");
-        // Light that goes through has no back.
-        let two_sided = baked(&document).optics.materials[0].two_sided;
-        assert_eq!(two_sided, layers.transmits(), "{extensions}");
     }
 }
 
@@ -105,6 +103,34 @@ fn what_adds_nothing_is_metallic_roughness() {
 }
 
 #[test]
+fn colored_panes_are_walls() {
+    let through = || json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
+    let green = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0,
+        "baseColorFactor": [0.25, 0.5, 0.25, 1.0]});
+    let document = with(green, through());
+    let layers =
+        Layers { base_color: [0.25, 0.5, 0.25], transmission: 1.0, ..plain(1.0, 0.0, 0.0) };
+    assert_eq!(model(&document), SurfaceModel::Layered { layers });
+    assert_eq!(warnings(&document), "");
+    // So are those whose color is a picture, or that of their vertices.
+    for by_vertices in [false, true] {
+        let mut document = painted();
+        let pbr = &mut document["materials"][0]["pbrMetallicRoughness"];
+        *pbr = match by_vertices {
+            false => json!({"metallicFactor": 0.0, "roughnessFactor": 0.0,
+                "baseColorTexture": {"index": 0}}),
+            true => json!({"metallicFactor": 0.0, "roughnessFactor": 0.0}),
+        };
+        if by_vertices {
+            document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(5);
+        }
+        document["materials"][0]["extensions"] = through();
+        assert!(matches!(model(&document), SurfaceModel::Layered { .. }), "{by_vertices}");
+        assert_eq!(warnings(&document), "", "{by_vertices}");
+    }
+}
+
+#[test]
 fn what_is_approximated_is_said() {
     let solid = json!({"KHR_materials_transmission": {"transmissionFactor": 0.5},
         "KHR_materials_volume": {"thicknessFactor": 1.0}});
@@ -115,11 +141,81 @@ fn what_is_approximated_is_said() {
         "KHR_materials_clearcoat": {"clearcoatFactor": 1.0}});
     let said = warnings(&with(json!({"metallicFactor": 0.0}), coated));
     assert!(said.contains("are ignored on glass"), "{said}");
-    let bright = json!({"KHR_materials_specular": {"specularColorFactor": [2.0, 1.0, 0.5]}});
-    let document = with(json!({}), bright);
-    assert!(warnings(&document).contains("taken as 1"));
-    let layers = Layers { specular_color: [1.0, 1.0, 0.5], ..plain(1.0, 1.0, 1.0) };
-    assert_eq!(model(&document), SurfaceModel::Layered { layers });
+    let bright = json!({"KHR_materials_specular": {"specularColorFactor": [25.0, 5.0, 0.0]}});
+    let said = warnings(&with(json!({}), bright));
+    assert!(said.contains("more than facets of index 10 reflect"), "{said}");
+}
+
+#[test]
+fn bright_facets_are_of_a_greater_index() {
+    // Index 1.5 reflects 0.04 towards the normal; four times that is what 7 / 3 does.
+    let bright = json!({"KHR_materials_specular": {"specularColorFactor": [4.0, 1.0, 0.0]}});
+    let document = with(json!({"metallicFactor": 0.0}), bright.clone());
+    assert_eq!(warnings(&document), "");
+    let SurfaceModel::Layered { layers } = model(&document) else { panic!("not layered") };
+    assert_eq!(layers.specular_color, [1.0, 0.25, 0.0]);
+    assert!((layers.ior - 7.0 / 3.0).abs() < 1e-6, "{}", layers.ior);
+    // Glass is refracted as it says.
+    let mut extensions = bright;
+    extensions["KHR_materials_transmission"] = json!({"transmissionFactor": 1.0});
+    extensions["KHR_materials_volume"] = json!({"thicknessFactor": 1.0});
+    let clear = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0});
+    let model = model(&with(clear, extensions));
+    assert_eq!(model, SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 });
+}
+
+#[test]
+fn colored_solids_absorb_their_color() {
+    let glass = |distance: Value| {
+        let pbr = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0,
+            "baseColorFactor": [0.25, 0.5, 1.0, 1.0]});
+        let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0},
+            "KHR_materials_volume": {"thicknessFactor": 0.5, "attenuationDistance": distance,
+                "attenuationColor": [0.5, 1.0, 1.0]}});
+        let mut document = with(pbr, extensions);
+        // The thickness is in the mesh's own space: 1.5 of the world.
+        document["nodes"][1]["scale"] = json!([3.0, 3.0, 3.0]);
+        document
+    };
+    for (distance, red) in [(Value::Null, 0.25_f32), (json!(1.5), 0.125)] {
+        let document = glass(distance);
+        assert!(warnings(&document).contains("absorbs over its thicknessFactor"));
+        let optics = baked(&document).optics;
+        assert_eq!(
+            optics.materials[0].model,
+            SurfaceModel::Dielectric { ior: 1.5, exterior_ior: 1.0 }
+        );
+        let left = optics.media[0].sigma_a.map(|sigma| (-1.5 * sigma).exp());
+        for (found, wanted) in left.into_iter().zip([red, 0.5, 1.0]) {
+            assert!((found - wanted).abs() < 1e-6, "{left:?}");
+        }
+    }
+    // A mesh that a node makes flat is there all the same.
+    let mut flat = glass(Value::Null);
+    flat["nodes"][1]["scale"] = json!([3.0, 0.0, 3.0]);
+    flat["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([0, 0, 0, 1]);
+    flat["materials"][0]["extensions"]["KHR_materials_volume"]["thicknessFactor"] = json!(1e-36);
+    load_json(&flat).unwrap();
+}
+
+#[test]
+fn pictures_of_metal_may_leave_glass() {
+    // As exporters write it: the share of metal is the picture's alone, and mostly 0.
+    let mut document = painted();
+    document["materials"][0] = json!({"name": "painted",
+        "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
+            "KHR_materials_volume": {"thicknessFactor": 1.0, "attenuationDistance": 1.0,
+                "attenuationColor": [0.5, 1.0, 1.0]}}});
+    let optics = baked(&document).optics;
+    assert!(optics.materials[0].model.transmits());
+    assert_eq!(optics.media.len(), 1);
+    // Where all is metal nothing goes through.
+    let pbr = &mut document["materials"][0]["pbrMetallicRoughness"];
+    *pbr = json!({"metallicFactor": 1.0});
+    document["materials"][0]["extensions"]["KHR_materials_clearcoat"] =
+        json!({"clearcoatFactor": 1.0});
+    assert!(!model(&document).transmits());
 }
 
 #[test]

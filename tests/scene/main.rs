@@ -12,6 +12,7 @@ mod filmed;
 mod films;
 mod framed;
 mod fuzz;
+mod gloss;
 mod layered;
 mod layers;
 mod luminaires;

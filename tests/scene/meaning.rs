@@ -193,7 +193,6 @@ fn metallic_roughness() {
         {"baseColorFactor": [1.0, 0.5, 0.25, 1.0], "roughnessFactor": 0.0}}));
     let row = baked(&metal).optics.materials[0].clone();
     let SurfaceModel::Conductor { eta, k } = row.model else { panic!("{row:?}") };
-    assert!(!row.two_sided);
     for (f0, channel) in [0.999f32, 0.5, 0.25].into_iter().zip(0..) {
         let (eta, k) = (eta[channel], k[channel]);
         let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
@@ -219,6 +218,27 @@ fn metallic_roughness() {
     none["meshes"][0]["primitives"][0]["material"] = Value::Null;
     assert_eq!(baked(&none).optics.materials[0].model, diffuse([0.8; 3]));
     assert!(warnings(&none).contains("has no material"));
+}
+
+#[test]
+fn no_back_is_black_but_where_the_file_says_so() {
+    let two_sided = |material: Value| {
+        let mut document = good();
+        document["materials"][0] = material;
+        baked(&document).optics.materials[0].two_sided
+    };
+    // glTF's own, of which viewers leave out the backs.
+    assert!(two_sided(json!({})));
+    assert!(two_sided(json!({"extensions": {"KHR_materials_unlit": {}}})));
+    let coated = json!({"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}});
+    assert!(two_sided(json!({"extensions": coated})));
+    // Lamps, and those of the extension, have the sides that they state.
+    for sides in [false, true] {
+        let lamp = json!({"emissiveFactor": [1, 1, 1], "doubleSided": sides});
+        assert_eq!(two_sided(lamp), sides);
+        let own = json!({"extras": {"sunstone": {"bsdf": "diffuse"}}, "doubleSided": sides});
+        assert_eq!(two_sided(own), sides);
+    }
 }
 
 #[test]

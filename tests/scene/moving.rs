@@ -466,7 +466,7 @@ fn unlit_materials_emit_their_color_and_light_no_scene() {
     let world = load_json(&document).unwrap();
     assert!(world.put_in().iter().any(|it| it.what == "light"), "it is no lamp");
     let text = world.describe();
-    assert!(text.contains("absorber, emits radiance [0.2, 0.4, 0.6]"), "{text}");
+    assert!(text.contains("absorber, two-sided, emits radiance [0.2, 0.4, 0.6]"), "{text}");
 }
 
 #[test]

@@ -16,6 +16,8 @@ const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 const SHEEN: &str = "KHR_materials_sheen";
 const SPECULAR: &str = "KHR_materials_specular";
 const TRANSMISSION: &str = "KHR_materials_transmission";
+/// Greatest index of refraction of facets.
+const IOR_MAX: f32 = 10.0;
 
 /// One of the numbers or colors.
 struct Layer {
@@ -215,11 +217,8 @@ impl Import<'_> {
                 At::Color(field) => {
                     let read = color(value, of.default, &place);
                     let Some(mut color) = findings.note(read) else { continue };
-                    if of.parameter == Parameter::SpecularColor && color.iter().any(|it| *it > 1.0)
-                    {
-                        let text = "specularColorFactor is more than 1 and taken as 1";
-                        self.warnings.add_like("specular color", label, text);
-                        color = color.map(|channel| channel.min(1.0));
+                    if of.parameter == Parameter::SpecularColor {
+                        color = self.brightened(layers, color, label);
                     }
                     for channel in color {
                         findings.note(unit(channel));
@@ -234,6 +233,33 @@ impl Import<'_> {
             self.warnings.add_like("coat normals", label, text);
         }
         findings.result()
+    }
+
+    /// The share of what facets reflect that is there, of a color which may be more than 1: then
+    /// they are of a greater index of refraction, of which all is there.
+    fn brightened(
+        &mut self,
+        layers: &mut Layers<Spectrum>,
+        color: [f32; 3],
+        label: &str,
+    ) -> [f32; 3] {
+        let most = color.into_iter().fold(1.0, f32::max);
+        if !(most > 1.0 && most.is_finite()) {
+            return color;
+        }
+        // The root of what is reflected at normal incidence.
+        let root = most.sqrt() * (layers.ior - 1.0) / (layers.ior + 1.0);
+        let root_max = (IOR_MAX - 1.0) / (IOR_MAX + 1.0);
+        if root > root_max {
+            let text = format!(
+                "specularColorFactor asks for more than facets of index {IOR_MAX} reflect, and \
+                 gets that"
+            );
+            self.warnings.add_like("specular color", label, &text);
+        }
+        let root = root.min(root_max);
+        layers.ior = (1.0 + root) / (1.0 - root);
+        color.map(|channel| channel / most)
     }
 
     /// The textures of layers; none of other models.

@@ -27,6 +27,7 @@ use super::extension::{Body, MATERIAL};
 use super::facets::{self, alpha, distribution_and_several};
 use super::files::Files;
 use super::films;
+use super::gloss;
 use super::layers::{has_painted_wall, says_more};
 use super::plastics;
 use super::sheets;
@@ -37,8 +38,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Sides, Skin,
-    tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Skin,
+    Transform, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -46,6 +47,8 @@ use crate::spectrum::{Spectrum, metal, metal_names};
 const DEFAULT_IOR: f32 = 1.5;
 /// Reflectance of what has no material.
 const DEFAULT_REFLECTANCE: f32 = 0.8;
+/// The color of what has none.
+const WHITE: Spectrum = Spectrum::Rgb([1.0; 3]);
 /// Where glTF states an index of refraction.
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
@@ -149,12 +152,8 @@ impl Import<'_> {
             Some(index) => {
                 let label = self.document.label("materials", index);
                 let bsdf = self.bsdf(index, &label)?;
-                let material = &self.document.root.materials[index];
                 let emission = self.emission(index, &label)?;
-                // Of what light goes through, both sides are seen.
-                let is_layered = matches!(&bsdf, Bsdf::Layered { .. } | Bsdf::Blend { .. });
-                let is_open = is_layered && bsdf.transmits();
-                let sides = Sides { two_sided: material.double_sided || is_open };
+                let sides = self.sides(index, &label, (&bsdf, &emission))?;
                 (label, Material { bsdf, sides, emission })
             }
             None => {
@@ -214,11 +213,12 @@ impl Import<'_> {
         &mut self,
         material: Option<usize>,
         mut boundary: Boundary,
-        user: &str,
+        (user, place): (&str, &Transform),
     ) -> Result<Skin, SceneError> {
         let entity = self.material(material, user)?;
-        let volume = material.and_then(|index| self.volumes.get(&index));
-        boundary.interior = boundary.interior.or(volume.copied());
+        if let (Some(index), None) = (material, boundary.interior) {
+            boundary.interior = self.filling(index, place)?;
+        }
         Ok(Skin { material: entity, boundary })
     }
 
@@ -253,18 +253,22 @@ impl Import<'_> {
         }
         let glossy = &value["extensions"][KHR_GLOSSY];
         if glossy.is_object() {
-            let text = "is of KHR_materials_pbrSpecularGlossiness: rendered as Lambertian of its \
-                        diffuse color";
+            let text = "is of KHR_materials_pbrSpecularGlossiness: its colors are taken for those \
+                        of shares of metal";
             self.warnings.add(label, text);
-            return Ok(Bsdf::diffuse(color_of(&glossy["diffuseFactor"], label)?));
+            return gloss::model(glossy, label);
         }
         let volume = Volume::of(value, label)?;
-        let bsdf = self.metallic_roughness(material, (value, volume.is_solid), label)?;
+        let bsdf = self.metallic_roughness((index, volume.is_solid), label)?;
         let bsdf = dispersed(bsdf, value, label)?;
         let bsdf = self.grained(bsdf, value, label)?;
         let bsdf = films::iridescent(bsdf, value, label, &mut self.warnings)?;
         if bsdf.transmits() {
-            self.add_volume(index, volume, label)?;
+            // Walls have a color of their own.
+            let is_wall = matches!(bsdf, Bsdf::Layered { .. });
+            let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+            let volume = if is_wall { volume } else { volume.tinted([red, green, blue]) };
+            self.volumes.insert(index, volume);
         }
         Ok(bsdf)
     }
@@ -297,10 +301,12 @@ impl Import<'_> {
 
     fn metallic_roughness(
         &mut self,
-        material: &json::Material,
-        (value, is_solid): (&Value, bool),
+        (index, is_solid): (usize, bool),
         label: &str,
     ) -> Result<Bsdf, SceneError> {
+        let document = self.document;
+        let value = &document.value["materials"][index];
+        let material = &document.root.materials[index];
         let pbr = &material.pbr_metallic_roughness;
         let (metallic, roughness) = (pbr.metallic_factor.0, pbr.roughness_factor.0);
         let [red, green, blue, _] = pbr.base_color_factor.0;
@@ -319,11 +325,18 @@ impl Import<'_> {
         };
         self.read_layers(&mut layers, value, label)?;
         let is_metal = metallic == 1.0 && !of("metallicRoughnessTexture");
-        let is_wall = layers.transmission > 0.0 && !is_metal;
+        if is_metal {
+            (layers.transmission, layers.diffuse_transmission) = (0.0, 0.0);
+        }
+        let is_wall = layers.transmission > 0.0;
+        // Panes through which lamps shine straight have no color; those that have one are walls.
+        let is_clear =
+            layers.base_color == WHITE && !is_painted && self.colors_of(Some(index)).is_none();
+        let is_pane = is_smooth && is_clear;
         let is_glass = metallic == 0.0
             && layers.transmission == 1.0
             && !has_painted_wall(value)
-            && (is_solid || is_smooth && !of("metallicRoughnessTexture"));
+            && (is_solid || is_pane);
         let bsdf = if is_glass {
             if says_more(value, &layers) {
                 let text = "coats, cloth and colors of facets are ignored on glass";
@@ -331,6 +344,8 @@ impl Import<'_> {
             }
             let may_be_rough =
                 of("metallicRoughnessTexture") || is_solid && facets::is_stated(value);
+            // Not that of brighter facets.
+            let layers = Layers { ior: khr_ior(material), ..layers };
             self.glass(&layers, (is_solid, may_be_rough), label)
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
@@ -359,8 +374,9 @@ impl Import<'_> {
         (is_solid, is_painted): (bool, bool),
         label: &str,
     ) -> Bsdf {
-        if layers.base_color != Spectrum::Rgb([1.0; 3]) {
-            self.warnings.add(label, "the color of the glass is ignored");
+        if layers.base_color != WHITE {
+            let text = "the color of the glass is what it absorbs over its thicknessFactor";
+            self.warnings.add(label, text);
         }
         match *layers {
             Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {
@@ -374,23 +390,6 @@ impl Import<'_> {
             }
             Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
             Layers { ior, .. } => Bsdf::thin_dielectric(ior),
-        }
-    }
-}
-
-/// Red, green and blue of a color with alpha that the typed document does not know; white if there
-/// is none.
-fn color_of(factor: &Value, label: &str) -> Result<[f32; 3], SceneError> {
-    let numbers: Option<Vec<f64>> = match factor.as_array() {
-        None => Some(vec![1.0; 3]),
-        Some(numbers) => numbers.iter().map(Value::as_f64).collect(),
-    };
-    match numbers.as_deref() {
-        Some([red, green, blue, ..]) => Ok([red, green, blue].map(|part| *part as f32)),
-        _ => {
-            let problem = "must be four numbers";
-            let place = format!("{label}, diffuseFactor");
-            Err(SceneError::new(place, problem, "export the scene again"))
         }
     }
 }

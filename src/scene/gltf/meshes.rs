@@ -13,7 +13,7 @@ use super::hierarchy::PlacedNode;
 use super::poses::{Pose, Vertices};
 use super::{Import, Part, accessors, instances, validate};
 use crate::scene::error::{Findings, SceneError};
-use crate::scene::world::{Boundary, Geometry, Mesh, Name};
+use crate::scene::world::{Boundary, Geometry, Mesh, Name, Transform};
 
 /// Most vertices and corners that the meshes of a scene may have together: what a file of a few
 /// kilobytes can ask for must not fill the memory. (Copies of a mesh are counted where they are
@@ -81,7 +81,9 @@ impl Import<'_> {
             if let Ok(None) = geometry {
                 continue;
             }
-            let skin = self.skin(primitive.material.map(|m| m.value()), boundary, &part);
+            let material = primitive.material.map(|it| it.value());
+            let first = places.first().map_or(Transform::IDENTITY, |(_, place)| *place);
+            let skin = self.skin(material, boundary, (&part, &first));
             let (geometry, skin) = (findings.note(geometry), findings.note(skin));
             let (Some(Some(geometry)), Some(skin)) = (geometry, skin) else { continue };
             for (instance, place) in &places {

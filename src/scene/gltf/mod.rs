@@ -16,6 +16,7 @@ mod extension;
 mod facets;
 pub(super) mod files;
 mod films;
+mod gloss;
 mod hierarchy;
 mod instances;
 mod layers;
@@ -31,6 +32,7 @@ mod places;
 mod plastics;
 mod poses;
 mod sheets;
+mod sides;
 mod spectra;
 mod textures;
 mod unused;
@@ -53,6 +55,7 @@ use self::extension::{Body, CLEAR_SKY as SKY_KEYS, ENVIRONMENT, NODE, SCENE};
 use self::files::Files;
 use self::hierarchy::PlacedNode;
 use self::meshes::ReadGeometries;
+use self::volume::Volume;
 pub use self::write::Written;
 use super::error::{Findings, SceneError};
 use super::view::{LightChoice, View};
@@ -237,8 +240,10 @@ struct Import<'a> {
     /// Material entities or what is wrong with them, by index in the file; `None` is the material
     /// of what has none.
     materials: BTreeMap<Option<usize>, Result<Entity, SceneError>>,
-    /// What bodies absorb whose materials say so, by index in the file.
-    volumes: BTreeMap<usize, Filling>,
+    /// What materials say of bodies, by index in the file.
+    volumes: BTreeMap<usize, Volume>,
+    /// What bodies of materials are filled with.
+    fillings: BTreeMap<usize, Filling>,
     /// What has been read for other worlds of the same file.
     shared: &'a ReadGeometries,
     /// Triangles or what is wrong with them, by mesh and primitive, and by the node that moves
@@ -282,6 +287,7 @@ impl<'a> Import<'a> {
             media: Vec::new(),
             materials: BTreeMap::new(),
             volumes: BTreeMap::new(),
+            fillings: BTreeMap::new(),
             shared,
             geometries: BTreeMap::new(),
             elements: 0,
@@ -390,7 +396,7 @@ impl<'a> Import<'a> {
             }
             _ => own.or(stand_in),
         };
-        let skin = self.skin(material, boundary, body.label())?;
+        let skin = self.skin(material, boundary, (body.label(), &placed.to_world))?;
         let name = Name(format!("{}, sphere", body.label()));
         let put = self.world.put_ball(name, ball, skin, placed.to_world);
         put.map(|_| ()).map_err(|fault| body.place(fault))

@@ -14,6 +14,7 @@ use super::Import;
 use super::document::Document;
 use super::extension::{Body, COVERAGE, EXTENSION, MATERIAL, TEXTURE};
 use super::films;
+use super::gloss;
 use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
 use super::own_textures::own_words;
@@ -26,6 +27,8 @@ use crate::scene::world::{
     ReliefFrame, Texture, Textures, Wrap, half_hash,
 };
 
+/// The key of shares of metal and roughness.
+const METAL: &str = "metallicRoughnessTexture";
 /// `alphaCutoff` of materials that do not say.
 const CUTOFF: f32 = 0.5;
 
@@ -114,13 +117,17 @@ impl Import<'_> {
             more: &[],
         };
         let glossy = &material["extensions"][KHR_GLOSSY];
-        let (base, key) = match glossy.is_object() {
-            true => (&glossy["diffuseTexture"], "diffuseTexture"),
-            false => (&material["pbrMetallicRoughness"]["baseColorTexture"], "baseColorTexture"),
+        let [base, metal] = match glossy.is_object() {
+            true => findings.note(self.glossy_textures(glossy, label)).unwrap_or_default(),
+            false => {
+                let mut of = |key, coding| {
+                    let info = &material["pbrMetallicRoughness"][key];
+                    findings.note(self.texture(&slot(info, key, coding))).flatten()
+                };
+                [of("baseColorTexture", Coding::Srgb), of(METAL, Coding::Linear)]
+            }
         };
-        let base = findings.note(self.texture(&slot(base, key, Coding::Srgb))).flatten();
-        // Colors of vertices are of a mesh, which is not of a part.
-        let by_vertices = if self.blending.is_empty() { self.colors_of(index) } else { None };
+        let by_vertices = self.colors_of(index);
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
         self.paint_color(&mut textures, (&base, by_vertices), (is_unlit, bsdf, emission), label);
         let body = Body::of(material, label, &MATERIAL)?;
@@ -128,9 +135,7 @@ impl Import<'_> {
             Some(own) => findings.note(self.own_coverage(&own)),
             None => self.coverage(material, (label, bsdf), base, by_vertices),
         };
-        let metal = &material["pbrMetallicRoughness"]["metallicRoughnessTexture"];
-        let metal = self.texture(&slot(metal, "metallicRoughnessTexture", Coding::Linear));
-        if let Some(texture) = findings.note(metal).flatten() {
+        if let Some(texture) = metal {
             let paints = metal_and_roughness(bsdf, texture);
             if paints.is_empty() {
                 let text = "metallicRoughnessTexture is ignored: the model has no roughness";
@@ -237,8 +242,12 @@ impl Import<'_> {
             // Alpha counts for nothing.
             Some(_) | None => return None,
         };
+        let glossy = &material["extensions"][KHR_GLOSSY];
         let alpha = &material["pbrMetallicRoughness"]["baseColorFactor"][3];
-        let factor = alpha.as_f64().unwrap_or(1.0) as f32;
+        let factor = match glossy.is_object() {
+            true => gloss::alpha(glossy),
+            false => alpha.as_f64().unwrap_or(1.0) as f32,
+        };
         let texture = base.filter(|texture| texture.picture.least_alpha() < 1.0);
         let by_vertices = by_vertices == Some(true);
         let is_even = texture.is_none() && !by_vertices;
@@ -329,14 +338,16 @@ impl Import<'_> {
         let mut wanted = Vec::new();
         for material in document.value["materials"].as_array().into_iter().flatten() {
             let pbr = &material["pbrMetallicRoughness"];
-            let [base, metal] = ["baseColorTexture", "metallicRoughnessTexture"].map(|it| &pbr[it]);
+            let [base, metal] = ["baseColorTexture", METAL].map(|it| &pbr[it]);
             let own = [base, metal, &material["emissiveTexture"], &material["normalTexture"]];
             let body = &material["extensions"][EXTENSION];
             let (film, khr) = (&body["film"], &material["extensions"][films::KHR_IRIDESCENCE]);
             let of_films = films::PICTURES.map(|(key, ..)| &khr[key]);
             let own_films = films::OWN_PICTURES.map(|(key, _)| &film[key]);
             let more = [&body["alpha_texture"], &body["coverage"]["texture"]];
-            let more = more.into_iter().chain(of_films).chain(own_films);
+            let glossy = &material["extensions"][KHR_GLOSSY];
+            let glossy = ["diffuseTexture", "specularGlossinessTexture"].map(|key| &glossy[key]);
+            let more = more.into_iter().chain(of_films).chain(own_films).chain(glossy);
             for info in own.into_iter().chain(more).chain(layers::infos(material)) {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));
@@ -349,8 +360,12 @@ impl Import<'_> {
         wanted.into_par_iter().for_each(|image| drop(document.picture(image)));
     }
 
-    /// Whether meshes of a material have colors at their vertices, and whether with alpha.
-    fn colors_of(&self, material: Option<usize>) -> Option<bool> {
+    /// Whether meshes of a material have colors at their vertices, and whether with alpha. Those of
+    /// a mesh are not of a part of its blend.
+    pub(super) fn colors_of(&self, material: Option<usize>) -> Option<bool> {
+        if !self.blending.is_empty() {
+            return None;
+        }
         let value = &self.document.value;
         let meshes = value["meshes"].as_array().into_iter().flatten();
         let primitives = meshes.flat_map(|it| it["primitives"].as_array().into_iter().flatten());
@@ -364,17 +379,18 @@ impl Import<'_> {
 
     /// Says which textures are not read, once a kind.
     fn warn_of_unread(&mut self, material: &Value, label: &str) {
-        const READ: [&str; 10] = [
+        const READ: [&str; 11] = [
             "anisotropyTexture",
             "baseColorTexture",
             "clearcoatNormalTexture",
+            "diffuseTexture",
             "emissiveTexture",
             films::PICTURES[0].0,
             films::PICTURES[1].0,
-            "metallicRoughnessTexture",
+            METAL,
             "normalTexture",
             "occlusionTexture",
-            "diffuseTexture",
+            "specularGlossinessTexture",
         ];
         let mut open = vec![material];
         let mut unread = BTreeSet::new();

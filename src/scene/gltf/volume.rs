@@ -5,22 +5,28 @@ use serde_json::Value;
 
 use super::Import;
 use crate::math::Range;
-use crate::math::elementary::ln;
+use crate::math::elementary::{cbrt, ln};
 use crate::scene::error::SceneError;
-use crate::scene::world::{Filling, Medium, Name, Phase};
+use crate::scene::world::{Filling, Medium, Name, Phase, Transform};
 use crate::spectrum::Spectrum;
 
 /// The extension.
 const VOLUME: &str = "KHR_materials_volume";
 /// Least transmittance of a channel: that of black would need infinite absorption.
 const TRANSMITTANCE_MIN: f64 = 1e-6;
+/// Greatest absorption, in 1/m: of it nothing is left over any distance.
+const SIGMA_MAX: f64 = 1e30;
 
 /// What the extension says of a material.
 pub struct Volume {
     /// Whether surfaces bound a body; else they are walls of their own, too thin to refract.
     pub is_solid: bool,
-    /// What the body absorbs.
-    pub absorbs: Option<Medium>,
+    /// How thick it is, in the mesh's own space.
+    thickness: f64,
+    /// What the body absorbs, in the world's.
+    sigma_a: [f64; 3],
+    /// The color of its surfaces.
+    tint: [f64; 3],
 }
 
 impl Volume {
@@ -36,21 +42,40 @@ impl Volume {
             range.check("", value).map_err(|fault| SceneError::at(&place, fault))?;
             Ok::<f64, SceneError>(value)
         };
-        let is_solid = number("thicknessFactor", Range::NOT_NEGATIVE, 0.0)? > 0.0;
+        let thickness = number("thicknessFactor", Range::NOT_NEGATIVE, 0.0)?;
         let distance = match body["attenuationDistance"] {
             Value::Null => f64::INFINITY,
             _ => number("attenuationDistance", Range::POSITIVE, f64::INFINITY)?,
         };
         let color = color(&body["attenuationColor"], &format!("{label}, {VOLUME}"))?;
-        let absorbs = is_solid && distance.is_finite() && color.iter().any(|&it| it < 1.0);
-        let sigma_a = color.map(|it| (-ln(it.max(TRANSMITTANCE_MIN)) / distance) as f32);
-        let medium = || Medium {
+        let sigma_a = absorption(color, distance);
+        Ok(Self { is_solid: thickness > 0.0, thickness, sigma_a, tint: [1.0; 3] })
+    }
+
+    /// The same of glass of a color. Its surfaces are clear, as no real ones color what they
+    /// refract: what is inside absorbs that color over the thickness.
+    pub fn tinted(self, tint: [f32; 3]) -> Self {
+        Self { tint: tint.map(f64::from), ..self }
+    }
+
+    /// What the body is filled with where its mesh is so many times as large; nothing, if that is
+    /// clear.
+    fn medium(&self, scale: f64) -> Option<Medium> {
+        let tint = absorption(self.tint, self.thickness * scale);
+        let sigma_a: [f32; 3] = std::array::from_fn(|i| (self.sigma_a[i] + tint[i]) as f32);
+        let absorbs = self.is_solid && sigma_a.iter().any(|&it| it > 0.0);
+        absorbs.then(|| Medium {
             sigma_a: Some(Spectrum::Rgb(sigma_a)),
             sigma_s: Some(Spectrum::Constant(0.0)),
             phase: Phase::isotropic(),
-        };
-        Ok(Self { is_solid, absorbs: absorbs.then(medium) })
+        })
     }
+}
+
+/// What leaves a color of white over a distance.
+fn absorption(color: [f64; 3], distance: f64) -> [f64; 3] {
+    let of = |channel: f64| (-ln(channel.max(TRANSMITTANCE_MIN)) / distance).min(SIGMA_MAX);
+    color.map(|channel| if channel < 1.0 { of(channel) } else { 0.0 })
 }
 
 /// Three numbers within [0, 1]; white if there are none.
@@ -73,18 +98,25 @@ fn color(value: &Value, place: &str) -> Result<[f64; 3], SceneError> {
 }
 
 impl Import<'_> {
-    /// Makes a medium of what the body behind a material's surfaces absorbs.
-    pub fn add_volume(
+    /// What fills the bodies of a material, if anything does: made for the first of them.
+    pub fn filling(
         &mut self,
         material: usize,
-        volume: Volume,
-        label: &str,
-    ) -> Result<(), SceneError> {
-        let Some(medium) = volume.absorbs else { return Ok(()) };
-        let name = Name(format!("{label}, {VOLUME}"));
-        let put = self.world.put_medium(name, medium);
-        let medium = put.map_err(|fault| SceneError::at(label, fault))?;
-        self.volumes.insert(material, Filling::Medium(medium));
-        Ok(())
+        place: &Transform,
+    ) -> Result<Option<Filling>, SceneError> {
+        if let Some(known) = self.fillings.get(&material) {
+            return Ok(Some(*known));
+        }
+        let size = cbrt(place.0.matrix3.determinant().abs());
+        // What is flat has no thickness of its own.
+        let scale = if size > 0.0 { size } else { 1.0 };
+        let volume = self.volumes.get(&material);
+        let Some(medium) = volume.and_then(|volume| volume.medium(scale)) else { return Ok(None) };
+        let label = self.document.label("materials", material);
+        let put = self.world.put_medium(Name(format!("{label}, {VOLUME}")), medium);
+        let medium = put.map_err(|fault| SceneError::at(&label, fault))?;
+        let filling = Filling::Medium(medium);
+        self.fillings.insert(material, filling);
+        Ok(Some(filling))
     }
 }

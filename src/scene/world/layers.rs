@@ -44,9 +44,9 @@ pub struct Layers<S> {
 pub(super) const COAT_IOR: Range = Range::new("from 1 to 10", |x| (1.0..=10.0).contains(&x));
 
 impl<S> Layers<S> {
-    /// Whether light goes through.
+    /// Whether light goes through, at least where a picture of shares of metal has none.
     pub fn transmits(&self) -> bool {
-        self.metallic < 1.0 && (self.transmission > 0.0 || self.diffuse_transmission > 0.0)
+        self.transmission > 0.0 || self.diffuse_transmission > 0.0
     }
 
     /// The same with `sample` of the spectra, each by the name of its key.
