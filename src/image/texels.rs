@@ -307,7 +307,8 @@ impl Texels {
     }
 }
 
-/// Red, green, blue and alpha of a texel's values: of grey, grey and alpha, colors, or these and alpha.
+/// Red, green, blue and alpha of a texel's values: of grey, grey and alpha, colors, or these and
+/// alpha.
 #[inline(always)]
 fn texel<T: Copy>(values: &[T], color: impl Fn(T) -> f32, alpha: impl Fn(T) -> f32) -> [f32; 4] {
     match *values {

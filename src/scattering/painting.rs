@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::elementary::sin_cos;
+use crate::math::lanes::U32s;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::{NONE, Optics, Shapes};
 use crate::scene::emitter::{Emitter, EmitterModel};
@@ -16,8 +17,8 @@ use crate::scene::world::{SurfaceModel, Textures};
 
 use super::Scene;
 use super::emitter::{self, primitive};
-use super::surface::Surfaces;
 use super::surface::model::LaneRows;
+use super::surface::{Material, Surfaces};
 
 /// A scene, with the tables of models that have a row for every painted point at hand.
 pub struct SceneAt<'a, const N: usize> {
@@ -267,6 +268,23 @@ impl<const N: usize> Scene<N> {
         }
     }
 
+    /// Of the surfaces that have been hit in some rows, the rows in the tables of their models, and
+    /// the mask of those whose backs scatter too.
+    // Out of line: every model's loops ask this once for eight vertices.
+    #[inline(never)]
+    pub fn models_of_hits(&self, surfaces: &SurfaceColumns, rows: &LaneRows) -> (LaneRows, F32s) {
+        let material = |row: usize| self.material_row(surfaces.primitive[row]);
+        let found = rows.words(|row| self.model_of_material[material(row)]);
+        let rows = match (self.has_models_by_place, rows) {
+            (true, rows) => rows.map(|row| self.model_row(surfaces, row)),
+            (false, LaneRows::Same(_)) => LaneRows::Same((found.as_array()[0] & !BACK) as usize),
+            (false, LaneRows::Each(_)) => {
+                LaneRows::Each((found & U32s::splat(!BACK)).to_array().map(|row| row as usize))
+            }
+        };
+        (rows, lanes::are_set(found, BACK))
+    }
+
     /// The share of a primitive that is there where it has been hit.
     pub fn coverage_at(&self, primitive: u32, weights: [f32; 2]) -> f32 {
         let found = self.optics.painting.as_deref().and_then(|painting| {
@@ -326,6 +344,15 @@ impl<const N: usize> Scene<N> {
             *radiance *= F32s::from(lanes::each(|lane| tints[lane][n]));
         }
     }
+}
+
+/// The bit of [`of_model`] for the back.
+const BACK: u32 = 1 << 31;
+
+/// A material's row in the table of its model, and in the highest bit whether its back scatters
+/// too.
+pub(super) fn of_model(material: &Material) -> u32 {
+    material.row | if material.two_sided { BACK } else { 0 }
 }
 
 /// Values over those of a lamp; nothing where that is black, as then the values are.

@@ -11,7 +11,6 @@ use crate::film::layout::Layout;
 use crate::geometry::{
     Accelerator, RayColumns, Rims, SurfaceColumns, medium_met, offset_distance, offset_origin,
 };
-use crate::math::lanes::{F32s, U32s};
 use crate::math::{LANES, Vector, lanes};
 use crate::scene::baked::{BakedScene, Camera, KEEP, NONE, Optics, SOUGHT, Shapes};
 use crate::scene::emitter::{Emitter, EmitterModel};
@@ -27,7 +26,7 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
-use super::painting::{has_painted_lamps, has_relief};
+use super::painting::{has_painted_lamps, has_relief, of_model};
 use super::surface::model::LaneRows;
 use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
@@ -54,7 +53,7 @@ pub struct Scene<const N: usize> {
     /// For every triangle and sphere, its row in the materials.
     material_of_primitive: Arc<[u32]>,
     /// For every material, what [`of_model`] says.
-    model_of_material: Vec<u32>,
+    pub(super) model_of_material: Vec<u32>,
     /// All kinds of events.
     pub events: Vec<Event>,
     /// Nothing, then for every triangle and sphere, its kind of event.
@@ -145,7 +144,6 @@ impl<const N: usize> Scene<N> {
         let has_grain = optics.materials.iter().any(|material| material.model.has_grain());
         let has_models_by_place =
             optics.painting.is_some() || has_grain || (passes_any_way && interfaces.is_some());
-        let has_straight_on = !straight_on_kinds.is_empty();
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =
             emitters.any(|(&row, &it)| it != NONE && materials[row as usize].is_straight_on());
@@ -162,7 +160,7 @@ impl<const N: usize> Scene<N> {
             interfaces,
             has_polarizing_vertices,
             events,
-            has_straight_on,
+            has_straight_on: !straight_on_kinds.is_empty(),
             straight_on_kinds,
             has_emitting_straight_on,
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
@@ -288,23 +286,6 @@ impl<const N: usize> Scene<N> {
     fn material_of_copy(&self, primitive: u32) -> usize {
         let surface = self.shapes.surface_of(primitive);
         self.shapes.surfaces[surface as usize].material as usize
-    }
-
-    /// Of the surfaces that have been hit in some rows, the rows in the tables of their models, and
-    /// the mask of those whose backs scatter too.
-    // Out of line: every model's loops ask this once for eight vertices.
-    #[inline(never)]
-    pub fn models_of_hits(&self, surfaces: &SurfaceColumns, rows: &LaneRows) -> (LaneRows, F32s) {
-        let material = |row: usize| self.material_row(surfaces.primitive[row]);
-        let found = rows.words(|row| self.model_of_material[material(row)]);
-        let rows = match (self.has_models_by_place, rows) {
-            (true, rows) => rows.map(|row| self.model_row(surfaces, row)),
-            (false, LaneRows::Same(_)) => LaneRows::Same((found.as_array()[0] & !BACK) as usize),
-            (false, LaneRows::Each(_)) => {
-                LaneRows::Each((found & U32s::splat(!BACK)).to_array().map(|row| row as usize))
-            }
-        };
-        (rows, lanes::are_set(found, BACK))
     }
 
     /// A primitive's material.
@@ -590,14 +571,6 @@ impl<const N: usize> Scene<N> {
 fn materials_of_primitives(shapes: &Shapes) -> Arc<[u32]> {
     let material_of = |&surface: &u32| shapes.surfaces[surface as usize].material;
     shapes.surface_of_primitive.iter().map(material_of).collect()
-}
-
-/// The bit of [`of_model`] for the back.
-const BACK: u32 = 1 << 31;
-
-/// A material's row in the table of its model, and in the highest bit whether its back scatters too.
-fn of_model(material: &Material) -> u32 {
-    material.row | if material.two_sided { BACK } else { 0 }
 }
 
 /// What is met by way of hits: nothing, or the event of a primitive's material.

@@ -131,8 +131,8 @@ impl Panorama {
         Some((states, self.turn.transpose() * right))
     }
 
-    /// The directions, to where the light comes from, that eight pairs of numbers in [0, 1) draw, and
-    /// their densities per steradian: greater than zero.
+    /// The directions, to where the light comes from, that eight pairs of numbers in [0, 1) draw,
+    /// and their densities per steradian: greater than zero.
     pub fn draw_lanes(&self, u: [F32s; 2]) -> (Vector<F32s>, F32s) {
         let directions = self.picture.directions();
         let [u, v] = u.map(F32s::to_array);
@@ -171,8 +171,8 @@ pub struct Directions {
     size: [usize; 2],
     /// The weight of every texel.
     weights: Vec<f32>,
-    /// For every row, the integral of its weights from the middle of the first texel to that of every
-    /// [`BLOCK`]th, and behind these over the whole turn.
+    /// For every row, the integral of its weights from the middle of the first texel to that of
+    /// every [`BLOCK`]th, and behind these over the whole turn.
     along: Vec<f32>,
     /// Integrals over all cells between rows, and between these and the poles, before each: one
     /// more than there are rows, and the whole behind them.

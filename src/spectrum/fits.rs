@@ -1,9 +1,10 @@
 //! Fits of colors that are remembered: a table that threads read and write without waiting for each
 //! other.
 //!
-//! A color has one place in it, by a hash, which it shares with others: the latest stays. A place is
-//! a few words that are written one by one, the last of them a sum of the others. Whoever reads words
-//! of two colors finds that the sum is another, and makes the fit anew.
+//! A color may be in one of four places, by a hash, which it shares with others: where there is no
+//! empty one, it takes that of another. A place is a few words that are written one by one, the
+//! last of them a sum of the others. Whoever reads words of two colors finds that the sum is
+//! another, and makes the fit anew.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,6 +16,8 @@ use super::upsampling::Sigmoid;
 
 /// Bits of the number of a place: pages of the table that no color is in take no memory.
 const BITS: u32 = 20;
+/// Places where a color may be.
+const WAYS: u64 = 4;
 
 /// Red, green and blue, the coefficients of their fit, and the sum: a line of the cache.
 #[derive(Zeroable)]
@@ -28,20 +31,36 @@ static PLACES: LazyLock<Box<[Place]>> = LazyLock::new(|| bytemuck::zeroed_slice_
 /// The fit of a color under a white: the remembered one, or what `fitted` finds.
 pub fn remembered(rgb: [f64; 3], white: White, fitted: impl FnOnce() -> Sigmoid) -> Sigmoid {
     let key = rgb.map(f64::to_bits);
-    let Place(words) = &PLACES[(mixed(&key, white) >> (u64::BITS - BITS)) as usize];
-    let [r, g, b, c0, c1, c2, sum] =
-        std::array::from_fn(|word| words[word].load(Ordering::Relaxed));
-    if [r, g, b] == key && sum == mixed(&[r, g, b, c0, c1, c2], white) {
-        return Sigmoid { c: [c0, c1, c2].map(f64::from_bits) };
+    let hash = mixed(&key, white);
+    let place = |way: u64| &PLACES[((hash >> (u64::BITS - BITS)) ^ way) as usize];
+    let mut free = None;
+    for way in 0..WAYS {
+        let [r, g, b, c0, c1, c2, sum] = place(way).read();
+        if [r, g, b] == key && sum == mixed(&[r, g, b, c0, c1, c2], white) {
+            return Sigmoid { c: [c0, c1, c2].map(f64::from_bits) };
+        }
+        if sum == 0 {
+            free = Some(way);
+            break;
+        }
     }
     let fit = fitted();
-    let [r, g, b] = key;
-    let [c0, c1, c2] = fit.c.map(f64::to_bits);
+    let ([r, g, b], [c0, c1, c2]) = (key, fit.c.map(f64::to_bits));
     let sum = mixed(&[r, g, b, c0, c1, c2], white);
-    for (word, value) in words.iter().zip([r, g, b, c0, c1, c2, sum]) {
-        word.store(value, Ordering::Relaxed);
-    }
+    place(free.unwrap_or(hash % WAYS)).write([r, g, b, c0, c1, c2, sum]);
     fit
+}
+
+impl Place {
+    fn read(&self) -> [u64; WORDS] {
+        std::array::from_fn(|word| self.0[word].load(Ordering::Relaxed))
+    }
+
+    fn write(&self, values: [u64; WORDS]) {
+        for (word, value) in self.0.iter().zip(values) {
+            word.store(value, Ordering::Relaxed);
+        }
+    }
 }
 
 /// A hash of words and a white.

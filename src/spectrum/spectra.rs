@@ -275,8 +275,8 @@ fn rgb_at<const N: usize>(
     })
 }
 
-/// What [`Role::Emission`] says of a color of which [`Role::Coefficient`] says this, where it is known
-/// that the white is.
+/// What [`Role::Emission`] says of a color of which [`Role::Coefficient`] says this, where it is
+/// known that the white is.
 pub fn lit<const N: usize>(mut values: [f32; N], carried: &Carried<N>) -> [f32; N] {
     if !carried.is_rgb() {
         for (value, &nm) in values.iter_mut().zip(carried.wavelengths_nm()) {

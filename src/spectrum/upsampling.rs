@@ -21,6 +21,7 @@
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
+use wide::f64x4;
 
 use super::cie::VISIBLE_NM;
 use super::color_space::{NODES, RgbResponse, White, nodes_nm};
@@ -150,7 +151,18 @@ impl Smooth {
 /// The sigmoid of a color under a white.
 fn fitted(rgb: DVec3, white: White) -> Sigmoid {
     let weights = &WEIGHTS[white as usize];
-    let mut best = Trial::of(Sigmoid::constant(rgb.max_element().min(0.5)), rgb, weights);
+    let start = STARTS[white as usize].near(rgb).unwrap_or_else(|| grey_start(rgb));
+    nearest(start, rgb, weights)
+}
+
+/// A grey as bright as the brightest channel.
+fn grey_start(rgb: DVec3) -> Sigmoid {
+    Sigmoid::constant(rgb.max_element().min(0.5))
+}
+
+/// What Newton's method makes of a sigmoid for a color.
+fn nearest(start: Sigmoid, rgb: DVec3, weights: &Weights) -> Sigmoid {
+    let mut best = Trial::of(start, rgb, weights);
     let mut trials = 1;
     let mut share = 1.0;
     while best.is_off() && trials < TRIALS_MAX && share >= SHARE_MIN {
@@ -171,6 +183,47 @@ fn fitted(rgb: DVec3, white: White) -> Sigmoid {
     best.shape
 }
 
+/// Where fits of colors begin whose greatest channel is 1/2, as all lights have it: between the
+/// fits of a grid of the other two, which is finer where these are dark. It saves half of the
+/// trials.
+struct Starts([Vec<DVec3>; 3]);
+
+impl Starts {
+    /// Steps along an edge.
+    const STEPS: usize = 32;
+
+    fn new(weights: &Weights) -> Self {
+        let fit = |greatest: usize, place: usize| {
+            let of = |step: usize| 0.5 * (step as f64 / Self::STEPS as f64).powi(2);
+            let mut rgb = DVec3::splat(0.5);
+            rgb[(greatest + 1) % 3] = of(place % (Self::STEPS + 1));
+            rgb[(greatest + 2) % 3] = of(place / (Self::STEPS + 1));
+            DVec3::from(nearest(grey_start(rgb), rgb, weights).c)
+        };
+        let places = (Self::STEPS + 1) * (Self::STEPS + 1);
+        Self(std::array::from_fn(|greatest| (0..places).map(|it| fit(greatest, it)).collect()))
+    }
+
+    fn near(&self, rgb: DVec3) -> Option<Sigmoid> {
+        let greatest = (0..3).find(|channel| rgb[*channel] == 0.5)?;
+        let along = |channel: usize| {
+            let place = (2.0 * rgb[channel]).sqrt() * Self::STEPS as f64;
+            let step = (place as usize).min(Self::STEPS - 1);
+            (step, place - step as f64)
+        };
+        let ((column, right), (row, down)) = (along((greatest + 1) % 3), along((greatest + 2) % 3));
+        let at = |row: usize| {
+            let place = row * (Self::STEPS + 1) + column;
+            self.0[greatest][place].lerp(self.0[greatest][place + 1], right)
+        };
+        Some(Sigmoid { c: at(row).lerp(at(row + 1), down).to_array() })
+    }
+}
+
+/// Those of the whites, in their order.
+static STARTS: LazyLock<[Starts; 2]> =
+    LazyLock::new(|| White::ALL.map(|white| Starts::new(&WEIGHTS[white as usize])));
+
 /// A sigmoid that may be that of a color.
 struct Trial {
     shape: Sigmoid,
@@ -182,18 +235,29 @@ struct Trial {
 
 impl Trial {
     fn of(shape: Sigmoid, rgb: DVec3, weights: &Weights) -> Self {
-        let (mut color, mut derivative) = (DVec3::ZERO, [DVec3::ZERO; 3]);
-        for (node, weight) in weights.iter().enumerate() {
-            let t = node as f64 / (FIT_NODES - 1) as f64;
-            let [value, slope] = sigmoid(shape.polynomial(t));
-            color += value * *weight;
-            let by_constant = slope * *weight;
-            derivative[2] += by_constant;
-            derivative[1] += t * by_constant;
-            derivative[0] += t * t * by_constant;
+        let [c0, c1, c2] = shape.c.map(f64x4::splat);
+        let (zero, half, one) = (f64x4::ZERO, f64x4::HALF, f64x4::ONE);
+        let (mut color, mut derivative) = ([zero; 3], [[zero; 3]; 3]);
+        for (t, weight) in weights {
+            // As in `sigmoid`.
+            let x = (c0 * *t + c1) * *t + c2;
+            let square = one + x * x;
+            let root = square.sqrt();
+            let tail = half / (root * (root + x.abs()));
+            let value = x.simd_lt(zero).select(tail, one - tail);
+            let slope = half / (square * root);
+            for (channel, weight) in weight.iter().enumerate() {
+                color[channel] += value * *weight;
+                let by_constant = slope * *weight;
+                let by_linear = by_constant * *t;
+                derivative[2][channel] += by_constant;
+                derivative[1][channel] += by_linear;
+                derivative[0][channel] += by_linear * *t;
+            }
         }
-        let [c0, c1, c2] = derivative;
-        Self { shape, miss: color - rgb, derivative: DMat3::from_cols(c0, c1, c2) }
+        let sum = |of: [f64x4; 3]| DVec3::from(of.map(|it| it.reduce_add()));
+        let [by0, by1, by2] = derivative.map(sum);
+        Self { shape, miss: sum(color) - rgb, derivative: DMat3::from_cols(by0, by1, by2) }
     }
 
     fn is_off(&self) -> bool {
@@ -201,15 +265,17 @@ impl Trial {
     }
 }
 
-/// What the nodes of a spectrum bring to red, green and blue under a white.
-type Weights = [DVec3; FIT_NODES];
+/// What the nodes of a spectrum, four at a time, bring to red, green and blue under a white: where
+/// they are from 0 to 1, and how much.
+type Weights = [(f64x4, [f64x4; 3]); FIT_NODES.div_ceil(4)];
 
 /// Those of the whites, in their order.
 static WEIGHTS: LazyLock<[Weights; 2]> = LazyLock::new(|| White::ALL.map(weights));
 
 fn weights(white: White) -> Weights {
     let response = RgbResponse::by(white);
-    let mut weights = [DVec3::ZERO; FIT_NODES];
+    // The last is no node.
+    let mut weights = [DVec3::ZERO; FIT_NODES + 1];
     for (fine, nm) in nodes_nm().enumerate() {
         let seen = DVec3::from(response.at(nm)) * white.at(nm);
         let first = (fine / NODES_APART).saturating_sub(1).min(FIT_NODES - 4);
@@ -218,7 +284,13 @@ fn weights(white: White) -> Weights {
             weights[first + node] += share * seen;
         }
     }
-    weights
+    const { assert!((FIT_NODES + 1).is_multiple_of(4)) };
+    std::array::from_fn(|four| {
+        let node = |lane: usize| 4 * four + lane;
+        let lanes = |of: &dyn Fn(usize) -> f64| f64x4::from([0, 1, 2, 3].map(|it| of(node(it))));
+        let place = lanes(&|node| node as f64 / (FIT_NODES - 1) as f64);
+        (place, [0, 1, 2].map(|channel| lanes(&|node| weights[node][channel])))
+    })
 }
 
 /// What values at 0, 1, 2 and 3 have to do with that at a place: Lagrange's polynomials.

@@ -7,9 +7,9 @@
 //! every bin of angles, each in a band of its own, so that a film of eight bands tells eight bins
 //! apart, and a set of eight wavelengths has one for each.
 //!
-//! All azimuths are alike, so the camera sees a radius of the ball's disk alone. What leaves in a bin
-//! comes through narrow zones of the disk: strips of that radius, which as many rays see as see all
-//! the rest, where by the sums nothing comes from.
+//! All azimuths are alike, so the camera sees a radius of the ball's disk alone. What leaves in a
+//! bin comes through narrow zones of the disk: strips of that radius, which as many rays see as see
+//! all the rest, where by the sums nothing comes from.
 //!
 //! A normal number exceeds the limit of 5 with a chance of 6e-7, and about 50 are looked at: noise
 //! fails these tests in 1 of 30,000 changes of the random numbers.
@@ -118,7 +118,8 @@ fn ring_of_lamps(from_deg: f64) -> Geometry {
 }
 
 /// The share of the light on the ball that leaves in a bin by a zone of it, and the same of what is
-/// polarized across the plane of scattering less that along it. Every column of the film sees a ring.
+/// polarized across the plane of scattering less that along it. Every column of the film sees a
+/// ring.
 fn measured(image: &StokesImage, channel: usize, [from, to]: [f64; 2]) -> [f64; 2] {
     let [height, width, ..] = image.shape();
     let mut sums = [0.0; 2];
@@ -281,8 +282,8 @@ fn the_primary_rainbow_is_where_and_what_rays_say() {
     assert!(dark < 0.1 * bright, "{dark}, {bright}");
 }
 
-/// One percent in bins of a tenth of a degree, of intensity and of the degree of polarization: before
-/// the bow, where there is a hundredth of the light, behind it, and far from it.
+/// One percent in bins of a tenth of a degree, of intensity and of the degree of polarization:
+/// before the bow, where there is a hundredth of the light, behind it, and far from it.
 #[test]
 #[ignore = "minutes"]
 fn rainbows_are_within_a_percent_of_sums_over_rays() {
