@@ -26,7 +26,7 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
-use super::painting::{has_painted_lamps, has_relief};
+use super::painting::{has_models_by_place, has_painted_lamps, has_relief, has_stains};
 use super::surface::model::LaneRows;
 use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
@@ -68,6 +68,8 @@ pub struct Scene<const N: usize> {
     pub has_polarizing_vertices: bool,
     /// Whether lamps emit what textures say.
     pub has_painted_lamps: bool,
+    /// Whether some glass or metal has a color of its own, or some panes have holes.
+    pub has_stains: bool,
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
     /// photons find some light.
     pub has_narrow_facets: bool,
@@ -140,7 +142,7 @@ impl<const N: usize> Scene<N> {
         let passes_any_way = materials.iter().any(|it| it.kind.passes_any_way());
         let has_grain = optics.materials.iter().any(|material| material.model.has_grain());
         let has_models_by_place =
-            optics.painting.is_some() || has_grain || (passes_any_way && interfaces.is_some());
+            has_models_by_place(&optics) || has_grain || (passes_any_way && interfaces.is_some());
         let has_straight_on = !straight_on_kinds.is_empty();
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =
@@ -162,6 +164,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds,
             has_emitting_straight_on,
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
+            has_stains: has_stains(&optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
             passes_any_way,
@@ -217,6 +220,7 @@ impl<const N: usize> Scene<N> {
             has_emitting_straight_on: self.has_emitting_straight_on,
             has_polarizing_vertices: self.has_polarizing_vertices,
             has_painted_lamps: self.has_painted_lamps,
+            has_stains: self.has_stains,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
             passes_any_way: self.passes_any_way,

@@ -28,9 +28,11 @@ use super::facets::{self, alpha, distribution_and_several};
 use super::files::Files;
 use super::films;
 use super::layers::{has_painted_wall, says_more};
+use super::own_textures::{BUMP_SCALE, BUMP_TEXTURE};
 use super::plastics;
 use super::sheets;
 use super::spectra::Part;
+use super::stains::{CONDUCTOR, DIELECTRIC, ROUGH_CONDUCTOR, ROUGH_DIELECTRIC, THIN_DIELECTRIC};
 use super::volume::Volume;
 use crate::math::Range;
 use crate::polarization::fresnel::k_of_reflectance;
@@ -81,8 +83,8 @@ const MODELS: [Model; 14] = [
         keys: &sheets::CIRCULAR,
         read: |body, _| sheets::circular_polarizer(body),
     },
-    Model { name: "conductor", keys: &["eta", "film", "k", "metal"], read: conductor },
-    Model { name: "dielectric", keys: &["exterior_ior", "film", "ior"], read: dielectric },
+    Model { name: "conductor", keys: &CONDUCTOR, read: conductor },
+    Model { name: "dielectric", keys: &DIELECTRIC, read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
     Model { name: "measured", keys: &["file"], read: measured },
     Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
@@ -92,37 +94,11 @@ const MODELS: [Model; 14] = [
     Model { name: "retarder", keys: &sheets::RETARDER, read: |body, _| sheets::retarder(body) },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
     Model { name: "rough_dielectric", keys: &ROUGH_DIELECTRIC, read: rough_dielectric },
-    Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
-];
-/// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 11] = [
-    "alpha",
-    "alpha_texture",
-    "alpha_u",
-    "alpha_v",
-    "axis_deg",
-    "distribution",
-    "eta",
-    "k",
-    "metal",
-    "multiple_scattering",
-    "roughness",
-];
-/// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 10] = [
-    "alpha",
-    "alpha_texture",
-    "alpha_u",
-    "alpha_v",
-    "axis_deg",
-    "distribution",
-    "exterior_ior",
-    "ior",
-    "multiple_scattering",
-    "roughness",
+    Model { name: "thin_dielectric", keys: &THIN_DIELECTRIC, read: thin_dielectric },
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 5] = ["bsdf", "coverage", EMISSION, INCANDESCENT, STOKES];
+const OF_ALL: [&str; 7] =
+    ["bsdf", BUMP_SCALE, BUMP_TEXTURE, "coverage", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -329,7 +305,7 @@ impl Import<'_> {
             }
             let may_be_rough =
                 of("metallicRoughnessTexture") || is_solid && facets::is_stated(value);
-            self.glass(&layers, (is_solid, may_be_rough), label)
+            glass(&layers, (is_solid, may_be_rough))
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
                 let text = "is glass by a share: light goes through it without being refracted";
@@ -349,30 +325,20 @@ impl Import<'_> {
         })?;
         Ok(bsdf)
     }
+}
 
-    /// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
-    fn glass(
-        &mut self,
-        layers: &Layers<Spectrum>,
-        (is_solid, is_painted): (bool, bool),
-        label: &str,
-    ) -> Bsdf {
-        if layers.base_color != Spectrum::Rgb([1.0; 3]) {
-            self.warnings.add(label, "the color of the glass is ignored");
-        }
-        match *layers {
-            Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {
-                Bsdf::RoughDielectric {
-                    ior: Spectrum::Constant(ior),
-                    exterior_ior: Spectrum::Constant(1.0),
-                    alpha,
-                    distribution: Distribution::Ggx,
-                    multiple_scattering: true,
-                }
-            }
-            Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
-            Layers { ior, .. } => Bsdf::thin_dielectric(ior),
-        }
+/// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
+fn glass(layers: &Layers<Spectrum>, (is_solid, is_painted): (bool, bool)) -> Bsdf {
+    match *layers {
+        Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => Bsdf::RoughDielectric {
+            ior: Spectrum::Constant(ior),
+            exterior_ior: Spectrum::Constant(1.0),
+            alpha,
+            distribution: Distribution::Ggx,
+            multiple_scattering: true,
+        },
+        Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
+        Layers { ior, .. } => Bsdf::thin_dielectric(ior),
     }
 }
 

@@ -32,6 +32,7 @@ mod plastics;
 mod poses;
 mod sheets;
 mod spectra;
+mod stains;
 mod textures;
 mod unused;
 mod validate;
