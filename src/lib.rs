@@ -94,6 +94,7 @@ mod transport;
 pub use crate::film::filter::{Filter, FilterKind};
 pub use crate::film::layout::{Crop, Layout};
 pub use crate::image::cut::Cut;
+pub use crate::image::texels::Coding;
 pub use crate::image::{OutputError as ImageError, StokesImage};
 pub use crate::integrators::Integrator;
 pub use crate::polarization::{Analyzer, Distribution};

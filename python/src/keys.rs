@@ -38,6 +38,11 @@ impl<'py> Keys<'py> {
         })
     }
 
+    /// Whether a key is there still.
+    pub fn has(&self, key: &str) -> PyResult<bool> {
+        Ok(self.left.get_item(key)?.is_some_and(|value| !value.is_none()))
+    }
+
     /// Takes what is true or false.
     pub fn flag(&self, key: &str) -> PyResult<bool> {
         self.flag_or(key, false)

@@ -31,6 +31,7 @@ mod options;
 mod place;
 mod scene;
 mod spectra;
+mod textures;
 mod threads;
 mod wait;
 mod words;

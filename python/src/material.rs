@@ -4,13 +4,14 @@ use pyo3::prelude::*;
 use sunstone::spectra::metal_names;
 use sunstone::world::{
     Action, Bsdf, Coat, Delay, EmittedStokes, Grid, Hand, InternalReflection, Material,
-    MeasuredTable, Sides, ThinFilm,
+    MeasuredTable, Sides, Textures, ThinFilm,
 };
 use sunstone::{Distribution, Spectrum};
 
 use crate::errors::of_any;
 use crate::keys::Keys;
 use crate::spectra::Part;
+use crate::textures::textures;
 
 /// Index of refraction that glTF gives to dielectrics.
 const IOR: f32 = 1.5;
@@ -22,8 +23,36 @@ const MODELS: &str = "use one of absorber, circular_polarizer, conductor, dielec
                       measured, mueller, null, plastic, polarizer, retarder, rough_conductor, \
                       rough_dielectric, thin_dielectric";
 
-/// A material, and how what it emits is polarized: in a state, or by its heat.
-pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>, bool)> {
+/// A material with what is said of it besides.
+pub struct Made {
+    /// The material.
+    pub material: Material,
+    /// How what it emits is polarized.
+    pub stokes: Option<EmittedStokes>,
+    /// Whether it emits by its heat.
+    pub incandescent: bool,
+    /// What of it differs from place to place.
+    pub textures: Textures,
+}
+
+/// What parameters are that are not stated, where pictures multiply them or not.
+struct Defaults {
+    reflectance: f32,
+    alpha: Option<f32>,
+}
+
+impl Defaults {
+    fn of(painted: Option<&Keys>) -> PyResult<Self> {
+        let has = |slot| painted.map_or(Ok(false), |painted| painted.has(slot));
+        Ok(Self {
+            reflectance: if has("reflectance")? { 1.0 } else { REFLECTANCE },
+            alpha: has("alpha")?.then_some(1.0),
+        })
+    }
+}
+
+/// A material by its keys.
+pub fn material(keys: Keys) -> PyResult<Made> {
     let model: String = keys.need("bsdf", MODELS)?;
     let two_sided = keys.flag("two_sided")?;
     let emission = keys.lamp("emission")?;
@@ -33,17 +62,19 @@ pub fn material(keys: Keys) -> PyResult<(Material, Option<EmittedStokes>, bool)>
         return Err(keys.refuse("stokes", problem, "add an emission"));
     }
     let incandescent = keys.flag("incandescent")?;
-    let bsdf = bsdf(&keys, &model)?;
-    keys.finish(&format!("a material of bsdf \"{model}\""))?;
+    let painted = keys.part("textures")?;
+    let bsdf = bsdf(&keys, &model, &Defaults::of(painted.as_ref())?)?;
     let material = Material { bsdf, sides: Sides { two_sided }, emission: None };
     let material = match emission {
         Some(radiance) => material.emitting(radiance),
         None => material,
     };
-    Ok((material, stokes, incandescent))
+    let textures = textures(&keys, painted, &material)?;
+    keys.finish(&format!("a material of bsdf \"{model}\""))?;
+    Ok(Made { material, stokes, incandescent, textures })
 }
 
-fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
+fn bsdf(keys: &Keys, model: &str, or: &Defaults) -> PyResult<Bsdf> {
     let axis_deg = || Ok::<f64, PyErr>(keys.take("axis_deg")?.unwrap_or(0.0));
     Ok(match model {
         "absorber" => Bsdf::Absorber,
@@ -52,9 +83,9 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
             let [ior, exterior_ior] = indices(keys)?;
             filmed(Bsdf::boundary(ior, exterior_ior), keys)?
         }
-        "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into())),
+        "diffuse" => Bsdf::diffuse(keys.spectrum("reflectance")?.unwrap_or(or.reflectance.into())),
         "null" => Bsdf::Null,
-        "plastic" => plastic(keys)?,
+        "plastic" => plastic(keys, or)?,
         "circular_polarizer" => {
             let hand: Option<String> = keys.take("handedness")?;
             let hand = match hand.as_deref() {
@@ -96,10 +127,10 @@ fn bsdf(keys: &Keys, model: &str) -> PyResult<Bsdf> {
                 (axis_deg, delay) => Bsdf::Sheet { axis_deg, action: Action::Retarder(delay) },
             }
         }
-        "rough_conductor" => rough_conductor(keys)?,
+        "rough_conductor" => rough_conductor(keys, or)?,
         "rough_dielectric" => {
             let [ior, exterior_ior] = indices(keys)?;
-            let (alpha, distribution, multiple_scattering) = facets(keys)?;
+            let (alpha, distribution, multiple_scattering) = facets(keys, or)?;
             let bsdf = Bsdf::RoughDielectric {
                 ior,
                 exterior_ior,
@@ -199,20 +230,20 @@ fn film(keys: &Keys) -> PyResult<Option<ThinFilm<Spectrum>>> {
     Ok(Some(ThinFilm { share, ..ThinFilm::new(eta, k, thickness_nm) }))
 }
 
-fn rough_conductor(keys: &Keys) -> PyResult<Bsdf> {
+fn rough_conductor(keys: &Keys, or: &Defaults) -> PyResult<Bsdf> {
     let (eta, k) = metal_index(keys, "rough_conductor")?;
-    let (alpha, distribution, multiple_scattering) = facets(keys)?;
+    let (alpha, distribution, multiple_scattering) = facets(keys, or)?;
     filmed(Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering }, keys)
 }
 
 /// What facets are like, and whether what several of them scatter is given back.
-fn facets(keys: &Keys) -> PyResult<(f32, Distribution, bool)> {
+fn facets(keys: &Keys, or: &Defaults) -> PyResult<(f32, Distribution, bool)> {
     let distribution = distribution(keys)?;
     let multiple_scattering = keys.flag_or("multiple_scattering", true)?;
-    Ok((alpha(keys)?, distribution, multiple_scattering))
+    Ok((alpha(keys, or.alpha)?, distribution, multiple_scattering))
 }
 
-fn plastic(keys: &Keys) -> PyResult<Bsdf> {
+fn plastic(keys: &Keys, or: &Defaults) -> PyResult<Bsdf> {
     let internal_reflection = match keys.take::<String>("internal_reflection")? {
         None => InternalReflection::default(),
         Some(name) => InternalReflection::named(&name).ok_or_else(|| {
@@ -221,11 +252,11 @@ fn plastic(keys: &Keys) -> PyResult<Bsdf> {
         })?,
     };
     Ok(Bsdf::Plastic {
-        reflectance: keys.spectrum("reflectance")?.unwrap_or(REFLECTANCE.into()),
+        reflectance: keys.spectrum("reflectance")?.unwrap_or(or.reflectance.into()),
         coat: Coat {
             ior: number(keys, "ior", IOR)?,
             exterior_ior: number(keys, "exterior_ior", 1.0)?,
-            alpha: alpha(keys)?,
+            alpha: alpha(keys, None)?,
             distribution: distribution(keys)?,
             specular: keys.take("specular")?.unwrap_or(1.0),
             internal_reflection,
@@ -256,8 +287,8 @@ fn distribution(keys: &Keys) -> PyResult<Distribution> {
 }
 
 /// The roughness of facets: itself, or its root.
-fn alpha(keys: &Keys) -> PyResult<f32> {
-    match (keys.take::<f32>("alpha")?, keys.take::<f32>("roughness")?) {
+fn alpha(keys: &Keys, default: Option<f32>) -> PyResult<f32> {
+    match (keys.take::<f32>("alpha")?.or(default), keys.take::<f32>("roughness")?) {
         (Some(alpha), None) => Ok(alpha),
         (None, Some(roughness)) if (0.0..=1.0).contains(&roughness) => Ok(roughness * roughness),
         (None, Some(roughness)) => {

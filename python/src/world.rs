@@ -50,8 +50,12 @@ impl World {
     /// Adds a material.
     fn add_material(&mut self, name: &str, keys: &Bound<PyDict>) -> PyResult<()> {
         let place = free_place("material", name, &self.materials)?;
-        let (material, stokes, incandescent) = material::material(Keys::of(place, keys)?)?;
+        let made = material::material(Keys::of(place, keys)?)?;
+        let material::Made { material, stokes, incandescent, textures } = made;
         let entity = self.world()?.add_material(name, material).map_err(of_any)?;
+        if !textures.is_empty() {
+            self.world()?.set_textures(entity, textures).map_err(of_any)?;
+        }
         self.polarize(entity, stokes)?;
         if incandescent {
             self.world()?.set_incandescent(entity).map_err(of_any)?;

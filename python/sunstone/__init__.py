@@ -39,6 +39,7 @@ from ._errors import (  # noqa: E402
 from ._image import Band, Image  # noqa: E402
 from ._scene import Scene, load  # noqa: E402
 from ._sunstone import Geometry, __version__  # noqa: E402
+from ._texture import Texture  # noqa: E402
 from ._world import World  # noqa: E402
 
 __all__ = [
@@ -54,6 +55,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Texture",
     "World",
     "__version__",
     "batch",

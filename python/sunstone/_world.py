@@ -16,6 +16,7 @@ from ._errors import SceneWarning
 from ._image import Image
 from ._scene import Scene, _complete, native_world
 from ._sunstone import Geometry
+from ._texture import Picture, Texture, as_keys
 
 #: The same at every wavelength; red, green and blue; or values at wavelengths in nanometers:
 #: {"nm": [...], "value": [...]}.
@@ -131,6 +132,9 @@ class World(Editable):
         extinction_ratio: float | None = None,
         retardance_deg: float | None = None,
         table: bytes | None = None,
+        reflected: Spectrum | None = None,
+        transmitted: Spectrum | None = None,
+        textures: Mapping[str, Texture | Picture] | None = None,
         emission: Lamp | None = None,
         stokes: Stokes | None = None,
         incandescent: bool = False,
@@ -168,6 +172,14 @@ class World(Editable):
             retardance_deg: of "retarder", in degrees.
             table: of "measured": the bytes of a file of Mueller matrices, as Mitsuba's
                 measured_polarized reads.
+            reflected: of glass and metal: share that is left of light that it reflects, a number or
+                red, green and blue from 0 to 1; all of it by default.
+            transmitted: of glass: the same of light that goes through, each time.
+            textures: pictures, each by what it is multiplied with: "reflectance", "alpha" (1 by
+                default then), "reflected", "transmitted" and "emission"; "coverage", how much of the
+                surface is there, and "normal" or "bump", normals or heights that bend normals.
+                Meshes need `uv` for them, and spheres have it: once round their z axis, and from
+                that to its other end.
             emission: radiance in W/(m^2 sr) that it emits besides.
             stokes: how that is polarized; unpolarized by default. x is the x axis of the shape.
             incandescent: of "conductor" and "dielectric": emission is that of a black body, of
@@ -195,6 +207,9 @@ class World(Editable):
                 extinction_ratio=extinction_ratio,
                 retardance_deg=retardance_deg,
                 table=table,
+                reflected=reflected,
+                transmitted=transmitted,
+                textures=None if textures is None else as_keys(textures),
                 emission=emission,
                 stokes=stokes,
                 incandescent=incandescent,

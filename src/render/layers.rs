@@ -164,7 +164,7 @@ impl Rays {
         pixel.hits += 1;
         pixel.depth += (position - scene.camera.position).dot(scene.camera.forward);
         pixel.normal += if is_back { -normal } else { normal };
-        pixel.albedo += Vec3::from(base_color(&model_at(scene, hits, index)));
+        pixel.albedo += Vec3::from(base_color(&model_at(scene, (hits, index), position)));
         pixel.position += (scene.shapes.origin + position.as_dvec3()).as_vec3();
     }
 
@@ -178,7 +178,8 @@ impl Rays {
         pixel.object = object + 1;
         pixel.material = scene.shapes.surfaces[object as usize].material + 1;
         if let Some(on) = scene.shapes.painted(primitive) {
-            pixel.uv = on.coordinates(0, at).to_array();
+            let position = lanes::row_of(&self.surfaces.position, SAMPLES).into();
+            pixel.uv = on.coordinates(0, on.weights(at, position)).to_array();
         }
     }
 
@@ -196,7 +197,8 @@ fn seen(scene: &Scene<3>, rays: &RayColumns, hits: &HitColumns, index: usize) ->
             break;
         }
         let is_boundary = scene.material_at(hit.primitive).kind == SurfaceKind::Null;
-        let is_hole = || scene.coverage_at(hit.primitive, [hit.u, hit.v]) < HOLE;
+        let position = of(&rays.origin) + hit.t * of(&rays.direction);
+        let is_hole = || scene.coverage_at(hit.primitive, ([hit.u, hit.v], position)) < HOLE;
         if !is_boundary && !is_hole() {
             break;
         }
@@ -206,14 +208,19 @@ fn seen(scene: &Scene<3>, rays: &RayColumns, hits: &HitColumns, index: usize) ->
 }
 
 /// The model of what has been hit, with its parameters as textures have them there.
-fn model_at(scene: &Scene<3>, hits: &HitColumns, index: usize) -> SurfaceModel<[f32; 3]> {
+fn model_at(
+    scene: &Scene<3>,
+    (hits, index): (&HitColumns, usize),
+    position: Vec3,
+) -> SurfaceModel<[f32; 3]> {
     let primitive = hits.primitive[index];
     let material = scene.material_row(primitive);
     let model = &scene.optics.materials[material].model;
     let painted = || {
         let painting = scene.optics.painting.as_deref()?;
         let (textures, on) = (painting.of(material)?, scene.shapes.painted(primitive)?);
-        Some(painting.model_at(model.clone(), textures, (&on, [hits.u[index], hits.v[index]])))
+        let weights = on.weights([hits.u[index], hits.v[index]], position);
+        Some(painting.model_at(model.clone(), textures, (&on, weights)))
     };
     painted().unwrap_or_else(|| model.clone())
 }

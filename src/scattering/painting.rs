@@ -11,6 +11,7 @@ use crate::math::elementary::sin_cos;
 use crate::math::lanes::U32s;
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::scene::baked::{NONE, Optics, Shapes};
+use crate::scene::corners::Painted;
 use crate::scene::emitter::{Emitter, EmitterModel};
 use crate::scene::painting::{Painting, coverage_at, normal_at};
 use crate::scene::world::{SurfaceModel, Textures};
@@ -18,7 +19,7 @@ use crate::scene::world::{SurfaceModel, Textures};
 use super::Scene;
 use super::emitter::{self, primitive};
 use super::surface::model::LaneRows;
-use super::surface::{Material, Surfaces};
+use super::surface::{Material, SurfaceKind, Surfaces};
 
 /// A scene, with the tables of models that have a row for every painted point at hand.
 pub struct SceneAt<'a, const N: usize> {
@@ -117,7 +118,12 @@ pub fn paint<const N: usize>(
         let painted = paint_row(&mut model, surfaces, hits, row, scene);
         let nested = nest(&mut model, surfaces, paths, row, scene);
         if comb(&mut model, surfaces, hits, row, scene) || nested || painted {
-            surfaces.model[row] = models.tables.append(&model);
+            let at = ([hits.u[row], hits.v[row]], position_of(surfaces, row));
+            let added = models.tables.append(&model);
+            if let Some(stain) = scene.stain_at(primitive, at) {
+                models.tables.stain(&model, added, stain);
+            }
+            surfaces.model[row] = added;
         }
     }
 }
@@ -134,12 +140,19 @@ fn paint_row<const N: usize>(
     let Some(painting) = scene.optics.painting.as_deref() else { return false };
     let primitive = surfaces.primitive[row];
     let Some((textures, _)) = textures_at(scene, painting, primitive) else { return false };
-    let on = scene.shapes.painted(primitive).filter(|_| textures.feed_model());
+    let feeds = textures.feed_model() || stains_rows(textures, model);
+    let on = scene.shapes.painted(primitive).filter(|_| feeds);
     if let Some(on) = &on {
-        *model = painting.model_at(model.clone(), textures, (on, [hits.u[row], hits.v[row]]));
+        let weights = on.weights([hits.u[row], hits.v[row]], position_of(surfaces, row));
+        *model = painting.model_at(model.clone(), textures, (on, weights));
     }
     bend(surfaces, row, textures, hits, scene);
     on.is_some()
+}
+
+/// Whether a model keeps in its rows a stain that differs from place to place.
+fn stains_rows<S>(textures: &Textures, model: &SurfaceModel<S>) -> bool {
+    SurfaceKind::of(model).connects() && textures.stain.differs()
 }
 
 /// Gives rough glass the index of refraction between what is on its two sides where a row has been
@@ -181,7 +194,8 @@ fn comb<const N: usize>(
     let normal = of(&surfaces.shading_normal);
     let shapes = &scene.shapes;
     let surface = &shapes.surfaces[surfaces.surface[row] as usize];
-    let (triangle, weights) = (shapes.painted(surfaces.primitive[row]), [hits.u[row], hits.v[row]]);
+    let (on, weights) = (shapes.painted(surfaces.primitive[row]), [hits.u[row], hits.v[row]]);
+    let triangle = on.filter(|on| matches!(on, Painted::Flat(_)));
     let stated = triangle.and_then(|on| on.frame((0, |place| place), weights, normal));
     let [right, up] = stated.unwrap_or_else(|| {
         let (x, y) = (surface.axis_x, surface.axis_y);
@@ -246,10 +260,15 @@ fn bend<const N: usize>(
     let Some(on) = scene.shapes.painted(surfaces.primitive[row]) else { return };
     let of = |columns| Vec3::from(lanes::row_of(columns, row));
     let normals = [of(&surfaces.shading_normal), of(&surfaces.geometric_normal)];
-    let normal = normal_at(relief, (&on, [hits.u[row], hits.v[row]]), normals);
+    let weights = on.weights([hits.u[row], hits.v[row]], position_of(surfaces, row));
+    let normal = normal_at(relief, (&on, weights), normals);
     for (column, value) in surfaces.shading_normal.iter_mut().zip(normal.to_array()) {
         column[row] = value;
     }
+}
+
+fn position_of(surfaces: &SurfaceColumns, row: usize) -> Vec3 {
+    lanes::row_of(&surfaces.position, row).into()
 }
 
 impl<const N: usize> Scene<N> {
@@ -285,13 +304,40 @@ impl<const N: usize> Scene<N> {
         (rows, lanes::are_set(found, BACK))
     }
 
-    /// The share of a primitive that is there where it has been hit.
-    pub fn coverage_at(&self, primitive: u32, weights: [f32; 2]) -> f32 {
+    /// What the stain of a primitive, if it has one, leaves of light that it reflects and of what
+    /// goes through, where it has been hit.
+    pub fn stain_at(
+        &self,
+        primitive: u32,
+        (weights, position): ([f32; 2], Vec3),
+    ) -> Option<[[f32; N]; 2]> {
+        let painting = self.optics.painting.as_deref()?;
+        let (textures, _) = textures_at(self, painting, primitive)?;
+        let stain = Some(&textures.stain).filter(|stain| stain.is_some())?;
+        let on = self.shapes.painted(primitive)?;
+        Some(painting.stain(stain, (&on, on.weights(weights, position))))
+    }
+
+    /// The same at a point of it.
+    pub fn stain_of_point(&self, primitive: u32, position: Vec3) -> Option<[[f32; N]; 2]> {
+        let painting = self.optics.painting.as_deref()?;
+        let (textures, _) = textures_at(self, painting, primitive)?;
+        let stain = Some(&textures.stain).filter(|stain| stain.is_some())?;
+        let on = self.shapes.painted(primitive)?;
+        let weights = if stain.differs() { on.weights_at(position) } else { [0.0; 2] };
+        Some(painting.stain(stain, (&on, weights)))
+    }
+
+    /// The share of a primitive that is there where it has been hit, by the weights of triangles
+    /// and the point.
+    pub fn coverage_at(&self, primitive: u32, (weights, position): ([f32; 2], Vec3)) -> f32 {
         let found = self.optics.painting.as_deref().and_then(|painting| {
             let (textures, _) = textures_at(self, painting, primitive)?;
             let coverage = textures.coverage.as_ref()?;
-            let by_place =
-                || Some(coverage_at(coverage, (&self.shapes.painted(primitive)?, weights)));
+            let by_place = || {
+                let on = self.shapes.painted(primitive)?;
+                Some(coverage_at(coverage, (&on, on.weights(weights, position))))
+            };
             coverage.even().or_else(by_place)
         });
         found.unwrap_or(1.0)
@@ -366,6 +412,28 @@ fn textures<const N: usize>(optics: &Optics<N>) -> impl Iterator<Item = &Texture
     let of =
         |painting| (0..optics.materials.len()).filter_map(move |row| Painting::of(painting, row));
     optics.painting.as_deref().into_iter().flat_map(of)
+}
+
+/// Whether some have models, or normals, that are of the place.
+pub(super) fn has_models_by_place<const N: usize>(optics: &Optics<N>) -> bool {
+    let Some(painting) = optics.painting.as_deref() else { return false };
+    let mut rows = optics.materials.iter().enumerate();
+    rows.any(|(row, material)| {
+        painting.of(row).is_some_and(|textures| {
+            let feeds = textures.feed_model() || textures.relief.is_some();
+            feeds || stains_rows(textures, &material.model)
+        })
+    })
+}
+
+/// Whether some have a stain, or are panes with holes.
+pub(super) fn has_stains<const N: usize>(optics: &Optics<N>) -> bool {
+    let Some(painting) = optics.painting.as_deref() else { return false };
+    optics.materials.iter().enumerate().any(|(row, material)| {
+        let is_pane = SurfaceKind::of(&material.model).is_straight_on();
+        let has = |of: &Textures| of.stain.is_some() || is_pane && of.coverage.is_some();
+        painting.of(row).is_some_and(has)
+    })
 }
 
 /// Whether some have shading normals by a picture.

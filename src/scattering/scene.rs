@@ -26,7 +26,7 @@ use super::event::{END, Event, Met, events};
 use super::immersion::{Around, Immersion, STEPS};
 use super::medium::Medium;
 use super::nesting::{InterfaceLanes, Interfaces, UNKNOWN};
-use super::painting::{has_painted_lamps, has_relief, of_model};
+use super::painting::{has_models_by_place, has_painted_lamps, has_relief, has_stains, of_model};
 use super::surface::model::LaneRows;
 use super::surface::{Crossed, Material, SurfaceKind, Surfaces};
 use super::targets::targets;
@@ -70,6 +70,8 @@ pub struct Scene<const N: usize> {
     pub has_polarizing_vertices: bool,
     /// Whether lamps emit what textures say.
     pub has_painted_lamps: bool,
+    /// Whether some glass or metal has a color of its own, or some panes have holes.
+    pub has_stains: bool,
     /// Whether photons do not merge about the mirrored direction of some surfaces: not where only
     /// photons find some light.
     pub has_narrow_facets: bool,
@@ -143,7 +145,7 @@ impl<const N: usize> Scene<N> {
         let passes_any_way = shapes.surfaces.iter().any(|it| !it.is_opaque && passes(it.material));
         let has_grain = optics.materials.iter().any(|material| material.model.has_grain());
         let has_models_by_place =
-            optics.painting.is_some() || has_grain || (passes_any_way && interfaces.is_some());
+            has_models_by_place(&optics) || has_grain || (passes_any_way && interfaces.is_some());
         let mut emitters = material_of_primitive.iter().zip(&*optics.emitter_of_primitive);
         let has_emitting_straight_on =
             emitters.any(|(&row, &it)| it != NONE && materials[row as usize].is_straight_on());
@@ -164,6 +166,7 @@ impl<const N: usize> Scene<N> {
             straight_on_kinds,
             has_emitting_straight_on,
             has_painted_lamps: has_painted_lamps(&shapes, &optics),
+            has_stains: has_stains(&optics),
             has_shading_normals: shapes.has_shading_normals() || has_relief(&optics),
             has_narrow_facets: false,
             passes_any_way,
@@ -221,6 +224,7 @@ impl<const N: usize> Scene<N> {
             has_emitting_straight_on: self.has_emitting_straight_on,
             has_polarizing_vertices: self.has_polarizing_vertices,
             has_painted_lamps: self.has_painted_lamps,
+            has_stains: self.has_stains,
             has_shading_normals: self.has_shading_normals,
             has_narrow_facets: self.has_narrow_facets,
             passes_any_way: self.passes_any_way,

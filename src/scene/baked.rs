@@ -193,6 +193,8 @@ pub struct Surface {
     /// The node's y axis in world space, unit length: takes the place of `axis_x` where the
     /// surface is (nearly) perpendicular to that.
     pub axis_y: Vec3,
+    /// The node's z axis in world space, unit length: from it textures on spheres start.
+    pub axis_z: Vec3,
     /// What lies behind the surface, against its normal: a row in `media`, [`NONE`] (clear),
     /// [`KEEP`] or [`SOUGHT`].
     pub interior: u32,

@@ -1,10 +1,14 @@
-//! What triangles have at their corners for textures: coordinates, colors and tangents.
+//! What triangles have at their corners for textures: coordinates, colors and tangents; and what
+//! spheres have all over.
+
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Mat3A, Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
 
-use super::baked::Shapes;
+use super::baked::{Shapes, Sphere, Surface};
 use super::instanced::Instance;
-use super::world::{Geometry, Textures};
+use super::world::{Geometry, ReliefOf, Textures};
+use crate::math::elementary::{acos, atan2, hypot};
 
 /// Which of it textures need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,7 +32,10 @@ impl Needs {
         Self {
             coordinates: [has_set(0), has_set(1)],
             colors: textures.read_vertices(),
-            tangents: textures.relief.is_some(),
+            tangents: textures
+                .relief
+                .as_ref()
+                .is_some_and(|relief| matches!(relief.of, ReliefOf::Normals(_))),
         }
     }
 
@@ -134,26 +141,49 @@ impl Corners {
     }
 }
 
-/// A triangle of a scene, for textures.
+/// A primitive of a scene, for textures. Where it has been hit is said by two weights: those of the
+/// second and third corner of a triangle, and the coordinates of a sphere.
 #[derive(Clone, Copy)]
-pub struct Painted<'a> {
+pub enum Painted<'a> {
+    /// A triangle.
+    Flat(Flat<'a>),
+    /// A sphere, whose coordinates are those of Mitsuba's: u goes once round the z axis of its
+    /// node, from x over y, and v from the pole on that axis to the other.
+    Round(Round<'a>),
+}
+
+/// A triangle with its corners.
+#[derive(Clone, Copy)]
+pub struct Flat<'a> {
     corners: [Vec3; 3],
     of: &'a Corners,
     row: usize,
     instance: Option<&'a Instance>,
 }
 
+/// A sphere with the axes of its node.
+#[derive(Clone, Copy)]
+pub struct Round<'a> {
+    sphere: &'a Sphere,
+    surface: &'a Surface,
+}
+
 impl Shapes {
-    /// A primitive, if it is a triangle.
+    /// A primitive, if there is one of this number.
     #[inline]
     pub fn painted(&self, primitive: u32) -> Option<Painted<'_>> {
-        if let Some(triangle) = self.triangles.get(primitive as usize) {
-            let (corners, of, row) = (triangle.corners, &self.corners, primitive as usize);
-            return Some(Painted { corners, of, row, instance: None });
+        let row = primitive as usize;
+        if let Some(triangle) = self.triangles.get(row) {
+            let (corners, of) = (triangle.corners, &self.corners);
+            return Some(Painted::Flat(Flat { corners, of, row, instance: None }));
+        }
+        if let Some(sphere) = self.spheres.get(row - self.triangles.len()) {
+            let surface = &self.surfaces[self.surface_of_primitive[row] as usize];
+            return Some(Painted::Round(Round { sphere, surface }));
         }
         let (instance, object, row) = self.instanced.find(primitive)?;
         let (corners, of) = (object.triangles[row].corners, &object.corners);
-        Some(Painted { corners, of, row, instance: Some(instance) })
+        Some(Painted::Flat(Flat { corners, of, row, instance: Some(instance) }))
     }
 }
 
@@ -170,20 +200,140 @@ where
 }
 
 impl Painted<'_> {
+    /// The weights where a ray has hit it, by those of a triangle and by the point.
+    #[inline]
+    pub fn weights(&self, of_triangle: [f32; 2], position: Vec3) -> [f32; 2] {
+        match self {
+            Self::Flat(_) => of_triangle,
+            Self::Round(round) => round.coordinates(position),
+        }
+    }
+
+    /// The weights at a point of it in the world.
+    pub fn weights_at(&self, position: Vec3) -> [f32; 2] {
+        match self {
+            Self::Flat(flat) => flat.weights_at(position),
+            Self::Round(round) => round.coordinates(position),
+        }
+    }
+
     /// Texture coordinates of a set.
     #[inline]
     pub fn coordinates(&self, set: usize, weights: [f32; 2]) -> Vec2 {
-        between(self.of.coordinates_of(set, self.row), weights)
+        match self {
+            Self::Flat(flat) => flat.coordinates(set, weights),
+            Self::Round(_) => weights.into(),
+        }
     }
 
     /// The colors of the corners.
     #[inline]
     pub fn colors(&self) -> [Vec4; 3] {
-        self.of.colors.get(self.row).copied().unwrap_or([Vec4::ONE; 3])
+        match self {
+            Self::Flat(flat) => flat.of.colors.get(flat.row).copied().unwrap_or([Vec4::ONE; 3]),
+            Self::Round(_) => [Vec4::ONE; 3],
+        }
     }
 
-    /// The weights of the second and third corner at a point of the triangle in the world.
-    pub fn weights_at(&self, position: Vec3) -> [f32; 2] {
+    /// Unit vectors to the right and up of a picture, in the world and about a unit normal: those
+    /// of the mesh, or those along which its coordinates, `place` of a set, change. None where
+    /// they do not.
+    pub fn frame(
+        &self,
+        (set, place): (usize, impl Fn(Vec2) -> Vec2),
+        weights: [f32; 2],
+        normal: Vec3,
+    ) -> Option<[Vec3; 2]> {
+        let stated = match self {
+            Self::Flat(flat) => flat.tangent(weights),
+            Self::Round(_) => None,
+        };
+        let (right, side) = match stated {
+            Some(stated) => stated,
+            None => {
+                let ([right, down], area) = self.edges(set, place, normal).along_coordinates();
+                let [right, down] = [right, down].map(|along| along * area.signum());
+                if area == 0.0 || !area.is_finite() {
+                    return None;
+                }
+                (right, normal.cross(right).dot(-down))
+            }
+        };
+        let right = right.reject_from_normalized(normal).try_normalize()?;
+        Some([right, normal.cross(right) * side.signum()])
+    }
+
+    /// How places change with the first coordinate of a set, and with the second, at the unit
+    /// `normal` without a relief. None where they do not.
+    pub fn derivatives(&self, set: usize, normal: Vec3) -> Option<[Vec3; 2]> {
+        let (along, area) = self.edges(set, |place| place, normal).along_coordinates();
+        let along = along.map(|along| along / area);
+        along.iter().all(|along| along.is_finite()).then_some(along)
+    }
+
+    /// About the root of the number of texels that it shows of a picture of a size, in which its
+    /// coordinates are `place` of a set.
+    pub fn texels(&self, set: usize, place: impl Fn(Vec2) -> Vec2, size: [u32; 2]) -> f32 {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+            .map(|weights| place(self.coordinates(set, weights)));
+        let [right, down] = [1, 2].map(|corner| corners[corner] - corners[0]);
+        let [width, height] = size.map(|side| side as f32);
+        (right.perp_dot(down) * width * height).abs().sqrt()
+    }
+
+    /// Weights of points all over it, of which each stands for the same area: about half as many
+    /// as the square of the steps.
+    pub fn spread(&self, steps: usize) -> Vec<[f32; 2]> {
+        let mut all = Vec::new();
+        for i in 0..steps {
+            match self {
+                Self::Flat(_) => all.extend(
+                    (0..steps - i).map(|j| [i, j].map(|at| (at as f32 + 1.0 / 3.0) / steps as f32)),
+                ),
+                Self::Round(_) => all.extend((0..steps.div_ceil(2)).map(|j| {
+                    let rows = steps.div_ceil(2) as f32;
+                    let height = 1.0 - 2.0 * (j as f32 + 0.5) / rows;
+                    let angle = acos(f64::from(height)) as f32;
+                    [(i as f32 + 0.5) / steps as f32, angle * FRAC_1_PI]
+                })),
+            }
+        }
+        all
+    }
+
+    fn edges(&self, set: usize, place: impl Fn(Vec2) -> Vec2, normal: Vec3) -> Edges {
+        match self {
+            Self::Flat(flat) => flat.edges(set, place),
+            Self::Round(round) => round.edges(place, normal),
+        }
+    }
+}
+
+/// Two ways along a surface in the world, and how coordinates change on them.
+struct Edges {
+    ways: [Vec3; 2],
+    changes: [Vec2; 2],
+}
+
+impl Edges {
+    /// How places change with the first coordinate and with the second, times what these are
+    /// to be divided by.
+    #[inline]
+    fn along_coordinates(&self) -> ([Vec3; 2], f32) {
+        let [along, beside] = self.ways;
+        let [(b_u, b_v), (c_u, c_v)] = self.changes.map(<(f32, f32)>::from);
+        let area = b_u * c_v - c_u * b_v;
+        ([along * c_v - beside * b_v, beside * b_u - along * c_u], area)
+    }
+}
+
+impl Flat<'_> {
+    #[inline]
+    fn coordinates(&self, set: usize, weights: [f32; 2]) -> Vec2 {
+        between(self.of.coordinates_of(set, self.row), weights)
+    }
+
+    fn weights_at(&self, position: Vec3) -> [f32; 2] {
         let position = match self.instance {
             Some(it) => it.to_object * (Vec3A::from(position) - it.to_world.translation),
             None => position.into(),
@@ -199,38 +349,45 @@ impl Painted<'_> {
         [u as f32, v.clamp(0.0, 1.0 - u) as f32]
     }
 
-    /// Unit vectors to the right and up of a picture, in the world and about a unit normal: those
-    /// of the mesh, or those along which its coordinates, `place` of a set, change. None where
-    /// they do not.
-    pub fn frame(
-        &self,
-        (set, place): (usize, impl Fn(Vec2) -> Vec2),
-        weights: [f32; 2],
-        normal: Vec3,
-    ) -> Option<[Vec3; 2]> {
-        let (to_world, turns) = match self.instance {
-            Some(it) => (it.to_world.matrix3, it.to_world.matrix3.determinant() < 0.0),
-            None => (Mat3A::IDENTITY, false),
-        };
-        let stated = self.of.tangents.get(self.row).map(|tangents| between(*tangents, weights));
-        let (right, side) = match stated {
-            Some(tangent) if tangent.w != 0.0 && tangent.xyz() != Vec3::ZERO => {
-                (to_world * tangent.xyz(), if turns { -tangent.w } else { tangent.w })
-            }
-            Some(_) | None => {
-                let [a, b, c] = self.of.coordinates_of(set, self.row).map(place);
-                let ((b_u, b_v), (c_u, c_v)) = ((b - a).into(), (c - a).into());
-                let area = b_u * c_v - c_u * b_v;
-                let [along, beside] = [1, 2].map(|corner| self.corners[corner] - self.corners[0]);
-                let right = to_world * (along * c_v - beside * b_v) * area.signum();
-                let down = to_world * (beside * b_u - along * c_u) * area.signum();
-                if area == 0.0 || !area.is_finite() {
-                    return None;
-                }
-                (right, normal.cross(right).dot(-down))
-            }
-        };
-        let right = right.reject_from_normalized(normal).try_normalize()?;
-        Some([right, normal.cross(right) * side.signum()])
+    fn to_world(&self) -> Mat3A {
+        self.instance.map_or(Mat3A::IDENTITY, |it| it.to_world.matrix3)
+    }
+
+    /// The tangent that the mesh states, in the world, and on which side of it up is.
+    fn tangent(&self, weights: [f32; 2]) -> Option<(Vec3, f32)> {
+        let tangent = between(*self.of.tangents.get(self.row)?, weights);
+        let is_stated = tangent.w != 0.0 && tangent.xyz() != Vec3::ZERO;
+        let to_world = self.to_world();
+        let turns = self.instance.is_some() && to_world.determinant() < 0.0;
+        let side = if turns { -tangent.w } else { tangent.w };
+        is_stated.then(|| (to_world * tangent.xyz(), side))
+    }
+
+    fn edges(&self, set: usize, place: impl Fn(Vec2) -> Vec2) -> Edges {
+        let [a, b, c] = self.of.coordinates_of(set, self.row).map(place);
+        let to_world = self.to_world();
+        let ways = [1, 2].map(|corner| to_world * (self.corners[corner] - self.corners[0]));
+        Edges { ways, changes: [b - a, c - a] }
+    }
+}
+
+impl Round<'_> {
+    fn coordinates(&self, position: Vec3) -> [f32; 2] {
+        let Surface { axis_x, axis_y, axis_z, .. } = self.surface;
+        let normal = (position - self.sphere.center).as_dvec3();
+        let [x, y, z] = [axis_x, axis_y, axis_z].map(|axis| normal.dot(axis.as_dvec3()));
+        let turn = atan2(y, x) as f32 * (0.5 * FRAC_1_PI);
+        let v = atan2(hypot(x, y), z) as f32 * FRAC_1_PI;
+        [if turn < 0.0 { turn + 1.0 } else { turn }, v]
+    }
+
+    fn edges(&self, place: impl Fn(Vec2) -> Vec2, normal: Vec3) -> Edges {
+        let Surface { axis_x, axis_y, axis_z, .. } = self.surface;
+        let (radius, cosine) = (self.sphere.radius, normal.dot(*axis_z));
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let round = axis_x.cross(*axis_y).cross(normal) * (2.0 * PI * radius);
+        let down = (normal * cosine - *axis_z) / sine * (PI * radius);
+        let start = place(Vec2::ZERO);
+        Edges { ways: [round, down], changes: [Vec2::X, Vec2::Y].map(|step| place(step) - start) }
     }
 }

@@ -1,10 +1,12 @@
-//! What textures say at points of triangles, at the wavelengths of a render.
+//! What textures say at points of primitives, at the wavelengths of a render.
 
 use glam::{Vec2, Vec3, Vec4Swizzles};
 
 use super::baked::LEAST_COSINE;
 use super::corners::Painted;
-use super::world::{Coverage, Paint, Relief, ReliefFrame, SurfaceModel, Taps, Textures};
+use super::world::{
+    Coverage, Paint, Reads, Relief, ReliefFrame, ReliefOf, Stain, SurfaceModel, Taps, Textures,
+};
 use crate::spectrum::{Carried, Role, Spectrum, lit};
 
 /// The textures of all materials.
@@ -52,6 +54,22 @@ impl<const N: usize> Painting<N> {
     /// What a material emits at a point.
     pub fn radiance(&self, paint: &Paint, at: (&Painted, [f32; 2])) -> [f32; N] {
         lit(self.value(paint, Some(Role::Coefficient), at), &self.carried)
+    }
+
+    /// What the stain of a material leaves of light that is reflected, and of what goes through.
+    pub fn stain(&self, stain: &Stain, at: (&Painted, [f32; 2])) -> [[f32; N]; 2] {
+        [&stain.reflected, &stain.transmitted].map(|paint| match paint {
+            Some(paint) => self.value(paint, Some(Role::Reflectance), at),
+            None => [1.0; N],
+        })
+    }
+
+    /// About the mean of the same over all places.
+    pub fn mean_stain(&self, stain: &Stain) -> [[f32; N]; 2] {
+        [&stain.reflected, &stain.transmitted].map(|paint| match paint {
+            Some(paint) => columns(paint.mean(), Some(Role::Reflectance), &self.carried),
+            None => [1.0; N],
+        })
     }
 
     fn value(&self, paint: &Paint, role: Option<Role>, at: (&Painted, [f32; 2])) -> [f32; N] {
@@ -128,27 +146,14 @@ pub fn coverage_at(coverage: &Coverage, (on, weights): (&Painted, [f32; 2])) -> 
 /// front of the geometric one.
 pub fn normal_at(
     relief: &Relief,
-    (on, weights): (&Painted, [f32; 2]),
+    at: (&Painted, [f32; 2]),
     [shading, geometric]: [Vec3; 2],
 ) -> Vec3 {
-    let texture = &relief.texture;
-    let place = |at: Vec2| match relief.frame {
-        ReliefFrame::Picture => texture.place(at),
-        ReliefFrame::Mesh => at,
+    let own = match relief.of {
+        ReliefOf::Normals(frame) => of_normals(relief, frame, at, shading),
+        ReliefOf::Heights(reads) => of_heights(relief, reads, at, shading),
     };
-    let Some([right, up]) = on.frame((texture.set, place), weights, shading) else {
-        return shading;
-    };
-    let up = match relief.frame {
-        ReliefFrame::Picture => up,
-        ReliefFrame::Mesh => shading.cross(right),
-    };
-    let texel = glam::Vec4::from(texture.at(on.coordinates(texture.set, weights)));
-    let own = 2.0 * texel.xyz() - 1.0;
-    let own = Vec3::new(own.x * relief.scale, own.y * relief.scale, own.z);
-    let Some(normal) = (right * own.x + up * own.y + shading * own.z).try_normalize() else {
-        return shading;
-    };
+    let Some(normal) = own.and_then(Vec3::try_normalize) else { return shading };
     let cosine = normal.dot(geometric);
     if cosine >= LEAST_COSINE {
         return normal;
@@ -156,7 +161,49 @@ pub fn normal_at(
     (normal + geometric * (LEAST_COSINE - cosine)).try_normalize().unwrap_or(shading)
 }
 
-/// The mean over a triangle of what it emits, relative to the factor of the paint: what emitters
+/// What a picture of normals says, of any length.
+fn of_normals(
+    relief: &Relief,
+    frame: ReliefFrame,
+    (on, weights): (&Painted, [f32; 2]),
+    shading: Vec3,
+) -> Option<Vec3> {
+    let texture = &relief.texture;
+    let place = |at: Vec2| match frame {
+        ReliefFrame::Picture => texture.place(at),
+        ReliefFrame::Mesh => at,
+    };
+    let [right, up] = on.frame((texture.set, place), weights, shading)?;
+    let up = match frame {
+        ReliefFrame::Picture => up,
+        ReliefFrame::Mesh => shading.cross(right),
+    };
+    let texel = glam::Vec4::from(texture.at(on.coordinates(texture.set, weights)));
+    let own = 2.0 * texel.xyz() - 1.0;
+    let own = Vec3::new(own.x * relief.scale, own.y * relief.scale, own.z);
+    Some(right * own.x + up * own.y + shading * own.z)
+}
+
+/// The normal of a surface that is raised by a picture of heights (Blinn 1978, "Simulation of
+/// wrinkled surfaces"), of any length. What is curved about it is left out, as is common.
+fn of_heights(
+    relief: &Relief,
+    reads: Reads,
+    (on, weights): (&Painted, [f32; 2]),
+    shading: Vec3,
+) -> Option<Vec3> {
+    let set = relief.texture.set;
+    let ways = on.derivatives(set, shading)?;
+    let slopes = relief.texture.slopes(on.coordinates(set, weights), reads);
+    let raised = |axis: usize| {
+        let flat = ways[axis].reject_from_normalized(shading);
+        flat + shading * (relief.scale * slopes[axis])
+    };
+    let normal = raised(0).cross(raised(1));
+    Some(if normal.dot(shading) < 0.0 { -normal } else { normal })
+}
+
+/// The mean over a primitive of what it emits, relative to the factor of the paint: what emitters
 /// are chosen by. Greater than zero unless nothing of the picture is.
 pub fn mean_share(textures: &Textures, on: &Painted) -> f64 {
     let Some(paint) = &textures.emission else { return 1.0 };
@@ -165,30 +212,22 @@ pub fn mean_share(textures: &Textures, on: &Painted) -> f64 {
     if whole == 0.0 {
         return 0.0;
     }
-    let steps = steps(paint, on);
-    let (mut sum, mut count) = (0.0, 0.0);
-    for i in 0..steps {
-        for j in 0..steps - i {
-            let weights = [i, j].map(|at| (at as f32 + 1.0 / 3.0) / steps as f32);
-            let [color] = [taps(paint, (on, weights)).mixed(|texel| paint.color(texel))];
-            let covered = textures.coverage.as_ref();
-            let share = covered.map_or(1.0, |it| coverage_at(it, (on, weights)));
-            sum += total(color) * f64::from(share);
-            count += 1.0;
-        }
+    let places = on.spread(steps(paint, on));
+    let mut sum = 0.0;
+    for &weights in &places {
+        let [color] = [taps(paint, (on, weights)).mixed(|texel| paint.color(texel))];
+        let covered = textures.coverage.as_ref();
+        let share = covered.map_or(1.0, |it| coverage_at(it, (on, weights)));
+        sum += total(color) * f64::from(share);
     }
     // What no sample has met may shine all the same.
-    (0.99 * sum / count + 0.01 * total(paint.mean())) / whole
+    (0.99 * sum / places.len() as f64 + 0.01 * total(paint.mean())) / whole
 }
 
-/// How many steps along an edge meet most texels of a triangle.
+/// How many steps along an edge meet most texels of a primitive.
 fn steps(paint: &Paint, on: &Painted) -> usize {
     const STEPS: [f32; 2] = [4.0, 64.0];
     let Some(texture) = &paint.texture else { return 1 };
-    let [width, height] = texture.picture.texels().size();
-    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
-        .map(|weights| texture.place(on.coordinates(texture.set, weights)));
-    let [right, down] = [1, 2].map(|corner| corners[corner] - corners[0]);
-    let texels = (right.perp_dot(down) * width as f32 * height as f32).abs();
-    texels.sqrt().clamp(STEPS[0], STEPS[1]) as usize
+    let texels = on.texels(texture.set, |at| texture.place(at), texture.picture.texels().size());
+    texels.clamp(STEPS[0], STEPS[1]) as usize
 }

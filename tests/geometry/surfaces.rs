@@ -25,6 +25,7 @@ pub fn scene_of(triangles: &[Triangle], spheres: &[Sphere]) -> Shapes {
         nested_material: 0,
         axis_x,
         axis_y,
+        axis_z: Vec3::Z,
         interior: KEEP,
         exterior: KEEP,
         unstated: [false; 2],

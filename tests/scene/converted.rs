@@ -72,8 +72,9 @@ fn all_textures(world: &World) -> Vec<String> {
         let coverage =
             textures.coverage.as_ref().map(|it| format!("{:?} {}", it.cutoff, told_of(&it.paint)));
         let relief = textures.relief.as_ref();
-        let relief = relief.map(|it| format!("{:?} {} {}", it.frame, it.scale, told(&it.texture)));
-        list.push(format!("{parameters:?} {emission:?} {coverage:?} {relief:?}"));
+        let relief = relief.map(|it| format!("{:?} {} {}", it.of, it.scale, told(&it.texture)));
+        let stain: Vec<String> = textures.stain.paints().map(told_of).collect();
+        list.push(format!("{parameters:?} {emission:?} {coverage:?} {relief:?} {stain:?}"));
     }
     let mut query = world.entities().query::<&Mesh>();
     // Coordinates of nothing need not be there.
@@ -117,6 +118,29 @@ fn put_pictures(folder: &Path) {
         .unwrap();
 }
 
+/// Materials with keys of the extension, with a texture and what else there is of them.
+fn of_the_extension(turned: &Value, pbr: &Value) -> Vec<Value> {
+    let extension = |body: Value| json!({"SUNSTONE_polarization": body});
+    vec![
+        json!({"extensions": extension(json!({"bsdf": "rough_conductor", "metal": "Al",
+            "alpha": 0.5, "alpha_texture": {"index": 0, "extensions": extension(json!(
+            {"channel": "green", "coding": "srgb", "transform": [[1, 0.5, 0], [0, 1, 3]]}))},
+            "coverage":
+                {"share": 0.5, "cutoff": 0.125, "texture": {"index": 2, "texCoord": 1}}}))}),
+        json!({"extensions": extension(json!({"bsdf": "dielectric", "ior": 1.4,
+            "reflected": [0.5, 0.25, 1], "reflected_texture": {"index": 0, "extensions":
+                extension(json!({"channel": "blue", "coding": "linear"}))},
+            "transmitted": 0.75, "transmitted_texture": turned,
+            "bump_texture": {"index": 2, "extensions": extension(json!({"channel": "red"}))},
+            "bump_scale": -0.25}))}),
+        json!({"pbrMetallicRoughness": pbr, "extensions": extension(json!({
+            "bsdf": "thin_dielectric", "transmitted": [1, 0.5, 0.25],
+            "coverage": {"share": 0.5, "texture": {"index": 2}}}))}),
+        json!({"extensions": extension(json!({"bsdf": "conductor", "metal": "Au",
+            "reflected": [0.5, 0.25, 1], "bump_texture": {"index": 1}}))}),
+    ]
+}
+
 #[test]
 fn textures_of_gltf_are_written_as_they_were() {
     let here = folder("of_gltf");
@@ -157,13 +181,9 @@ fn textures_of_gltf_are_written_as_they_were() {
         json!({"pbrMetallicRoughness": pbr, "extensions": {"KHR_materials_transmission":
         {"transmissionFactor": 1.0}, "KHR_materials_volume": {"thicknessFactor": 1.0}},
         }),
-        json!({"extensions": extension(json!({"bsdf": "rough_conductor", "metal": "Al",
-            "alpha": 0.5, "alpha_texture": {"index": 0, "extensions": extension(json!(
-            {"channel": "green", "coding": "srgb", "transform": [[1, 0.5, 0], [0, 1, 3]]}))},
-            "coverage":
-                {"share": 0.5, "cutoff": 0.125, "texture": {"index": 2, "texCoord": 1}}}))}),
     ];
-    for (index, material) in materials.into_iter().enumerate() {
+    let all = materials.into_iter().chain(of_the_extension(&turned, &pbr));
+    for (index, material) in all.enumerate() {
         for has_colors in [false, true] {
             let mut document = painted();
             document["materials"][0] = material.clone();
@@ -444,7 +464,7 @@ fn what_is_wrong_with_the_extensions_textures_is_told() {
         (rough(json!({"coverage": {"texture": {"index": 7}}})), "coverage.texture has no `index`"),
         (
             json!({"extensions": own(json!({"bsdf": "dielectric", "coverage": {"share": 0.5}}))}),
-            "what light goes through has no holes",
+            "have no holes",
         ),
         (
             json!({"extensions": own(json!({"bsdf": "diffuse", "alpha_texture": {"index": 0}}))}),

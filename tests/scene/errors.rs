@@ -212,7 +212,7 @@ fn materials_of_the_extension() {
             |d| material(d, json!({"bsdf": "diffuse", "shiny": 1})),
             &[
                 "material 0 \"glow\", SUNSTONE_polarization.shiny",
-                "axis_deg, birefringence, blocked, bsdf, coverage, distribution, emission",
+                "axis_deg, birefringence, blocked, bsdf, bump_scale, bump_texture, coverage",
             ],
         ),
         (|d| material(d, json!({"bsdf": "velvet"})), &["`velvet` is not a model", "conductor"]),

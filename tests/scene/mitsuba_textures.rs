@@ -10,7 +10,8 @@ use sunstone::internals::scene::world::{Mesh, World};
 use sunstone::internals::scene::{bake, load};
 use sunstone::internals::spectrum::Carried;
 use sunstone::world::{
-    Bsdf, Emission, Filter, Parameter, Reads, ReliefFrame, Texture, Textures, Transform, Wrap,
+    Bsdf, Emission, Filter, Parameter, Reads, ReliefFrame, ReliefOf, Stain, Texture, Textures,
+    Transform, Wrap,
 };
 
 use crate::common::{load_bytes, scratch};
@@ -71,6 +72,59 @@ fn checkerboards_have_the_values_that_mitsuba_says() {
         let found = places.map(|place| texture.at(Vec2::from(place))[0]);
         assert_eq!(found, expected, "{transform}");
     }
+}
+
+/// As `eval_1` says, which has the colors of `eval` the other way round.
+#[test]
+fn checkerboards_of_numbers_are_those_that_mitsuba_says() {
+    let board = |name: &str| CHECKERS.replace("name='reflectance'", &format!("name='{name}'"));
+    let inner = "<bsdf type='diffuse'/>";
+    let alpha = format!("<bsdf type='roughconductor'>{}</texture></bsdf>", board("alpha"));
+    let mask = format!("<bsdf type='mask'>{}</texture>{inner}</bsdf>", board("opacity"));
+    let weight =
+        format!("<bsdf type='blendbsdf'>{}</texture>{inner}{inner}</bsdf>", board("weight"));
+    for bsdf in [alpha, mask, weight] {
+        let textures = painted(&loaded(&format!("<shape type='rectangle'>{bsdf}</shape>")));
+        let paint = textures.paints().next().expect("it is painted");
+        let texture = paint.texture.as_ref().expect("by a picture");
+        let places = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]];
+        let found = places.map(|place| paint.color(texture.at(Vec2::from(place)))[0]);
+        assert_eq!(found, [0.7, 0.1, 0.1, 0.7], "{bsdf}");
+    }
+}
+
+#[test]
+fn colors_of_glass_and_metal_are_read() {
+    let load = |bsdf: &str| with_picture("stains", &format!("<shape type='sphere'>{bsdf}</shape>"));
+    let rgb = |name: &str| format!("<rgb name='{name}' value='0.2, 0.5, 0.9'/>");
+    let bitmap = |name: &str| {
+        format!(
+            "<texture type='bitmap' name='{name}'><string name='filename' value='b.png'/></texture>"
+        )
+    };
+    let [reflectance, transmittance] = ["specular_reflectance", "specular_transmittance"];
+    for kind in ["dielectric", "thindielectric", "roughdielectric"] {
+        let inner = rgb(reflectance) + &bitmap(transmittance);
+        let textures = painted(&load(&format!("<bsdf type='{kind}'>{inner}</bsdf>")).unwrap());
+        let reflected = textures.stain.reflected.expect("it is stated");
+        assert_eq!((reflected.factor, reflected.texture), ([0.2, 0.5, 0.9], None), "{kind}");
+        let transmitted = textures.stain.transmitted.expect("it is stated");
+        assert_eq!((transmitted.factor, transmitted.reads), ([1.0; 3], Reads::Color), "{kind}");
+        let size = transmitted.texture.map(|texture| texture.picture.texels().size());
+        assert_eq!(size, Some([2, 2]), "{kind}");
+    }
+    for kind in ["conductor", "roughconductor"] {
+        let bsdf = format!("<bsdf type='{kind}'>{}</bsdf>", bitmap(reflectance));
+        let Stain { reflected, transmitted } = painted(&load(&bsdf).unwrap()).stain;
+        assert!(reflected.is_some() && transmitted.is_none(), "{kind}");
+        let bsdf = format!("<bsdf type='{kind}'>{}</bsdf>", rgb(transmittance));
+        assert!(load(&bsdf).unwrap_err().contains("is no property"), "{kind}");
+    }
+    let more = "<bsdf type='dielectric'><float name='specular_transmittance' value='1.5'/></bsdf>";
+    assert!(load(more).unwrap_err().contains("must be within [0, 1]"));
+    let table = "<spectrum name='specular_transmittance' value='400:0.1, 700:0.9'/>";
+    let error = load(&format!("<bsdf type='dielectric'>{table}</bsdf>")).unwrap_err();
+    assert!(error.contains("is given by wavelength"), "{error}");
 }
 
 #[test]
@@ -163,10 +217,15 @@ fn coordinates_of_shapes_are_those_that_mitsuba_says() {
     }
 }
 
-/// Texture coordinates of the mesh of a world, where its surface is next to a point.
+/// Texture coordinates of the only shape of a world, where its surface is next to a point.
 fn coordinates_at(world: &World, point: DVec3) -> Vec2 {
     let mut query = world.entities().query::<(&Mesh, &Transform)>();
-    let (mesh, place) = query.iter().next().expect("there is a mesh");
+    let Some((mesh, place)) = query.iter().next() else {
+        let baked = bake::<1>(world, &Carried::at([550.0])).expect("it has a sphere");
+        let at = (point - baked.shapes.origin).as_vec3();
+        let on = baked.shapes.painted(0).expect("it is the only one");
+        return on.coordinates(0, on.weights_at(at));
+    };
     let geometry = &mesh.0;
     let mut best = (f64::INFINITY, Vec2::ZERO);
     for triangle in &geometry.triangles {
@@ -264,7 +323,13 @@ fn all_that_is_painted_is() {
     assert_eq!(painted(&world).coverage.unwrap().paint.factor, [0.25; 3]);
     let relief = load(format!("<bsdf type='normalmap'>{}{inner}</bsdf>", bitmap("normalmap", raw)));
     let relief = painted(&relief).relief.expect("it has normals of its own");
-    assert_eq!((relief.frame, relief.scale), (ReliefFrame::Mesh, 1.0));
+    assert_eq!((relief.of, relief.scale), (ReliefOf::Normals(ReliefFrame::Mesh), 1.0));
+    // The texture has any name.
+    let scale = "<float name='scale' value='0.25'/>";
+    let raised =
+        load(format!("<bsdf type='bumpmap'>{scale}{}{inner}</bsdf>", bitmap("bricks", raw)));
+    let relief = painted(&raised).relief.expect("it is raised");
+    assert_eq!((relief.of, relief.scale), (ReliefOf::Heights(Reads::Luminance), 0.25));
     let world = load(format!("<emitter type='area'>{}</emitter>", bitmap("radiance", "")));
     assert!(painted(&world).emission.is_some());
     let material = world.entities().query::<(&Bsdf, &Emission)>().iter().count();
@@ -297,6 +362,38 @@ fn normals_go_by_the_coordinates_of_the_mesh() {
 }
 
 #[test]
+fn what_is_wrong_with_heights_is_told() {
+    let bump = |inner: &str| {
+        format!("<shape type='rectangle'><bsdf type='bumpmap'>{inner}</bsdf></shape>")
+    };
+    let wood = "<texture type='bitmap' name='opacity'><string name='filename' value='b.png'/>\
+        </texture>";
+    let cases = [
+        (bump(""), "has no bsdf in it"),
+        (bump("<bsdf type='diffuse'/>"), "must have one texture in it"),
+        (bump(&format!("{wood}{wood}<bsdf type='diffuse'/>")), "must have one texture in it"),
+        (bump(&format!("{CHECKERS}</texture><bsdf type='diffuse'/>")), "have no slopes"),
+        (
+            bump(&format!(
+                "{wood}<bsdf type='bumpmap'>{}<bsdf type='diffuse'/></bsdf>",
+                wood.replace("opacity", "other")
+            )),
+            "a bumpmap within it",
+        ),
+        (
+            bump(&format!("{wood}<bsdf type='diffuse'/>"))
+                .replace("'rectangle'>", "'sphere'><boolean name='flip_normals' value='true'/>")
+                .replace("type='diffuse'", "type='dielectric'"),
+            "a relief on a sphere that is inside out",
+        ),
+    ];
+    for (body, expected) in cases {
+        let error = with_picture("wrong_heights", &body).map(|_| ()).unwrap_err();
+        assert!(error.contains(expected), "{error}\nis not: {expected}");
+    }
+}
+
+#[test]
 fn what_is_wrong_with_textures_is_told() {
     let bitmap = |inner: &str| {
         square(&format!(
@@ -316,12 +413,8 @@ fn what_is_wrong_with_textures_is_told() {
         (bitmap(&format!("{file}<float name='blur' value='1'/>")), "blur is no property"),
         (square(&CHECKERS.replace("float", "boolean").replace("0.1", "true")), "is not XML"),
         (
-            "<shape type='rectangle'><bsdf type='bumpmap'/></shape>".into(),
-            "`bumpmap` is not supported",
-        ),
-        (
             format!("<shape type='rectangle'>{mask}{wood}<bsdf type='dielectric'/></bsdf></shape>"),
-            "what light goes through has no holes",
+            "glass that refracts, and sheets, have no holes",
         ),
         (
             format!(

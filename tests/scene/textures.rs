@@ -10,8 +10,8 @@ use sunstone::internals::image::texels::Coding;
 use sunstone::internals::scene::{World, bake, load};
 use sunstone::internals::spectrum::Carried;
 use sunstone::world::{
-    Bsdf, Filter, Geometry, Lens, Parameter, Picture, Reads, Relief, ReliefFrame, Texture,
-    Textures, Transform, Wrap,
+    Bsdf, Filter, Geometry, Lens, Parameter, Picture, Reads, Relief, ReliefFrame, ReliefOf,
+    Texture, Textures, Transform, Wrap,
 };
 
 use crate::common::{data_uri, good, load_json, scratch, square_bytes};
@@ -294,7 +294,7 @@ fn frame(geometry: Geometry, place: DAffine3) -> [Vec3; 2] {
         set: 0,
         transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
     };
-    let relief = Some(Relief { texture, scale: 1.0, frame: ReliefFrame::Picture });
+    let relief = Some(Relief { texture, scale: 1.0, of: ReliefOf::Normals(ReliefFrame::Picture) });
     world.set_textures(material, Textures { relief, ..Textures::default() }).unwrap();
     world.add_mesh("mesh", geometry, material, Transform(place)).unwrap();
     world.set_environment(1.0).unwrap();
@@ -308,4 +308,45 @@ fn frame(geometry: Geometry, place: DAffine3) -> [Vec3; 2] {
     assert!((weights[0] - 1.0 / 3.0).abs() < 1e-5 && (weights[1] - 1.0 / 3.0).abs() < 1e-5);
     let normal = shapes.geometric_normal(0, middle);
     painted.frame((0, |at| at), weights, normal).expect("coordinates change")
+}
+
+/// The color of glTF's glass is that of light that goes through: of panes, and of solids, smooth
+/// and rough; alpha makes holes in panes and walls, and not in what refracts.
+#[test]
+fn glass_has_the_color_and_the_alpha_of_its_pictures() {
+    let glass = |roughness: f32, transmission: f32, more: Value| {
+        let mut document = painted();
+        document["materials"][0] = json!({"name": "painted", "alphaMode": "BLEND",
+            "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": roughness,
+                "baseColorFactor": [0.5, 1, 1, 0.5], "baseColorTexture": {"index": 0}},
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": transmission}}});
+        for (extension, body) in more.as_object().into_iter().flatten() {
+            document["materials"][0]["extensions"][extension] = body.clone();
+        }
+        load_json(&document).unwrap()
+    };
+    let solid = || json!({"KHR_materials_volume": {"thicknessFactor": 1}});
+    for (roughness, more, has_holes) in
+        [(0.0, json!({}), true), (0.0, solid(), false), (0.5, solid(), false)]
+    {
+        let world = glass(roughness, 1.0, more);
+        let Textures { stain, coverage, parameters, .. } =
+            textures(&world).expect("it has a color");
+        let transmitted = stain.transmitted.expect("it has a color");
+        assert_eq!((transmitted.factor, transmitted.reads), ([0.5, 1.0, 1.0], Reads::Color));
+        assert!(
+            transmitted.texture.is_some() && stain.reflected.is_none() && parameters.is_empty()
+        );
+        assert_eq!(coverage.is_some(), has_holes, "{roughness}");
+        let told = world.warnings().iter().any(|text| text.contains("alpha is ignored"));
+        assert_eq!(told, !has_holes, "{:?}", world.warnings());
+        bake::<1>(&world, &Carried::at([550.0])).expect("it renders");
+    }
+    // Walls by a share have holes, too, and a color of their own.
+    let world = glass(0.5, 0.5, json!({}));
+    let Textures { stain, coverage, parameters, .. } = textures(&world).expect("it has a color");
+    assert!(coverage.is_some() && !stain.is_some() && parameters[0].0 == Parameter::BaseColor);
+    // Clear as air, it is not there to have a color.
+    let world = glass(0.0, 1.0, json!({"KHR_materials_ior": {"ior": 1}}));
+    assert!(world.warnings().iter().any(|text| text.contains("the color of glass that does not")));
 }

@@ -3,23 +3,26 @@
 use std::io::Cursor;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use image::{ImageBuffer, ImageFormat, Rgba};
+use sunstone::Distribution;
 use sunstone::internals::image::texels::{Coding, Texels};
 use sunstone::internals::scene::World;
 use sunstone::world::{
-    Bsdf, Coverage, Filter, Geometry, Lens, Material, Paint, Parameter, Phase, Picture, Reads,
-    Relief, ReliefFrame, Texture, Textures, Transform, Wrap,
+    Bsdf, Coverage, Filter, Geometry, Layers, Lens, Material, Paint, Parameter, Phase, Picture,
+    Reads, Relief, ReliefFrame, ReliefOf, Stain, Texture, Textures, Transform, Wrap,
 };
 
 use super::random::Random;
 use super::scenes::{Named, v};
 
 /// All of them.
-pub const PAINTED: [Named; 7] = [
+pub const PAINTED: [Named; 9] = [
     ("painted metal", painted_metal),
     ("painted room", painted_room),
     ("painted lamp", painted_lamp),
+    ("painted globes", globes),
+    ("stained glass", stained_glass),
     ("relief", relief),
     ("sheets with holes", holes),
     ("lamp with holes under the sky", shining_holes),
@@ -171,13 +174,87 @@ fn painted_lamp() -> World {
     world
 }
 
+/// Balls: a colored one, a raised one that is a mirror, and a lamp.
+fn globes() -> World {
+    let mut world = stage(Textures::default());
+    let place = |center: DVec3| {
+        let turn = DAffine3::from_rotation_x(1.1) * DAffine3::from_rotation_y(-0.6);
+        Transform(DAffine3::from_translation(center) * turn)
+    };
+    let raised = |scale| {
+        let (texture, of) = (texture(noise(31, 6), Filter::Linear), ReliefOf::Heights(Reads::Red));
+        Some(Relief { texture, scale, of })
+    };
+    let glow = paint([9.0, 8.0, 7.0], texture(noise(33, 5), Filter::Linear));
+    let metal = Bsdf::metal("Al").expect("it is tabulated");
+    let balls = [
+        (
+            Material::from(Bsdf::diffuse(0.7)),
+            Textures { relief: raised(0.05), ..colored(texture(noise(32, 4), Filter::Linear)) },
+            (DVec3::new(-0.5, -0.5, 0.0), 0.45),
+        ),
+        (
+            Material::from(metal),
+            Textures { relief: raised(0.01), ..Textures::default() },
+            (DVec3::new(0.5, -0.6, 0.1), 0.35),
+        ),
+        (
+            Material::emitter([9.0, 8.0, 7.0]),
+            Textures { emission: Some(glow), ..Textures::default() },
+            (DVec3::new(0.2, 0.5, 0.2), 0.25),
+        ),
+    ];
+    for (material, textures, (center, radius)) in balls {
+        let material = world.add_material("", material).expect("sound");
+        world.set_textures(material, textures).expect("of this model");
+        world.add_sphere("", radius, material, place(center)).expect("sound");
+    }
+    world
+}
+
+/// Glass with pictures of color: a pane with holes, a smooth ball and a rough one.
+fn stained_glass() -> World {
+    let mut world = stage(Textures::default());
+    let stain = |seed| {
+        let color = |seed, factor| Some(paint(factor, texture(noise(seed, 3), Filter::Linear)));
+        let transmitted = color(seed, [1.0, 0.9, 0.8]);
+        Stain { reflected: color(seed + 1, [0.9, 1.0, 1.0]), transmitted }
+    };
+    let of = |seed| Textures { stain: stain(seed), ..Textures::default() };
+    let rough = Bsdf::RoughDielectric {
+        ior: 1.5.into(),
+        exterior_ior: 1.0.into(),
+        alpha: 0.3,
+        distribution: Distribution::Ggx,
+        multiple_scattering: true,
+    };
+    for (bsdf, seed, center) in [
+        (Bsdf::dielectric(1.5), 51, DVec3::new(-0.5, -0.5, 0.0)),
+        (rough, 53, DVec3::new(0.5, -0.5, -0.2)),
+    ] {
+        let material = world.add_material("", bsdf).expect("sound");
+        world.set_textures(material, of(seed)).expect("of this model");
+        world.add_sphere("", 0.4, material, center).expect("sound");
+    }
+    let leaf =
+        Layers { diffuse_transmission: 0.5, transmission: 0.3, ..Layers::plain(0.8, 0.0, 0.4) };
+    let holes = Textures { coverage: coverage(noise(57, 4), Some(0.4)), ..Textures::default() };
+    let shape = quad(v(-0.4, 0.3, 0.2), v(0.4, 0.1, 0.1), v(0.0, 0.3, -0.3));
+    add(&mut world, "leaf", (Bsdf::Layered { layers: leaf }.into(), holes), shape);
+    let holed = Textures { coverage: coverage(noise(56, 4), None), ..of(55) };
+    let pane = quad(v(0.1, 0.4, 0.0), v(0.6, 0.1, 0.0), v(0.0, 0.1, -0.6));
+    add(&mut world, "pane", (Bsdf::thin_dielectric(1.5).into(), holed), pane);
+    add(&mut world, "lamp", (Material::emitter(8.0), Textures::default()), panel(0.6));
+    world
+}
+
 fn relief() -> World {
     let texels = noise(4, 4);
     let relief = |scale| {
         Some(Relief {
             texture: texture(texels.clone(), Filter::Linear),
             scale,
-            frame: ReliefFrame::Picture,
+            of: ReliefOf::Normals(ReliefFrame::Picture),
         })
     };
     let bent = |scale| Textures { relief: relief(scale), ..Textures::default() };

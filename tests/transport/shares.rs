@@ -111,13 +111,3 @@ fn balls_that_emit_by_a_share_let_the_rest_through() {
         }
     }
 }
-
-/// What differs by place needs coordinates, and spheres have none.
-#[test]
-fn pictures_on_balls_are_refused() {
-    let mut world = World::new("refused");
-    let white = world.add_material("white", Bsdf::diffuse(1.0)).unwrap();
-    world.set_textures(white, columns(None)).unwrap();
-    let error = world.add_sphere("ball", 1.0, white, DVec3::ZERO).unwrap_err();
-    assert!(error.to_string().contains("spheres have no coordinates"), "{error}");
-}

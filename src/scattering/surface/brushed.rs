@@ -70,6 +70,13 @@ impl Brushed {
     }
 }
 
+impl Brushed {
+    /// The row in the table of the model that it is of.
+    pub fn row(&self) -> u32 {
+        self.part.row as u32
+    }
+}
+
 impl Surface for Brushed {
     fn scattered(&self) -> f32 {
         self.scattered

@@ -7,7 +7,7 @@ use super::{Material, SurfaceKind};
 pub enum Crossed {
     /// A model that lets it.
     Model(SurfaceKind),
-    /// Holes in what is of any model.
+    /// Holes in what is of any other model.
     Holes,
 }
 
@@ -35,9 +35,9 @@ impl Material {
     /// What light goes straight on through, if it does.
     #[inline(always)]
     pub const fn crossed(&self) -> Option<Crossed> {
-        match (self.has_holes, self.kind.is_straight_on()) {
-            (true, _) => Some(Crossed::Holes),
-            (false, true) => Some(Crossed::Model(self.kind)),
+        match (self.kind.is_straight_on(), self.has_holes) {
+            (true, _) => Some(Crossed::Model(self.kind)),
+            (false, true) => Some(Crossed::Holes),
             (false, false) => None,
         }
     }

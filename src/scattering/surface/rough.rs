@@ -12,8 +12,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::facing::Facing;
 use super::glossy::Lobes;
-use super::model::Drawn;
-use crate::math::{F32s, Real, Vector, warp};
+use super::model::{Drawn, ModelLanes};
+use crate::math::{F32s, Real, Vector, lanes, warp};
 use crate::polarization::albedo::mean_over_cosines;
 use crate::polarization::{
     ALPHA_MIN, Albedo, Block, Even, FacetReflection, Facets, Slopes, SpheroidBlock, fresnel, s_axis,
@@ -319,6 +319,22 @@ impl<R: Rough<N> + Copy, const N: usize> Lobes<N> for R {
         let plane = FacetPlane { normal: facing.shading_towards(k_out), axis, k_in, k_out };
         (Rough::kernels(self, &reflection, &plane), axis)
     }
+}
+
+/// What is left of light at eight rows, in `WAYS` ways that it goes, if it is not all of it.
+#[inline(never)]
+pub fn stains<M, const N: usize, const WAYS: usize>(
+    models: &ModelLanes<M>,
+    of: impl Fn(&M) -> Option<&[[f32; N]; WAYS]>,
+) -> Option<[[F32s; N]; WAYS]> {
+    let all = models.each();
+    if !all.iter().any(|model| of(model).is_some()) {
+        return None;
+    }
+    let left = |way: usize, n: usize| {
+        F32s::from(lanes::each(|lane| of(all[lane]).map_or(1.0, |stain| stain[way][n])))
+    };
+    Some(std::array::from_fn(|way| std::array::from_fn(|n| left(way, n))))
 }
 
 /// Mask of the reflections between directions that are both above the surface.

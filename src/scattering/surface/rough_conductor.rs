@@ -2,7 +2,7 @@
 
 use super::glossy::Glossy;
 use super::model::{ModelLanes, Surface, strongest};
-use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak};
+use super::rough::{FacetLobe, FacetPlane, Reflected, Rough, is_above, peak, stains};
 use crate::math::F32s;
 use crate::polarization::albedo::TERMS;
 use crate::polarization::{
@@ -25,6 +25,8 @@ pub struct RoughConductor<const N: usize> {
     /// What lossless facets reflect once.
     albedo: Albedo,
     reflected: Reflected<N>,
+    /// What is left of light that is reflected, if that is not all.
+    stain: Option<[[f32; N]; 1]>,
 }
 
 impl<const N: usize> RoughConductor<N> {
@@ -40,7 +42,12 @@ impl<const N: usize> RoughConductor<N> {
         let albedo = Albedo::of_facets(distribution, alpha);
         let beckmann = if distribution == Distribution::Beckmann { 1.0 } else { 0.0 };
         let reflected = Reflected::of(eta, k, &albedo, multiple_scattering);
-        Self { eta, k, alpha, beckmann, albedo, reflected }
+        Self { eta, k, alpha, beckmann, albedo, reflected, stain: None }
+    }
+
+    /// Leaves so much of light that is reflected.
+    pub fn stain(&mut self, stain: [f32; N]) {
+        self.stain = Some([stain]);
     }
 }
 
@@ -77,6 +84,7 @@ pub struct RoughConductors<const N: usize, S = Even> {
     /// Means over the wavelengths of what is reflected once, and several times.
     single: F32s,
     multiple: F32s,
+    stain: Option<[[F32s; N]; 1]>,
 }
 
 impl<const N: usize, S> RoughConductors<N, S> {
@@ -91,6 +99,7 @@ impl<const N: usize, S> RoughConductors<N, S> {
             gain: models.spectrum(|model| &model.reflected.gain),
             single: mean(&models.spectrum(|model| &model.reflected.single)),
             multiple: mean(&models.spectrum(|model| &model.reflected.multiple)),
+            stain: stains(models, |model| model.stain.as_ref()),
         }
     }
 
@@ -128,6 +137,9 @@ impl<const N: usize, S: Slopes> Rough<N> for RoughConductors<N, S> {
             let reflectance =
                 fresnel::conductor_reflectance(reflection.cos_half, self.eta[n], self.k[n]);
             *value = reflection.value.mul_add(reflectance, self.gain[n] * several);
+        }
+        if let Some([stain]) = &self.stain {
+            values.iter_mut().zip(stain).for_each(|(value, left)| *value *= *left);
         }
         values
     }

@@ -19,7 +19,7 @@ use std::f32::consts::FRAC_1_PI;
 use super::facing::Facing;
 use super::glossy::{Glossy, Lobes};
 use super::model::{Drawn, ModelLanes, Surface};
-use super::rough::{FacetLobe, Grazing, MISSING_MIN, NARROW, PDF_MIN, choose};
+use super::rough::{FacetLobe, Grazing, MISSING_MIN, NARROW, PDF_MIN, choose, stains};
 use crate::math::{F32s, Real, Vector, warp};
 use crate::polarization::albedo::{TERMS, mean_over_cosines};
 use crate::polarization::{
@@ -43,6 +43,8 @@ pub struct RoughDielectric<const N: usize> {
     /// 1 for Beckmann's distribution, else 0.
     beckmann: f32,
     sides: [OfSide; SIDES],
+    /// What is left of light that is reflected, and of what goes through, if that is not all.
+    stain: Option<[[f32; N]; 2]>,
 }
 
 /// What is given back of light that arrives on one side.
@@ -79,7 +81,13 @@ impl<const N: usize> RoughDielectric<N> {
             alpha,
             beckmann: if distribution == Distribution::Beckmann { 1.0 } else { 0.0 },
             sides: sides(mean, (&albedos, multiple_scattering), reflected),
+            stain: None,
         }
+    }
+
+    /// Leaves so much of light that is reflected, and of what goes through.
+    pub fn stain(&mut self, stain: [[f32; N]; 2]) {
+        self.stain = Some(stain);
     }
 }
 
@@ -148,6 +156,7 @@ pub struct RoughDielectrics<const N: usize, S = Even> {
     /// Whether all wavelengths have the same index.
     is_gray: bool,
     sides: [LanesOfSide; SIDES],
+    stain: Option<[[F32s; N]; 2]>,
 }
 
 /// See [`OfSide`].
@@ -293,6 +302,7 @@ impl<const N: usize, S> RoughDielectrics<N, S> {
             ior,
             is_gray: ior.iter().all(|of| of.simd_eq(ior[0]).all()),
             sides: [side(0), side(1)],
+            stain: stains(models, |model| model.stain.as_ref()),
         }
     }
 
@@ -328,6 +338,9 @@ impl<const N: usize, S: Slopes> Lobes<N> for RoughDielectrics<N, S> {
         let mut values = [at(0); N];
         for (n, value) in values.iter_mut().enumerate().take(self.kinds()).skip(1) {
             *value = at(n);
+        }
+        if let Some(stain) = &self.stain {
+            color(&mut values, stain, same);
         }
         values
     }
@@ -408,6 +421,15 @@ impl<const N: usize, S: Slopes> Lobes<N> for RoughDielectrics<N, S> {
             *kernel_n = kernel(&sided.once::<true>(n, given, k_out));
         }
         (kernels, s_axis(first.half, k_in))
+    }
+}
+
+/// Leaves what a stain does of values, of which these stay on their side.
+#[cold]
+fn color<const N: usize>(values: &mut [F32s; N], stain: &[[F32s; N]; 2], same: F32s) {
+    let [reflected, transmitted] = stain;
+    for (n, value) in values.iter_mut().enumerate() {
+        *value *= Real::select(same, reflected[n], transmitted[n]);
     }
 }
 

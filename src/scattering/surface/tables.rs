@@ -13,6 +13,10 @@ impl<const N: usize> Surfaces<N> {
         for (index, &baked::Material { ref model, two_sided }) in baked.iter().enumerate() {
             let textures = painting.and_then(|painting| painting.of(index));
             let Added { row, scattered, peak } = surfaces.add(model);
+            let stain = textures.map(|textures| &textures.stain).filter(|stain| stain.is_some());
+            if let Some((painting, stain)) = painting.zip(stain) {
+                surfaces.stain(model, row, painting.mean_stain(stain));
+            }
             surfaces.materials.push(Material {
                 kind: SurfaceKind::of(model),
                 row,
@@ -51,6 +55,20 @@ impl<const N: usize> Surfaces<N> {
     /// The row that a model becomes in its table.
     pub fn append(&mut self, model: &SurfaceModel<[f32; N]>) -> u32 {
         self.add(model).row
+    }
+
+    /// Gives a row of a model, of those that keep it, what is left of light that is reflected and
+    /// of what goes through.
+    pub fn stain(&mut self, model: &SurfaceModel<[f32; N]>, row: u32, stain: [[f32; N]; 2]) {
+        let kind = SurfaceKind::of(model);
+        if kind == SurfaceKind::RoughDielectric {
+            self.rough_dielectric[row as usize].stain(stain);
+        } else if kind == SurfaceKind::RoughConductor {
+            self.rough_conductor[row as usize].stain(stain[0]);
+        } else if let SurfaceModel::Brushed { of, .. } = model {
+            let row = self.brushed[row as usize].row();
+            self.stain(of, row, stain);
+        }
     }
 
     /// The materials, in the order of the baked ones.

@@ -401,18 +401,17 @@ impl Table {
             let emitter = match materials.get(surface.material as usize) {
                 Some(_) if brightness[surface.material as usize].mean == 0.0 => NONE,
                 None => NONE,
-                Some((_, two_sided, textures, leaves))
-                    if (primitive as usize) < shapes.triangles.len() =>
-                {
-                    let model = emitter::Triangle::new(shapes, primitive, *two_sided);
+                Some((refracts, two_sided, textures, leaves)) => {
                     let painted = textures.as_ref().zip(shapes.painted(primitive));
                     let share = painted.map_or(1.0, |(textures, on)| mean_share(textures, &on));
-                    self.add_share(shapes, model, lamp, share * leaves)
-                }
-                Some(&(refracts, two_sided, _, leaves)) => {
-                    let sides = [two_sided, !surface.is_opaque && !refracts];
-                    let model = emitter::Sphere::new(shapes, primitive, sides);
-                    self.add_share(shapes, model, lamp, leaves)
+                    if (primitive as usize) < shapes.triangles.len() {
+                        let model = emitter::Triangle::new(shapes, primitive, *two_sided);
+                        self.add_share(shapes, model, lamp, share * leaves)
+                    } else {
+                        let sides = [*two_sided, !surface.is_opaque && !refracts];
+                        let model = emitter::Sphere::new(shapes, primitive, sides);
+                        self.add_share(shapes, model, lamp, share * leaves)
+                    }
                 }
             };
             self.emitter_of_primitive.push(emitter);

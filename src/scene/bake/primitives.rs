@@ -191,6 +191,7 @@ fn surface(
         nested_material: if is_air { rows.air() } else { own_material },
         axis_x: to_world.matrix3.x_axis.normalize().as_vec3(),
         axis_y: to_world.matrix3.y_axis.normalize().as_vec3(),
+        axis_z: to_world.matrix3.z_axis.normalize().as_vec3(),
         interior,
         exterior,
         unstated: sides.map(|(_, is_unstated)| is_unstated),

@@ -106,9 +106,10 @@ impl Import<'_> {
             let of = self.part_index(&body, key)?;
             let label = document.label("materials", of);
             let textures = self.textures(Some(of), &label, (part, None))?;
-            if textures.relief.is_some() || textures.coverage.is_some() {
-                let problem =
-                    "has a normal map or holes, and parts of blends have none of their own";
+            let Textures { relief, coverage, stain, .. } = &textures;
+            if relief.is_some() || coverage.is_some() || stain.is_some() {
+                let problem = "has a normal map, holes or a color of its metal, and parts of \
+                               blends have none of their own";
                 let place = format!("{} ({label})", body.field(key));
                 return Err(SceneError::new(place, problem, "give them to the blend"));
             }

@@ -37,6 +37,8 @@ pub const MATERIAL: Keys = Keys {
         "birefringence",
         "blocked",
         "bsdf",
+        "bump_scale",
+        "bump_texture",
         "coverage",
         "distribution",
         "emission",
@@ -55,6 +57,8 @@ pub const MATERIAL: Keys = Keys {
         "metal",
         "multiple_scattering",
         "reflectance",
+        "reflected",
+        "reflected_texture",
         "retardance_deg",
         "roughness",
         "second",
@@ -62,6 +66,8 @@ pub const MATERIAL: Keys = Keys {
         "stokes",
         "thickness_um",
         "transmittance",
+        "transmitted",
+        "transmitted_texture",
         "weight",
         "weight_texture",
     ],
@@ -242,9 +248,15 @@ pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
         ("environment", "sky") => Some(&CLEAR_SKY),
         ("material", "film") => Some(&THIN_FILM),
         ("material", "coverage") => Some(&COVERAGE),
-        ("coverage", "texture") | ("material", "alpha_texture" | "weight_texture") => {
-            Some(&TEXTURE_INFO)
-        }
+        ("coverage", "texture")
+        | (
+            "material",
+            "alpha_texture"
+            | "bump_texture"
+            | "reflected_texture"
+            | "transmitted_texture"
+            | "weight_texture",
+        ) => Some(&TEXTURE_INFO),
         ("medium", "host") => Some(&HOST),
         ("medium", "milk") => Some(&MILK),
         ("medium", "particles") => Some(&PARTICLES),

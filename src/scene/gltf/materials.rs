@@ -29,9 +29,11 @@ use super::files::Files;
 use super::films;
 use super::gloss;
 use super::layers::{has_painted_wall, says_more};
+use super::own_textures::{BUMP_SCALE, BUMP_TEXTURE};
 use super::plastics;
 use super::sheets;
 use super::spectra::Part;
+use super::stains::{CONDUCTOR, DIELECTRIC, ROUGH_CONDUCTOR, ROUGH_DIELECTRIC, THIN_DIELECTRIC};
 use super::volume::Volume;
 use crate::math::Range;
 use crate::polarization::fresnel::k_of_reflectance;
@@ -84,8 +86,8 @@ const MODELS: [Model; 14] = [
         keys: &sheets::CIRCULAR,
         read: |body, _| sheets::circular_polarizer(body),
     },
-    Model { name: "conductor", keys: &["eta", "film", "k", "metal"], read: conductor },
-    Model { name: "dielectric", keys: &["exterior_ior", "film", "ior"], read: dielectric },
+    Model { name: "conductor", keys: &CONDUCTOR, read: conductor },
+    Model { name: "dielectric", keys: &DIELECTRIC, read: dielectric },
     Model { name: "diffuse", keys: &["reflectance"], read: diffuse },
     Model { name: "measured", keys: &["file"], read: measured },
     Model { name: "mueller", keys: &sheets::MUELLER, read: |body, _| sheets::mueller(body) },
@@ -95,39 +97,11 @@ const MODELS: [Model; 14] = [
     Model { name: "retarder", keys: &sheets::RETARDER, read: |body, _| sheets::retarder(body) },
     Model { name: "rough_conductor", keys: &ROUGH_CONDUCTOR, read: rough_conductor },
     Model { name: "rough_dielectric", keys: &ROUGH_DIELECTRIC, read: rough_dielectric },
-    Model { name: "thin_dielectric", keys: &["exterior_ior", "ior"], read: thin_dielectric },
-];
-/// Keys of rough metal.
-const ROUGH_CONDUCTOR: [&str; 12] = [
-    "alpha",
-    "alpha_texture",
-    "alpha_u",
-    "alpha_v",
-    "axis_deg",
-    "distribution",
-    "eta",
-    "film",
-    "k",
-    "metal",
-    "multiple_scattering",
-    "roughness",
-];
-/// Keys of rough glass.
-const ROUGH_DIELECTRIC: [&str; 11] = [
-    "alpha",
-    "alpha_texture",
-    "alpha_u",
-    "alpha_v",
-    "axis_deg",
-    "distribution",
-    "exterior_ior",
-    "film",
-    "ior",
-    "multiple_scattering",
-    "roughness",
+    Model { name: "thin_dielectric", keys: &THIN_DIELECTRIC, read: thin_dielectric },
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 5] = ["bsdf", "coverage", EMISSION, INCANDESCENT, STOKES];
+const OF_ALL: [&str; 7] =
+    ["bsdf", BUMP_SCALE, BUMP_TEXTURE, "coverage", EMISSION, INCANDESCENT, STOKES];
 
 impl Import<'_> {
     /// The entity of a material, which is added when it is first used.
@@ -267,7 +241,10 @@ impl Import<'_> {
             // Walls have a color of their own.
             let is_wall = matches!(bsdf, Bsdf::Layered { .. });
             let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
-            let volume = if is_wall { volume } else { volume.tinted([red, green, blue]) };
+            let volume = match self.has_even_color(index) && !is_wall {
+                true => volume.tinted([red, green, blue]),
+                false => volume,
+            };
             self.volumes.insert(index, volume);
         }
         Ok(bsdf)
@@ -297,6 +274,12 @@ impl Import<'_> {
         emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
         let emits = emission.radiance.values().iter().any(|value| *value > 0.0);
         Ok(emits.then_some(emission))
+    }
+
+    /// Whether neither a picture nor vertices change the color of a material of plain glTF.
+    fn has_even_color(&self, index: usize) -> bool {
+        let pbr = &self.document.value["materials"][index]["pbrMetallicRoughness"];
+        pbr["baseColorTexture"].is_null() && self.colors_of(Some(index)).is_none()
     }
 
     fn metallic_roughness(
@@ -329,10 +312,7 @@ impl Import<'_> {
             (layers.transmission, layers.diffuse_transmission) = (0.0, 0.0);
         }
         let is_wall = layers.transmission > 0.0;
-        // Panes through which lamps shine straight have no color; those that have one are walls.
-        let is_clear =
-            layers.base_color == WHITE && !is_painted && self.colors_of(Some(index)).is_none();
-        let is_pane = is_smooth && is_clear;
+        let is_pane = is_smooth && !of("metallicRoughnessTexture");
         let is_glass = metallic == 0.0
             && layers.transmission == 1.0
             && !has_painted_wall(value)
@@ -344,9 +324,13 @@ impl Import<'_> {
             }
             let may_be_rough =
                 of("metallicRoughnessTexture") || is_solid && facets::is_stated(value);
+            if layers.base_color != WHITE && is_solid && self.has_even_color(index) {
+                let text = "the color of the glass is what it absorbs over its thicknessFactor";
+                self.warnings.add(label, text);
+            }
             // Not that of brighter facets.
             let layers = Layers { ior: khr_ior(material), ..layers };
-            self.glass(&layers, (is_solid, may_be_rough), label)
+            glass(&layers, (is_solid, may_be_rough))
         } else if is_wall || says_more(value, &layers) {
             if is_wall && is_solid {
                 let text = "is glass by a share: light goes through it without being refracted";
@@ -366,31 +350,20 @@ impl Import<'_> {
         })?;
         Ok(bsdf)
     }
+}
 
-    /// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
-    fn glass(
-        &mut self,
-        layers: &Layers<Spectrum>,
-        (is_solid, is_painted): (bool, bool),
-        label: &str,
-    ) -> Bsdf {
-        if layers.base_color != WHITE {
-            let text = "the color of the glass is what it absorbs over its thicknessFactor";
-            self.warnings.add(label, text);
-        }
-        match *layers {
-            Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => {
-                Bsdf::RoughDielectric {
-                    ior: Spectrum::Constant(ior),
-                    exterior_ior: Spectrum::Constant(1.0),
-                    alpha,
-                    distribution: Distribution::Ggx,
-                    multiple_scattering: true,
-                }
-            }
-            Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
-            Layers { ior, .. } => Bsdf::thin_dielectric(ior),
-        }
+/// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.
+fn glass(layers: &Layers<Spectrum>, (is_solid, is_painted): (bool, bool)) -> Bsdf {
+    match *layers {
+        Layers { ior, alpha, .. } if alpha >= ALPHA_MIN || is_painted => Bsdf::RoughDielectric {
+            ior: Spectrum::Constant(ior),
+            exterior_ior: Spectrum::Constant(1.0),
+            alpha,
+            distribution: Distribution::Ggx,
+            multiple_scattering: true,
+        },
+        Layers { ior, .. } if is_solid => Bsdf::dielectric(ior),
+        Layers { ior, .. } => Bsdf::thin_dielectric(ior),
     }
 }
 

@@ -34,6 +34,7 @@ mod poses;
 mod sheets;
 mod sides;
 mod spectra;
+mod stains;
 mod textures;
 mod unused;
 mod validate;

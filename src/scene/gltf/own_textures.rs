@@ -8,11 +8,14 @@ use super::textures::Slot;
 use crate::image::texels::Coding;
 use crate::math::Range;
 use crate::scene::error::SceneError;
-use crate::scene::world::{Bsdf, Coverage, Paint, Reads, Texture};
+use crate::scene::world::{Bsdf, Coverage, Paint, Reads, Relief, ReliefOf, Texture};
 
 /// Those of [`Texture::transform`].
 type Rows = [[f32; 3]; 2];
 
+/// A picture of heights, and how high 1 is in it.
+pub const BUMP_TEXTURE: &str = "bump_texture";
+pub const BUMP_SCALE: &str = "bump_scale";
 /// All codings.
 const CODINGS: [Coding; 2] = [Coding::Srgb, Coding::Linear];
 /// What of a texel can be a number, by name.
@@ -30,14 +33,30 @@ impl Import<'_> {
         &mut self,
         (body, key): (&Body, &str),
     ) -> Result<Option<(Texture, Reads)>, SceneError> {
+        self.own_texture_of((body, key), (Coding::Linear, Reads::Luminance))
+    }
+
+    /// The same of a color.
+    pub fn own_color(
+        &mut self,
+        (body, key): (&Body, &str),
+    ) -> Result<Option<(Texture, Reads)>, SceneError> {
+        self.own_texture_of((body, key), super::stains::MEANT)
+    }
+
+    fn own_texture_of(
+        &mut self,
+        (body, key): (&Body, &str),
+        (coding, reads): (Coding, Reads),
+    ) -> Result<Option<(Texture, Reads)>, SceneError> {
         let Some((info, field)) = body.value(key) else { return Ok(None) };
         Body::nested(info, field.to_owned(), &TEXTURE_INFO)?;
-        let (label, coding) = (field.to_owned(), Coding::Linear);
+        let label = field.to_owned();
         let slot = Slot { info, label, coding, more: &["channel"] };
         let Some(texture) = self.texture(&slot)? else { return Ok(None) };
         let own = Body::of(info, field, &TEXTURE)?;
         let reads = match own.word("channel")? {
-            None => Reads::Luminance,
+            None => reads,
             Some(name) => channel_of(name).ok_or_else(|| {
                 let names = CHANNELS.map(|(name, _)| name).join(", ");
                 let remedy = format!("use one of {names}");
@@ -80,6 +99,20 @@ impl Import<'_> {
             return Err(body.missing("alpha_texture", "give it the index of a texture"));
         };
         Ok(Paint { factor: [alpha; 3], texture: Some(texture), reads, by_vertices: false })
+    }
+
+    /// Normals by a picture of heights.
+    pub fn heights(&mut self, body: &Body) -> Result<Option<Relief>, SceneError> {
+        let scale = body.number(BUMP_SCALE)?;
+        let Some((texture, reads)) = self.own_texture((body, BUMP_TEXTURE))? else {
+            return match scale {
+                Some(_) => Err(body.missing(BUMP_TEXTURE, "the texture that is so high")),
+                None => Ok(None),
+            };
+        };
+        let scale = scale.unwrap_or(1.0);
+        Range::ANY.check(BUMP_SCALE, scale as f32).map_err(|fault| body.place(fault))?;
+        Ok(Some(Relief { texture, scale: scale as f32, of: ReliefOf::Heights(reads) }))
     }
 
     /// How much of a surface is there, by the extension.

@@ -17,14 +17,15 @@ use super::films;
 use super::gloss;
 use super::layers;
 use super::materials::{KHR_GLOSSY, KHR_UNLIT};
-use super::own_textures::own_words;
+use super::own_textures::{BUMP_TEXTURE, own_words};
+use super::stains::{self, BaseColor};
 use crate::image::texels::Coding;
 use crate::math::elementary::sin_cos;
 use crate::math::text::listed;
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{
     Bsdf, Coverage, Emission, Filter, Layers, Paint, Parameter, Picture, Reads, Relief,
-    ReliefFrame, Texture, Textures, Wrap, half_hash,
+    ReliefFrame, ReliefOf, Stain, Texture, Textures, Wrap, half_hash,
 };
 
 /// The key of shares of metal and roughness.
@@ -131,6 +132,12 @@ impl Import<'_> {
         let is_unlit = material["extensions"][KHR_UNLIT].is_object();
         self.paint_color(&mut textures, (&base, by_vertices), (is_unlit, bsdf, emission), label);
         let body = Body::of(material, label, &MATERIAL)?;
+        let color = BaseColor {
+            factor: stains::color_of(material),
+            texture: base.clone(),
+            by_vertices: by_vertices.is_some(),
+        };
+        textures.stain = findings.note(self.stain(&body, color, (bsdf, label))).unwrap_or_default();
         textures.coverage = match body.object("coverage", &COVERAGE)? {
             Some(own) => findings.note(self.own_coverage(&own)),
             None => self.coverage(material, (label, bsdf), base, by_vertices),
@@ -155,9 +162,7 @@ impl Import<'_> {
         if let (false, Some(texture), Some(emission)) = (is_unlit, glow, emission) {
             textures.emission = findings.note(painted_emission(texture, emission, label));
         }
-        let info = &material["normalTexture"];
-        let slot = Slot { more: &["frame"], ..slot(info, "normalTexture", Coding::Linear) };
-        let relief = self.relief(&slot, label);
+        let relief = self.relief(&material["normalTexture"], &body, label);
         textures.relief = findings.note(relief).flatten();
         findings.result()?;
         Ok(textures)
@@ -187,6 +192,7 @@ impl Import<'_> {
                     let paint = Paint { factor, texture, reads: Reads::Color, by_vertices };
                     textures.parameters.push((parameter, paint));
                 }
+                None if Stain::goes_with(bsdf)[1] => {}
                 None => {
                     let text = "color by textures and vertices is ignored: the model has none";
                     self.warnings.add_like("color by textures", label, text);
@@ -195,9 +201,31 @@ impl Import<'_> {
         }
     }
 
-    /// A normal map, if there is one.
-    fn relief(&mut self, slot: &Slot, label: &str) -> Result<Option<Relief>, SceneError> {
-        let Some(texture) = self.texture(slot)? else { return Ok(None) };
+    /// A picture of normals, or of heights, if there is one.
+    fn relief(
+        &mut self,
+        info: &Value,
+        body: &Body,
+        label: &str,
+    ) -> Result<Option<Relief>, SceneError> {
+        let normals = self.normals(info, label)?;
+        let heights = self.heights(body)?;
+        if normals.is_some() && heights.is_some() {
+            let problem = "and normalTexture exclude each other";
+            let field = body.field(BUMP_TEXTURE);
+            return Err(SceneError::new(field, problem, "take one of them away"));
+        }
+        Ok(normals.or(heights))
+    }
+
+    fn normals(&mut self, info: &Value, label: &str) -> Result<Option<Relief>, SceneError> {
+        let slot = Slot {
+            info,
+            label: format!("{label}, normalTexture"),
+            coding: Coding::Linear,
+            more: &["frame"],
+        };
+        let Some(texture) = self.texture(&slot)? else { return Ok(None) };
         self.doubt_normals(&texture, label);
         let scale = slot.info["scale"].as_f64().unwrap_or(1.0) as f32;
         let own = Body::of(slot.info, &slot.label, &TEXTURE)?;
@@ -209,7 +237,7 @@ impl Import<'_> {
                 return Err(SceneError::new(own.field("frame"), "is no frame", remedy));
             }
         };
-        Ok(Some(Relief { texture, scale, frame }))
+        Ok(Some(Relief { texture, scale, of: ReliefOf::Normals(frame) }))
     }
 
     /// Says that a normal map is none, where it is so.
@@ -256,14 +284,14 @@ impl Import<'_> {
         if is_even && coverage.of(factor) == 1.0 {
             return None;
         }
-        if bsdf.transmits() {
+        if !Textures::may_have_holes(bsdf) {
             // Models of our own have an alpha that is even for viewers which know none of them.
             let has_own =
                 || Body::of(material, label, &MATERIAL).is_ok_and(|body| body.has("bsdf"));
             if is_even && has_own() {
                 return None;
             }
-            let text = "alpha is ignored: light goes through the surface anyway";
+            let text = "alpha is ignored: light goes through the glass anyway";
             self.warnings.add_like("alpha", label, text);
             return None;
         }
@@ -344,10 +372,12 @@ impl Import<'_> {
             let (film, khr) = (&body["film"], &material["extensions"][films::KHR_IRIDESCENCE]);
             let of_films = films::PICTURES.map(|(key, ..)| &khr[key]);
             let own_films = films::OWN_PICTURES.map(|(key, _)| &film[key]);
-            let more = [&body["alpha_texture"], &body["coverage"]["texture"]];
+            let keys =
+                ["alpha_texture", BUMP_TEXTURE, stains::REFLECTED[1], stains::TRANSMITTED[1]];
+            let more = keys.map(|key| &body[key]).into_iter().chain([&body["coverage"]["texture"]]);
             let glossy = &material["extensions"][KHR_GLOSSY];
             let glossy = ["diffuseTexture", "specularGlossinessTexture"].map(|key| &glossy[key]);
-            let more = more.into_iter().chain(of_films).chain(own_films).chain(glossy);
+            let more = more.chain(of_films).chain(own_films).chain(glossy);
             for info in own.into_iter().chain(more).chain(layers::infos(material)) {
                 let texture = info["index"].as_u64();
                 let texture = texture.and_then(|it| document.value["textures"].get(it as usize));

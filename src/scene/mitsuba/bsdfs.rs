@@ -1,7 +1,10 @@
 //! What surfaces do to light: the types of `<bsdf>`.
 
 use super::fields::{Fields, Given};
-use super::spectra::{Kind, index_of_name};
+use super::glass::{
+    conductor, dielectric, facets, index, rough_conductor, rough_dielectric, thin_dielectric,
+};
+use super::spectra::Kind;
 use super::textures::{Use, Wanted};
 use super::tree::{Curve, NAME, Tag, Value};
 use crate::math::Range;
@@ -9,9 +12,9 @@ use crate::math::text::excerpt;
 use crate::polarization::Distribution;
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Action, Along, BLEND_DEPTH, Bsdf, Coat, Grain, Grid, InternalReflection, Parameter,
+    Action, BLEND_DEPTH, Bsdf, Coat, Grid, InternalReflection, Parameter, Textures,
 };
-use crate::spectrum::{Spectrum, metal, metal_names};
+use crate::spectrum::Spectrum;
 
 /// A surface as read.
 #[derive(Clone, Debug)]
@@ -24,6 +27,9 @@ pub struct Surface {
     pub wanted: Vec<Wanted>,
     /// How much of it is there all over, from 0 to 1.
     pub even: f32,
+    /// The shares that are left of light that it reflects and that goes through, where that is not
+    /// all of it.
+    pub stain: [Option<[f32; 3]>; 2],
     /// The parts of a blend.
     pub parts: Vec<Self>,
     /// Whether some part was smooth, and has the least rough facets now.
@@ -33,9 +39,15 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Whether it asks for a texture of a use.
-    fn wants(&self, used: Use) -> bool {
-        self.wanted.iter().any(|wanted| wanted.used == used)
+    /// Whether it has holes by a texture.
+    fn wants_holes(&self) -> bool {
+        self.wanted.iter().any(|wanted| wanted.used == Use::Opacity)
+    }
+
+    /// Whether its normals are by a texture.
+    fn wants_relief(&self) -> bool {
+        let is_relief = |used| matches!(used, Use::Normals | Use::Heights(_));
+        self.wanted.iter().any(|wanted| is_relief(wanted.used))
     }
 }
 
@@ -46,6 +58,7 @@ impl From<Bsdf> for Surface {
             two_sided: false,
             wanted: Vec::new(),
             even: 1.0,
+            stain: [None; 2],
             parts: Vec::new(),
             has_smooth_parts: false,
             measured: None,
@@ -60,11 +73,12 @@ pub const BLEND: &str = "blendbsdf";
 type Read = fn(&Fields) -> Result<Surface, SceneError>;
 
 /// The types that are known.
-const TYPES: [(&str, Read); 18] = [
+const TYPES: [(&str, Read); 19] = [
     (BLEND, blend),
+    ("bumpmap", bump_map),
     ("circular", |fields| circular(fields).map(one_sided)),
-    ("conductor", |fields| conductor(fields).map(one_sided)),
-    ("dielectric", |fields| dielectric(fields).map(one_sided)),
+    ("conductor", conductor),
+    ("dielectric", dielectric),
     ("diffuse", diffuse),
     ("mask", mask),
     ("measured_polarized", measured),
@@ -77,35 +91,8 @@ const TYPES: [(&str, Read); 18] = [
     ("roughconductor", rough_conductor),
     ("roughdielectric", rough_dielectric),
     ("roughplastic", rough_plastic),
-    ("thindielectric", |fields| thin_dielectric(fields).map(one_sided)),
+    ("thindielectric", thin_dielectric),
     ("twosided", two_sided),
-];
-
-/// Indices of refraction by name, at the line d (E. Hecht, "Optics").
-const INDICES: [(&str, f64); 23] = [
-    ("vacuum", 1.0),
-    ("helium", 1.000_036),
-    ("hydrogen", 1.000_132),
-    ("air", 1.000_277),
-    ("carbon dioxide", 1.000_45),
-    ("water", 1.333),
-    ("acetone", 1.36),
-    ("ethanol", 1.361),
-    ("carbon tetrachloride", 1.461),
-    ("glycerol", 1.4729),
-    ("benzene", 1.501),
-    ("silicone oil", 1.52045),
-    ("bromine", 1.661),
-    ("water ice", 1.31),
-    ("fused quartz", 1.458),
-    ("pyrex", 1.47),
-    ("acrylic glass", 1.49),
-    ("polypropylene", 1.49),
-    ("bk7", 1.5046),
-    ("sodium chloride", 1.544),
-    ("amber", 1.55),
-    ("pet", 1.575),
-    ("diamond", 2.419),
 ];
 
 /// Reads a surface.
@@ -177,128 +164,6 @@ pub fn diffuse_or_black(reflectance: Spectrum) -> Bsdf {
     }
 }
 
-/// An index of refraction: a number, or that of a substance.
-fn index(fields: &Fields, name: &str, default: &str) -> Result<f32, SceneError> {
-    let of_name = |wanted: &str| {
-        let found = INDICES.iter().find(|(known, _)| known.eq_ignore_ascii_case(wanted));
-        found.map(|(_, index)| *index as f32).ok_or_else(|| {
-            let problem = format!("`{}` is not known", excerpt(wanted, NAME));
-            let names: Vec<&str> = INDICES.iter().map(|(name, _)| *name).collect();
-            fields.wrong(name, problem, format!("give a number, or one of {}", names.join(", ")))
-        })
-    };
-    match fields.property(name).map(|property| &property.value) {
-        None => of_name(default),
-        Some(Value::Text(text)) => of_name(text),
-        Some(Value::Float(value)) => Ok(*value as f32),
-        Some(Value::Integer(value)) => Ok(*value as f32),
-        Some(other) => Err(fields.of_kind(name, other, "a float or the name of a substance")),
-    }
-}
-
-fn dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
-    let ior = index(fields, "int_ior", "bk7")?;
-    let exterior_ior = index(fields, "ext_ior", "air")?;
-    fields.factor_of_one("specular_reflectance")?;
-    fields.factor_of_one("specular_transmittance")?;
-    Ok(Bsdf::Dielectric { ior, exterior_ior })
-}
-
-fn thin_dielectric(fields: &Fields) -> Result<Bsdf, SceneError> {
-    let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
-    let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
-    fields.factor_of_one("specular_reflectance")?;
-    fields.factor_of_one("specular_transmittance")?;
-    Ok(Bsdf::ThinDielectric { ior, exterior_ior })
-}
-
-fn conductor(fields: &Fields) -> Result<Bsdf, SceneError> {
-    metal_index(fields).map(|[eta, k]| Bsdf::Conductor { eta, k })
-}
-
-/// Facets reflect once, as Mitsuba has it.
-fn rough_conductor(fields: &Fields) -> Result<Surface, SceneError> {
-    let [eta, k] = metal_index(fields)?;
-    let ([along, alpha], wanted) = roughness(fields)?;
-    let distribution = distribution(fields)?;
-    let bsdf = Bsdf::RoughConductor { eta, k, alpha, distribution, multiple_scattering: false };
-    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
-}
-
-/// Facets scatter once, as Mitsuba has it.
-fn rough_dielectric(fields: &Fields) -> Result<Surface, SceneError> {
-    let ior = Spectrum::Constant(index(fields, "int_ior", "bk7")?);
-    let exterior_ior = Spectrum::Constant(index(fields, "ext_ior", "air")?);
-    fields.factor_of_one("specular_reflectance")?;
-    fields.factor_of_one("specular_transmittance")?;
-    let ([along, alpha], wanted) = roughness(fields)?;
-    let distribution = distribution(fields)?;
-    let multiple_scattering = false;
-    let bsdf =
-        Bsdf::RoughDielectric { ior, exterior_ior, alpha, distribution, multiple_scattering };
-    Ok(Surface { wanted, ..brushed(bsdf, [along, alpha]).into() })
-}
-
-/// A model whose facets have these roughnesses along u and v: the second is the model's.
-fn brushed(bsdf: Bsdf, [along, across]: [f32; 2]) -> Bsdf {
-    match along == across {
-        true => bsdf,
-        false => Bsdf::brushed(bsdf, Grain::new(Along::Alpha(along))),
-    }
-}
-
-/// The roughness of facets along u and v, or a picture of it.
-fn roughness(fields: &Fields) -> Result<([f32; 2], Vec<Wanted>), SceneError> {
-    for name in ["alpha_u", "alpha_v"] {
-        if fields.picture(name).is_some() {
-            let problem = "pictures of facets that differ along u and v are not supported";
-            return Err(fields.wrong(name, problem, "use one, of `alpha`"));
-        }
-    }
-    match fields.wanted("alpha", Use::Parameter(Parameter::Alpha)) {
-        Some(wanted) => Ok(([1.0; 2], vec![wanted])),
-        None => Ok((alphas(fields)?, Vec::new())),
-    }
-}
-
-/// The roughness of facets, and how their normals are distributed.
-fn facets(fields: &Fields) -> Result<(f32, Distribution), SceneError> {
-    Ok((alpha(fields)?, distribution(fields)?))
-}
-
-fn distribution(fields: &Fields) -> Result<Distribution, SceneError> {
-    match fields.text("distribution")? {
-        None => Ok(Distribution::Beckmann),
-        Some(name) => Distribution::named(name).ok_or_else(|| {
-            let problem = format!("`{}` is not a distribution of facets", excerpt(name, NAME));
-            let remedy = format!("use {}", Distribution::ALL.map(Distribution::name).join(" or "));
-            fields.wrong("distribution", problem, remedy)
-        }),
-    }
-}
-
-/// The same along u and v.
-fn alpha(fields: &Fields) -> Result<f32, SceneError> {
-    let [along, across] = alphas(fields)?;
-    if along == across {
-        return Ok(along);
-    }
-    let problem = "facets of plastic that differ along u and v are not supported";
-    Err(fields.wrong("alpha_u", problem, "use `alpha`"))
-}
-
-fn alphas(fields: &Fields) -> Result<[f32; 2], SceneError> {
-    // How facets are drawn changes no image.
-    fields.boolean("sample_visible")?;
-    let alphas = match (stated_alpha(fields, "alpha_u")?, stated_alpha(fields, "alpha_v")?) {
-        (None, None) => [stated_alpha(fields, "alpha")?.unwrap_or(0.1); 2],
-        (Some(along), Some(across)) => [along, across],
-        (Some(_), None) => return Err(fields.wrong("alpha_v", "is missing", "state both")),
-        (None, Some(_)) => return Err(fields.wrong("alpha_u", "is missing", "state both")),
-    };
-    Ok(alphas.map(|alpha| alpha as f32))
-}
-
 /// What Mitsuba has is the model of Baek et al.: light that is reflected within is lost.
 fn polarized_plastic(fields: &Fields) -> Result<Surface, SceneError> {
     let of_facets = facets(fields)?;
@@ -346,47 +211,9 @@ fn plastic_of(
     Ok(Surface { wanted, ..bsdf.into() })
 }
 
-/// A roughness of facets, if there is one.
-fn stated_alpha(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
-    const REMEDY: &str =
-        "give one number from 0, smooth, to 1; rough surfaces are the same all over";
-    let alpha =
-        number(fields, name).map_err(|error| fields.wrong(name, error.problem(), REMEDY))?;
-    match alpha {
-        Some(alpha) if !(0.0..=1.0).contains(&alpha) => {
-            Err(fields.wrong(name, format!("{alpha} must be within [0, 1]"), REMEDY))
-        }
-        alpha => Ok(alpha),
-    }
-}
-
 /// A number, if there is one.
-fn number(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
+pub fn number(fields: &Fields, name: &str) -> Result<Option<f64>, SceneError> {
     fields.has(name).then(|| angle_deg(fields, name, 0.0)).transpose()
-}
-
-/// The index of refraction of a metal, and its extinction coefficient.
-fn metal_index(fields: &Fields) -> Result<[Spectrum; 2], SceneError> {
-    /// An index whose reflectance differs from 1 by 4e-9, where that of 0 does not.
-    const NOTHING: f64 = 1e-9;
-    fields.factor_of_one("specular_reflectance")?;
-    let material = fields.text("material")?.unwrap_or("none");
-    if fields.has("eta") || material == "none" {
-        // Nothing said is a perfect mirror.
-        let mut eta = fields.spectrum_or("eta", Kind::Index, 0.0)?;
-        if eta == Spectrum::Constant(0.0) {
-            eta = Spectrum::Constant(NOTHING as f32);
-        }
-        let k = fields.spectrum_or("k", Kind::Index, 1.0)?;
-        return Ok([eta, k]);
-    }
-    let symbol = material.strip_suffix("_palik").unwrap_or(material);
-    let (eta, k) = metal(symbol).ok_or_else(|| {
-        let problem = format!("`{}` is not tabulated", excerpt(material, NAME));
-        let remedy = format!("use one of {}, or give `eta` and `k`", metal_names().join(", "));
-        fields.wrong("material", problem, remedy)
-    })?;
-    Ok([eta, k].map(index_of_name))
 }
 
 /// An angle in degrees, the same at all wavelengths.
@@ -493,9 +320,14 @@ fn blend(fields: &Fields) -> Result<Surface, SceneError> {
 fn part(fields: &Fields, object: usize) -> Result<Surface, SceneError> {
     let own = fields.within(object);
     let mut surface = read(&own)?;
-    if surface.even < 1.0 || surface.wants(Use::Opacity) || surface.wants(Use::Relief) {
-        let problem = "a part of a blendbsdf has holes or a normalmap of its own";
+    if surface.even < 1.0 || surface.wants_holes() || surface.wants_relief() {
+        let problem = "a part of a blendbsdf has holes, a normalmap or a bumpmap of its own";
         return Err(own.refuse(problem, "put the whole blendbsdf into them"));
+    }
+    let is_stain = |used| matches!(used, Use::Reflected | Use::Transmitted);
+    if surface.stain != [None; 2] || surface.wanted.iter().any(|it| is_stain(it.used)) {
+        let problem = "a part of a blendbsdf has a color beside its index of refraction";
+        return Err(own.refuse(problem, "remove specular_reflectance"));
     }
     if surface.measured.is_some() {
         let problem = "measured reflectance in a blendbsdf is not supported";
@@ -525,7 +357,7 @@ fn two_sided(fields: &Fields) -> Result<Surface, SceneError> {
 /// A surface of which a share is there.
 fn mask(fields: &Fields) -> Result<Surface, SceneError> {
     let mut surface = inner(fields)?;
-    let has_holes = surface.even < 1.0 || surface.wants(Use::Opacity);
+    let has_holes = surface.even < 1.0 || surface.wants_holes();
     let wanted = fields.wanted("opacity", Use::Opacity);
     let opacity = match &wanted {
         Some(_) => Spectrum::Constant(1.0),
@@ -544,8 +376,8 @@ fn mask(fields: &Fields) -> Result<Surface, SceneError> {
     if has_holes {
         return Err(fields.refuse("has a mask within a mask", "multiply their opacities"));
     }
-    if surface.bsdf.transmits() {
-        let problem = "what light goes through has no holes";
+    if !Textures::may_have_holes(&surface.bsdf) {
+        let problem = "glass that refracts, and sheets, have no holes";
         return Err(fields.refuse(problem, "use an opacity of 1"));
     }
     surface.wanted.extend(wanted);
@@ -555,14 +387,43 @@ fn mask(fields: &Fields) -> Result<Surface, SceneError> {
 
 /// A surface with normals by a picture.
 fn normal_map(fields: &Fields) -> Result<Surface, SceneError> {
-    let mut surface = inner(fields)?;
-    if surface.wants(Use::Relief) {
-        return Err(fields.refuse("has a normalmap within a normalmap", "keep one"));
-    }
-    let Some(wanted) = fields.wanted("normalmap", Use::Relief) else {
+    let mut surface = flat(fields)?;
+    let Some(wanted) = fields.wanted("normalmap", Use::Normals) else {
         return Err(fields.wrong("normalmap", "is no picture", "give a texture of type bitmap"));
     };
-    // What is turned back over, and how it is shadowed, is the same for all here.
     surface.wanted.push(wanted);
+    Ok(surface)
+}
+
+/// A surface with normals by a picture of heights.
+fn bump_map(fields: &Fields) -> Result<Surface, SceneError> {
+    let mut surface = flat(fields)?;
+    let scale = fields.number("scale")?.unwrap_or(1.0) as f32;
+    if !scale.is_finite() {
+        return Err(fields.wrong(
+            "scale",
+            "is out of range",
+            "give a height in units of the scene",
+        ));
+    }
+    let [(name, _)] = fields.objects(Tag::Texture)[..] else {
+        return Err(fields.refuse("must have one texture in it", "give it one of type bitmap"));
+    };
+    let Some(wanted) = fields.wanted(name, Use::Heights(scale)) else {
+        return Err(fields.refuse("has a texture that is no picture", "give one of type bitmap"));
+    };
+    surface.wanted.push(wanted);
+    Ok(surface)
+}
+
+/// The surface within one that gives it normals.
+fn flat(fields: &Fields) -> Result<Surface, SceneError> {
+    // What is turned back over, and how it is shadowed, is the same for all here.
+    fields.ignore(&["flip_invalid_normals", "use_shadowing_function"]);
+    let surface = inner(fields)?;
+    if surface.wants_relief() {
+        let problem = "has a normalmap or a bumpmap within it";
+        return Err(fields.refuse(problem, "keep one of them"));
+    }
     Ok(surface)
 }

@@ -12,6 +12,7 @@ mod bsdfs;
 mod definitions;
 mod emitters;
 mod fields;
+mod glass;
 mod integrators;
 mod media;
 mod mesh;
@@ -43,7 +44,7 @@ use super::view::{LightChoice, View};
 use super::warnings::Warnings;
 use super::world::{
     Asked, Boundary, Bsdf, Filling, Geometry, Material, MeasuredTable, Mesh, Name, Picture, Sides,
-    Skin, Textures, Transform, World,
+    Skin, Transform, World,
 };
 use crate::image::read_bytes;
 use crate::spectrum::Spectrum;
@@ -280,10 +281,6 @@ impl Import<'_> {
         let is_inside_out = matches!(form.body, Body::Ball(_, true));
         let key = (bsdf, emitter, form.is_closed && emitter.is_some(), is_inside_out);
         let material = self.material(fields, key)?;
-        let form = match self.world.entities().satisfies::<&Textures>(material) {
-            true => self.painted(fields, form),
-            false => form,
-        };
         let bsdf = self.world.entities().get::<&Bsdf>(material).map(|bsdf| (*bsdf).clone());
         if let Ok(bsdf) = bsdf {
             self.check_sheet(fields, &bsdf, &form)?;
@@ -412,8 +409,8 @@ impl Import<'_> {
                 diffuse_or_black(Spectrum::Constant(reflectance)).into()
             }
         };
-        let Surface { mut bsdf, two_sided, mut wanted, even, parts, has_smooth_parts, measured } =
-            surface;
+        let Surface { mut bsdf, two_sided, mut wanted, even, stain, parts, .. } = surface;
+        let Surface { has_smooth_parts, measured, .. } = surface;
         if let Some(object) = measured {
             bsdf = self.measured(object)?;
         }
@@ -443,7 +440,10 @@ impl Import<'_> {
                 return refuse(problem, "use a bsdf that is not twosided");
             }
         }
-        let textures = self.textures((&wanted, &parts), even)?;
+        let textures = self.textures((&wanted, &parts), (even, stain))?;
+        if is_inside_out && textures.relief.is_some() {
+            return refuse("has a relief on a sphere that is inside out", "use a mesh");
+        }
         let put = self.world.put_material(Name(label.clone()), material);
         let entity = put.map_err(|fault| SceneError::at(&label, fault))?;
         if !textures.is_empty() {

@@ -247,52 +247,6 @@ fn sphere(_: &mut Import, fields: &Fields) -> Result<Form, SceneError> {
     Ok(Form { body: Body::Ball(ball, flip), to_world, has_axis: false, is_closed: !flip })
 }
 
-impl Import<'_> {
-    /// A shape that a texture can lie on: spheres become meshes, round to the eye and smooth.
-    pub fn painted(&mut self, fields: &Fields, form: Form) -> Form {
-        let Body::Ball(ball, flip) = form.body else { return form };
-        let text = "a sphere with textures is made of triangles";
-        self.warnings.add(&fields.label(), text);
-        let radius = ball.radius;
-        let geometry = globe(radius);
-        let body =
-            Body::Mesh(Arc::new(Soup { geometry, points: Vec::new() }.finished(false, flip)));
-        Form { body, ..form }
-    }
-}
-
-/// A sphere of triangles: u is the angle about z, v that from it.
-fn globe(radius: f64) -> Geometry {
-    const ROWS: u32 = CORNERS;
-    const COLUMNS: u32 = 2 * CORNERS;
-    let mut geometry = Geometry::default();
-    for row in 0..=ROWS {
-        for column in 0..=COLUMNS {
-            let [u, v] = [(column, COLUMNS), (row, ROWS)]
-                .map(|(at, count)| f64::from(at) / f64::from(count));
-            let ((sine, cosine), (y, x)) =
-                (sin_cos(PI * v), sin_cos(TAU * f64::from(column % COLUMNS) / f64::from(COLUMNS)));
-            let normal = DVec3::new(sine * x, sine * y, cosine);
-            geometry.positions.push((normal * radius).as_vec3());
-            geometry.normals.push(normal.as_vec3());
-            geometry.texture_coordinates.push(Vec2::new(u as f32, v as f32));
-        }
-    }
-    let at = |row: u32, column: u32| row * (COLUMNS + 1) + column;
-    for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
-        let [a, b] = [at(row, column), at(row, column + 1)];
-        let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
-        // At the poles one of the two has no area.
-        if row > 0 {
-            geometry.triangles.push([a, d, b]);
-        }
-        if row + 1 < ROWS {
-            geometry.triangles.push([a, c, d]);
-        }
-    }
-    geometry
-}
-
 /// A mesh of a file, read once for all shapes that want it alike.
 fn from_file(
     import: &mut Import,

@@ -12,8 +12,8 @@ use crate::image::texels::{Coding, Texels};
 use crate::math::text::excerpt;
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Coverage, Filter, Paint, Parameter, Picture, Reads, Relief, ReliefFrame, Texture, Textures,
-    Wrap, half_hash,
+    Coverage, Filter, Paint, Parameter, Picture, Reads, Relief, ReliefFrame, ReliefOf, Stain,
+    Texture, Textures, Wrap, half_hash,
 };
 
 /// The types that are pictures.
@@ -29,8 +29,13 @@ pub enum Use {
     Radiance,
     /// How much of it is there.
     Opacity,
-    /// Its normals.
-    Relief,
+    /// The share that is left of what it reflects, and of what goes through.
+    Reflected,
+    Transmitted,
+    /// Its normals, by a picture of these.
+    Normals,
+    /// Its normals, by a picture of heights, which are so much where that is 1.
+    Heights(f32),
 }
 
 /// A texture that a surface asks for.
@@ -64,15 +69,15 @@ impl Fields<'_> {
 
 impl Import<'_> {
     /// What a surface, whose blend may have `parts`, has asked for; `even` is how much of it is
-    /// there all over.
+    /// there all over, and `stain` the shares that are left of light all over.
     pub fn textures(
         &mut self,
         (wanted, parts): (&[Wanted], &[Surface]),
-        even: f32,
+        (even, stain): (f32, [Option<[f32; 3]>; 2]),
     ) -> Result<Textures, SceneError> {
         let mut textures = Textures::default();
         for part in parts {
-            let of = self.textures((&part.wanted, &part.parts), 1.0)?;
+            let of = self.textures((&part.wanted, &part.parts), (1.0, [None; 2]))?;
             textures.parts.push(of);
         }
         if textures.parts.iter().all(Textures::is_empty) {
@@ -93,20 +98,33 @@ impl Import<'_> {
                     textures.parameters.push((*parameter, paint(reads)));
                 }
                 Use::Radiance => textures.emission = Some(paint(Reads::Color)),
+                Use::Reflected => textures.stain.reflected = Some(paint(Reads::Color)),
+                Use::Transmitted => textures.stain.transmitted = Some(paint(Reads::Color)),
                 Use::Opacity => {
                     let paint = paint(Reads::Luminance);
                     textures.coverage = Some(Coverage { paint, cutoff: None });
                 }
-                Use::Relief => {
-                    let frame = ReliefFrame::Mesh;
-                    textures.relief = Some(Relief { texture, scale: 1.0, frame });
+                Use::Normals => {
+                    let of = ReliefOf::Normals(ReliefFrame::Mesh);
+                    textures.relief = Some(Relief { texture, scale: 1.0, of });
+                }
+                Use::Heights(scale) => {
+                    let of = ReliefOf::Heights(Reads::Luminance);
+                    textures.relief = Some(Relief { texture, scale: *scale, of });
                 }
             }
         }
+        let plain =
+            |factor| Paint { factor, texture: None, reads: Reads::Color, by_vertices: false };
         if even < 1.0 {
-            let factor = [even; 3];
-            let paint = Paint { factor, texture: None, reads: Reads::Color, by_vertices: false };
+            let paint = plain([even; 3]);
             textures.coverage = Some(Coverage { paint, cutoff: None });
+        }
+        let Stain { reflected, transmitted } = &mut textures.stain;
+        for (share, paint) in stain.iter().zip([reflected, transmitted]) {
+            if let Some(share) = share {
+                *paint = Some(plain(*share));
+            }
         }
         Ok(textures)
     }
@@ -174,7 +192,13 @@ impl Import<'_> {
 fn checkerboard(fields: &Fields, used: Use) -> Result<Texture, SceneError> {
     let kind = match used {
         Use::Radiance => Kind::Emission,
-        Use::Parameter(_) | Use::Opacity | Use::Relief => Kind::Share,
+        Use::Heights(_) => {
+            let problem = "is of steps, which have no slopes";
+            return Err(fields.refuse(problem, "use a texture of type bitmap"));
+        }
+        Use::Parameter(_) | Use::Opacity | Use::Reflected | Use::Transmitted | Use::Normals => {
+            Kind::Share
+        }
     };
     let color = |name: &str, or: f64| {
         let spectrum = fields.spectrum_or(name, kind, or)?;
@@ -184,6 +208,13 @@ fn checkerboard(fields: &Fields, used: Use) -> Result<Texture, SceneError> {
         })
     };
     let [dark, light] = [color("color0", 0.4)?, color("color1", 0.2)?];
+    // Mitsuba has its two colors the other way round where it wants numbers.
+    let is_number = match used {
+        Use::Parameter(parameter) => parameter.role().is_none(),
+        Use::Opacity => true,
+        Use::Radiance | Use::Reflected | Use::Transmitted | Use::Normals | Use::Heights(_) => false,
+    };
+    let [dark, light] = if is_number { [light, dark] } else { [dark, light] };
     let colors = vec![dark, light, light, dark];
     let is_usable = |value: &f32| value.is_finite() && *value >= 0.0;
     if !colors.as_flattened().iter().all(is_usable) {

@@ -401,7 +401,7 @@ impl World {
         place.check()?;
         self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
         self.check_once(&name, &mesh.0)?;
-        self.check_painted(skin.material, Some(&mesh.0))?;
+        self.check_painted(skin.material, &mesh.0)?;
         Ok(self.spawn(name, (place, mesh, MadeOf(skin.material), skin.boundary)))
     }
 
@@ -415,7 +415,6 @@ impl World {
         ball.check()?;
         Ball::check_place(&place)?;
         self.check_skin(&MadeOf(skin.material), &skin.boundary)?;
-        self.check_painted(skin.material, None)?;
         Ok(self.spawn(name, (place, ball, MadeOf(skin.material), skin.boundary)))
     }
 

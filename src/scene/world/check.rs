@@ -172,14 +172,13 @@ impl World {
                 }
                 let of = part::<&MadeOf>(entity)?;
                 self.check_skin(&of, &*part::<&Boundary>(entity)?)?;
-                self.check_painted(of.0, Some(&mesh.0))
+                self.check_painted(of.0, &mesh.0)
             }
             Kind::Sphere => {
                 part::<&Ball>(entity)?.check()?;
                 Ball::check_place(&*part::<&Transform>(entity)?)?;
                 let of = part::<&MadeOf>(entity)?;
-                self.check_skin(&of, &*part::<&Boundary>(entity)?)?;
-                self.check_painted(of.0, None)
+                self.check_skin(&of, &*part::<&Boundary>(entity)?)
             }
             Kind::Light => {
                 part::<&Transform>(entity)?.check()?;
@@ -223,21 +222,9 @@ impl World {
         Ok(())
     }
 
-    /// Refuses textures on what has no coordinates for them: spheres, and meshes without. A share
-    /// that is the same everywhere goes by none.
-    pub(super) fn check_painted(
-        &self,
-        material: Entity,
-        geometry: Option<&Geometry>,
-    ) -> Result<(), Fault> {
+    /// Refuses textures on meshes without coordinates for them. Spheres have their own.
+    pub(super) fn check_painted(&self, material: Entity, geometry: &Geometry) -> Result<(), Fault> {
         let Ok(textures) = self.entities.get::<&Textures>(material) else { return Ok(()) };
-        let Some(geometry) = geometry else {
-            if !textures.differ_by_place() {
-                return Ok(());
-            }
-            let problem = "has textures, and spheres have no coordinates for them";
-            return Err(Fault::new("material", problem, "use a mesh"));
-        };
         let sets = [&geometry.texture_coordinates, &geometry.texture_coordinates_1];
         let missing = textures.textures().find(|texture| sets[texture.set].is_empty());
         if let Some(texture) = missing {

@@ -35,7 +35,7 @@ impl Incandescent {
         if stokes.is_some() {
             return refuse("says how the light is polarized, and so does stokes", "keep one");
         }
-        if textures.is_some_and(Textures::feed_model) {
+        if textures.is_some_and(|textures| textures.feed_model() || textures.stain.is_some()) {
             return refuse("is of one surface, and textures paint it", "remove the textures");
         }
         match share(&bsdf.clone().simplified()) {

@@ -47,6 +47,7 @@ mod pattern;
 mod phase_matrix;
 mod photometry;
 mod plastic;
+mod relief;
 mod sampled;
 mod shape;
 mod sheet;
@@ -90,13 +91,12 @@ pub use self::phase_matrix::TabulatedMatrix;
 pub(super) use self::phase_matrix::{COLUMNS, check_wavelengths};
 pub use self::photometry::Photometry;
 pub use self::plastic::{Coat, InternalReflection};
+pub use self::relief::{Relief, ReliefFrame, ReliefOf};
 pub use self::shape::{Ball, Boundary, Filling, MadeOf, Skin};
 pub use self::sheet::{Action, Delay, Grid, Hand};
 pub(super) use self::texture::half_hash;
-pub use self::texture::{
-    Coverage, Filter, Paint, Picture, Reads, Relief, ReliefFrame, Taps, Texture, Wrap,
-};
-pub use self::textures::Textures;
+pub use self::texture::{Coverage, Filter, Paint, Picture, Reads, Taps, Texture, Wrap};
+pub use self::textures::{Stain, Textures};
 pub use self::thin_film::ThinFilm;
 pub use self::transform::Transform;
 

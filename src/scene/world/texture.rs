@@ -99,6 +99,32 @@ impl Picture {
         }
     }
 
+    /// That of the bytes of a file: PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR.
+    ///
+    /// # Errors
+    /// When it is none of these, or damaged, or has values that are negative or not finite.
+    pub fn read(bytes: &[u8]) -> Result<Self, SceneError> {
+        Self::decoded(bytes, "picture")
+    }
+
+    /// That of linear red, green and blue, in rows of a width from the top.
+    ///
+    /// # Errors
+    /// When they are no such rows, or some are negative or not finite.
+    pub fn of_colors(width: usize, colors: Vec<[f32; 3]>) -> Result<Self, SceneError> {
+        let refuse = |problem: String, remedy: &str| SceneError::new("picture", problem, remedy);
+        if width == 0 || colors.is_empty() || colors.len() % width != 0 {
+            let problem = format!("{} colors are no rows of {width}", colors.len());
+            return Err(refuse(problem, "give height times width colors"));
+        }
+        let bytes: Vec<u8> = colors.as_flattened().iter().flat_map(|it| it.to_le_bytes()).collect();
+        let texels = Texels::of_colors(width, colors);
+        match texels.find_unusable() {
+            Some(problem) => Err(refuse(problem, "clean the picture up")),
+            None => Ok(Self::new(texels, half_hash(&[&width.to_le_bytes()[..], &bytes].concat()))),
+        }
+    }
+
     /// That of a file of a picture, which errors call by a label.
     pub(in crate::scene) fn decoded(bytes: &[u8], label: &str) -> Result<Self, SceneError> {
         let texels = Texels::decode(bytes)
@@ -390,7 +416,7 @@ impl Texture {
 
 /// The two columns about a coordinate in a picture of so many, and the share of the second.
 #[inline]
-fn columns_about(at: f32, count: u32, wrap: Wrap, filter: Filter) -> ([u32; 2], f32) {
+pub(super) fn columns_about(at: f32, count: u32, wrap: Wrap, filter: Filter) -> ([u32; 2], f32) {
     // What is beyond all numbers is as good as anywhere.
     let at = if at.is_finite() { at } else { 0.0 };
     let within = match wrap {
@@ -507,27 +533,6 @@ impl Coverage {
             None => alpha.clamp(0.0, 1.0),
         }
     }
-}
-
-/// What shading normals by a picture are relative to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ReliefFrame {
-    /// Right and up of the picture as it lies on the surface, or the tangents of the mesh: glTF's.
-    Picture,
-    /// Right is where the first of the mesh's texture coordinates grows, whatever turns the
-    /// picture, and up is the normal cross right: Mitsuba's.
-    Mesh,
-}
-
-/// Shading normals by a picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Relief {
-    /// The picture: from 0 to 1 what is from -1 to 1 to the right, up, and out of it.
-    pub texture: Texture,
-    /// What the first two of these are multiplied by.
-    pub scale: f32,
-    /// Which directions right and up are.
-    pub frame: ReliefFrame,
 }
 
 #[cfg(test)]

@@ -16,6 +16,87 @@ pub struct Textures {
     pub relief: Option<Relief>,
     /// How much of it is there.
     pub coverage: Option<Coverage>,
+    /// The color of its glass or metal.
+    pub stain: Stain,
+}
+
+/// The color of glass and metal, beyond what their indices of refraction make of light: shares that
+/// are left of it whatever its direction and polarization. All of it, where nothing is said.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stain {
+    /// Of what is reflected.
+    pub reflected: Option<Paint>,
+    /// Of what goes through, each time.
+    pub transmitted: Option<Paint>,
+}
+
+impl Stain {
+    /// Both.
+    pub fn paints(&self) -> impl Iterator<Item = &Paint> {
+        self.reflected.iter().chain(&self.transmitted)
+    }
+
+    /// Whether there is one.
+    pub fn is_some(&self) -> bool {
+        self.paints().next().is_some()
+    }
+
+    /// Whether it differs from place to place.
+    pub fn differs(&self) -> bool {
+        self.paints().any(|paint| paint.texture.is_some() || paint.by_vertices)
+    }
+
+    /// Whether a model may have one of what it reflects, and of what it lets through.
+    pub fn goes_with(bsdf: &Bsdf) -> [bool; 2] {
+        match bsdf {
+            Bsdf::Brushed { of, .. } => Self::goes_with(of),
+            Bsdf::Filmed { .. } => [false; 2],
+            Bsdf::Conductor { .. } | Bsdf::FilmedConductor { .. } | Bsdf::RoughConductor { .. } => {
+                [true, false]
+            }
+            other => [Self::is_of_glass(other) && other.clone().simplified() != Bsdf::Null; 2],
+        }
+    }
+
+    /// Whether a model is glass, if only between equal indices of refraction.
+    pub(crate) fn is_of_glass(bsdf: &Bsdf) -> bool {
+        match bsdf {
+            Bsdf::Brushed { of, .. } | Bsdf::Filmed { of, .. } => Self::is_of_glass(of),
+            Bsdf::Dielectric { .. }
+            | Bsdf::DispersiveDielectric { .. }
+            | Bsdf::FilmedDielectric { .. }
+            | Bsdf::RoughDielectric { .. }
+            | Bsdf::ThinDielectric { .. } => true,
+            Bsdf::Absorber
+            | Bsdf::Conductor { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::RoughConductor { .. }
+            | Bsdf::Diffuse { .. }
+            | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
+            | Bsdf::Plastic { .. }
+            | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
+            | Bsdf::Polarizer { .. }
+            | Bsdf::Retarder { .. }
+            | Bsdf::Sheet { .. }
+            | Bsdf::Null => false,
+        }
+    }
+
+    /// Refuses what is more than all light, and what a model has not.
+    fn check(&self, bsdf: &Bsdf) -> Result<(), Fault> {
+        let of = [("reflected", &self.reflected), ("transmitted", &self.transmitted)];
+        for ((field, paint), has) in of.into_iter().zip(Self::goes_with(bsdf)) {
+            let Some(paint) = paint else { continue };
+            if !has {
+                let problem = "is of glass that refracts, or, if reflected, of metal";
+                return Err(Fault::new(field, problem, "take it away"));
+            }
+            paint.factor.into_iter().try_for_each(|it| Range::UNIT.check(field, it))?;
+        }
+        Ok(())
+    }
 }
 
 impl Textures {
@@ -28,8 +109,9 @@ impl Textures {
     pub(crate) fn check(&self, bsdf: &Bsdf) -> Result<(), Fault> {
         let Ok(mut model) = bsdf.sampled(|_, _, _| Ok::<_, Fault>([0.0; 1])) else { return Ok(()) };
         self.check_parameters(&mut model)?;
-        if self.coverage.is_some() && bsdf.transmits() {
-            let problem = "what light goes through has no holes";
+        self.stain.check(bsdf)?;
+        if self.coverage.is_some() && !Self::may_have_holes(bsdf) {
+            let problem = "glass that refracts, sheets and boundaries have no holes";
             return Err(Fault::new("alpha", problem, "make it opaque: alphaMode OPAQUE"));
         }
         for texture in self.textures() {
@@ -43,6 +125,32 @@ impl Textures {
         match &self.relief {
             Some(relief) => Range::ANY.check("scale", relief.scale),
             None => Ok(()),
+        }
+    }
+
+    /// Whether a model may be there by a share: what has nothing behind it, walls and panes.
+    pub fn may_have_holes(bsdf: &Bsdf) -> bool {
+        match bsdf {
+            Bsdf::ThinDielectric { .. } => bsdf.clone().simplified() != Bsdf::Null,
+            Bsdf::Absorber
+            | Bsdf::Diffuse { .. }
+            | Bsdf::Conductor { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::RoughConductor { .. }
+            | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
+            | Bsdf::Plastic { .. }
+            | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. } => true,
+            Bsdf::Brushed { of, .. } | Bsdf::Filmed { of, .. } => Self::may_have_holes(of),
+            Bsdf::Dielectric { .. }
+            | Bsdf::DispersiveDielectric { .. }
+            | Bsdf::FilmedDielectric { .. }
+            | Bsdf::RoughDielectric { .. }
+            | Bsdf::Polarizer { .. }
+            | Bsdf::Retarder { .. }
+            | Bsdf::Sheet { .. }
+            | Bsdf::Null => false,
         }
     }
 
@@ -73,10 +181,10 @@ impl Textures {
             return Err(Fault::new("textures", problem, "give those of each"));
         }
         for (textures, part) in self.parts.iter().zip(parts.iter_mut()) {
-            let Self { emission, relief, coverage, .. } = textures;
-            if emission.is_some() || relief.is_some() || coverage.is_some() {
-                let problem =
-                    "a part of a blend has a lamp, normals or holes of its own by textures";
+            let Self { emission, relief, coverage, stain, .. } = textures;
+            if emission.is_some() || relief.is_some() || coverage.is_some() || stain.is_some() {
+                let problem = "a part of a blend has a lamp, normals, holes or a color of metal \
+                               of its own by textures";
                 return Err(Fault::new("textures", problem, "give them to the blend"));
             }
             textures.check_parameters(part)?;
@@ -95,6 +203,7 @@ impl Textures {
         let parameters = self.parameters.iter().map(|(_, paint)| paint);
         let own =
             parameters.chain(&self.emission).chain(self.coverage.as_ref().map(|it| &it.paint));
+        let own = own.chain(self.stain.paints());
         Box::new(own.chain(self.parts.iter().flat_map(Self::paints)))
     }
 

@@ -27,11 +27,52 @@ pub fn pass_surfaces<const N: usize, const POLARIZED: bool>(
     for part in 0..crossings.parts.len() {
         let (kind, rows) = (crossings.parts[part].kind, crossings.parts[part].rows.clone());
         match kind {
-            Crossed::Model(kind) => for_straight_on!(scene.surfaces, kind, models => {
-                pass::<N, POLARIZED, _>(crossings, (scene, models), rows);
-            }),
+            Crossed::Model(kind) => {
+                for_straight_on!(scene.surfaces, kind, models => {
+                    pass::<N, POLARIZED, _>(crossings, (scene, models), rows.clone());
+                });
+                if scene.has_stains {
+                    pass_in_part(crossings, scene, rows, POLARIZED);
+                }
+            }
             Crossed::Holes => pass_holes(crossings, scene, rows),
         }
+    }
+}
+
+/// What rows of panes let through that have a stain, or holes: light through these is as it was.
+#[inline(never)]
+fn pass_in_part<const N: usize>(
+    crossings: &mut CrossingTable<N>,
+    scene: &Scene<N>,
+    rows: Range<usize>,
+    polarized: bool,
+) {
+    for row in rows {
+        let HitColumns { primitive, u, v, .. } = &crossings.hits;
+        let at = ([u[row], v[row]], lanes::row_of(&crossings.surfaces.position, row).into());
+        let primitive = primitive[row];
+        if let Some([_, stain]) = scene.stain_at(primitive, at) {
+            for (value, left) in crossings.transmittance[row].iter_mut().zip(stain) {
+                *value *= left;
+            }
+        }
+        let covered = scene.coverage_at(primitive, at);
+        if covered == 1.0 {
+            continue;
+        }
+        let open = 1.0 - covered;
+        for n in 0..N {
+            let value = &mut crossings.transmittance[row][n];
+            let through = covered * *value;
+            *value = through + open;
+            if polarized {
+                let share = if *value > 0.0 { through / *value } else { 0.0 };
+                let [a, c, s] = crossings.kernels[row][n];
+                crossings.kernels[row][n] = [a * share, (c - 1.0).mul_add(share, 1.0), s * share];
+            }
+        }
+        crossings.chance[row] = covered.mul_add(crossings.chance[row] - 1.0, 1.0);
     }
 }
 
@@ -43,7 +84,8 @@ fn pass_holes<const N: usize>(
 ) {
     for row in rows {
         let HitColumns { primitive, u, v, .. } = &crossings.hits;
-        let open = 1.0 - scene.coverage_at(primitive[row], [u[row], v[row]]);
+        let at = ([u[row], v[row]], lanes::row_of(&crossings.surfaces.position, row).into());
+        let open = 1.0 - scene.coverage_at(primitive[row], at);
         crossings.transmittance[row] = [open; N];
         crossings.chance[row] = open;
     }

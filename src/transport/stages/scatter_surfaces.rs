@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use crate::geometry::{RayColumns, SurfaceColumns};
 use crate::math::columns::Channels;
 use crate::math::{F32s, LANES, Real, Vector, lanes};
@@ -86,6 +88,9 @@ fn scatter_part<const N: usize, const POLARIZED: bool>(
         specular: {
             let all = (&*scene, models);
             send_on::<N, POLARIZED, _>(to, all, surfaces, rows.clone(), bounce);
+            if scene.has_stains {
+                to.stain(surfaces, &scene, rows.clone());
+            }
         },
         connecting: {
             let all = OnSurfaces::new(&scene, models);
@@ -225,6 +230,26 @@ impl<const N: usize> Departing<'_, N> {
         let first = u.simd_lt(share);
         let gain = Real::select(first, one + leans, (one - share) / (one - way.share));
         Choice { first, gain }
+    }
+
+    /// Rows that have been sent on one way have what a stain leaves there.
+    #[inline(never)]
+    fn stain(&mut self, surfaces: &SurfaceColumns, scene: &Scene<N>, rows: Range<usize>) {
+        for row in rows {
+            let of = |columns| Vec3::from(lanes::row_of(columns, row));
+            // Of triangles, too, it is by the point where they were hit.
+            let (primitive, at) = (surfaces.primitive[row], of(&surfaces.position));
+            let Some([reflected, transmitted]) = scene.stain_of_point(primitive, at) else {
+                continue;
+            };
+            let normal = of(&surfaces.geometric_normal);
+            let [before, after] = [of(&self.rays.direction), of(&self.departures.direction)]
+                .map(|direction| direction.dot(normal));
+            let left = if before * after > 0.0 { transmitted } else { reflected };
+            for (beta, left) in self.beta.iter_mut().zip(left) {
+                beta[row] *= left;
+            }
+        }
     }
 
     /// Rows that go through their surfaces are in what is there from now on.

@@ -11,7 +11,8 @@ use super::super::facets::KHR_ANISOTROPY;
 use super::super::films;
 use super::super::layers::{Place, place_of};
 use super::super::materials::KHR_UNLIT;
-use super::super::own_textures::{channel_name, coding_name};
+use super::super::own_textures::{BUMP_SCALE, BUMP_TEXTURE, channel_name, coding_name};
+use super::super::stains::{self, REFLECTED, TRANSMITTED};
 use super::super::textures::transform_of;
 use super::meshes::Tint;
 use super::stored::Stored;
@@ -19,7 +20,8 @@ use crate::image::texels::Coding;
 use crate::math::elementary::{atan2, sin_cos};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Bsdf, Coverage, Filter, Paint, Parameter, Reads, ReliefFrame, Texture, Textures, World, Wrap,
+    Bsdf, Coverage, Filter, Paint, Parameter, Reads, Relief, ReliefFrame, ReliefOf, Stain, Texture,
+    Textures, World, Wrap,
 };
 
 /// Rows of a texture that lies as the coordinates do.
@@ -63,7 +65,7 @@ type Meant = (Coding, Reads);
 impl Painter<'_> {
     /// Adds textures to the material, which has all else of it.
     pub fn paint(&mut self, bsdf: &Bsdf, textures: &Textures) -> Result<(), SceneError> {
-        let Textures { parameters, parts: _, emission, relief, coverage } = textures;
+        let Textures { parameters, parts: _, emission, relief, coverage, stain } = textures;
         let under = bsdf.without_film();
         let has_grain = matches!(under, Bsdf::Brushed { .. });
         let (whole, bsdf) = (bsdf, under.without_grain());
@@ -120,13 +122,50 @@ impl Painter<'_> {
         if let Some(coverage) = coverage {
             self.coverage(coverage, base)?;
         }
-        if let Some(relief) = relief {
-            let mut info = self.info(&relief.texture, Coding::Linear)?;
-            info["scale"] = json!(relief.scale);
-            if relief.frame == ReliefFrame::Mesh {
-                info["extensions"][EXTENSION]["frame"] = json!("mesh");
+        let Stain { reflected, transmitted } = stain;
+        for (keys, paint) in [(REFLECTED, reflected), (TRANSMITTED, transmitted)] {
+            paint.iter().try_for_each(|paint| self.stain(keys, paint))?;
+        }
+        relief.as_ref().map_or(Ok(()), |relief| self.relief(relief))
+    }
+
+    fn stain(&mut self, [key, of]: [&str; 2], paint: &Paint) -> Result<(), SceneError> {
+        self.body()[key] = json!(paint.factor);
+        // That of glTF's own color goes by the colors of vertices, too.
+        if paint.by_vertices && key == TRANSMITTED[0] && paint.reads == Reads::Color {
+            if let Some(texture) = &paint.texture {
+                let info = self.info(texture, Coding::Srgb)?;
+                self.material["pbrMetallicRoughness"]["baseColorTexture"] = info;
             }
-            self.material["normalTexture"] = info;
+            return Ok(());
+        }
+        self.check(paint)?;
+        if paint.texture.is_some() {
+            self.body()[of] = self.info_of(paint, stains::MEANT)?;
+        }
+        Ok(())
+    }
+
+    fn relief(&mut self, relief: &Relief) -> Result<(), SceneError> {
+        let mut info = self.info(&relief.texture, Coding::Linear)?;
+        match relief.of {
+            ReliefOf::Normals(frame) => {
+                info["scale"] = json!(relief.scale);
+                if frame == ReliefFrame::Mesh {
+                    info["extensions"][EXTENSION]["frame"] = json!("mesh");
+                }
+                self.material["normalTexture"] = info;
+            }
+            ReliefOf::Heights(reads) => {
+                if reads != Reads::Luminance {
+                    let Some(channel) = channel_name(reads) else {
+                        return self.refuse("reads a number out of a color, which glTF has not");
+                    };
+                    info["extensions"][EXTENSION]["channel"] = json!(channel);
+                }
+                self.body()[BUMP_TEXTURE] = info;
+                self.body()[BUMP_SCALE] = json!(relief.scale);
+            }
         }
         Ok(())
     }
