@@ -235,8 +235,8 @@ fn metal_and_roughness_are_blue_and_green() {
     assert_eq!(of(Parameter::BaseColor), [0.0, 0.0, 1.0]);
 }
 
-/// What glows by a picture, no more than white, is a mark on a model, and so is what glows more where
-/// nobody says how that is to be seen: it is under a sky then, and lamps are lamps.
+/// What glows by a picture, no more than white, is a mark on a model, and so is what glows more
+/// where nobody says how that is to be seen: it is under a sky then, and lamps are lamps.
 #[test]
 fn what_glows_by_a_picture_is_no_lamp_of_a_model() {
     let put_in = |edit: fn(&mut Value)| {
