@@ -153,8 +153,9 @@ export async function cell(label, urls, size) {
     context.fillStyle = "#fff";
     context.fillRect(0, 0, canvas.width, canvas.height);
     for (const [i, url] of urls.entries()) {
-        // Sunstone writes a legend below.
-        context.drawImage(await pictureOf(url), 0, 0, size, size, i * size, text, size, size);
+        // Sunstone magnifies what is small, and writes a legend below.
+        const picture = await pictureOf(url), side = picture.width;
+        context.drawImage(picture, 0, 0, side, side, i * size, text, size, size);
     }
     const [one, other] = [0, urls.length - 1].map((i) => context.getImageData(i * size, text, size, size));
     let sum = 0;

@@ -264,18 +264,6 @@ impl<const N: usize> Scene<N> {
         }
     }
 
-    /// Whether lamps emit polarized light.
-    #[inline(always)]
-    pub fn has_polarized_lamps(&self) -> bool {
-        self.optics.states.any()
-    }
-
-    /// Whether lamps emit by their heat.
-    #[inline(always)]
-    pub fn has_incandescent_lamps(&self) -> bool {
-        self.optics.states.has_incandescent
-    }
-
     /// The row of a primitive's material.
     #[inline(always)]
     pub fn material_row(&self, primitive: u32) -> usize {

@@ -4,10 +4,12 @@ use std::fs;
 
 use crate::common::{data_uri, good, load_json, scratch};
 use crate::meaning::{baked, warnings};
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use crate::textures::painted;
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use sunstone::internals::scene::{Reading, SceneError, View, World, bake, load_with};
 use sunstone::internals::spectrum::Carried;
+use sunstone::world::Mesh;
 
 const FLOAT: u32 = 5126;
 
@@ -349,6 +351,33 @@ fn integers_are_positions_and_normals() {
     document["accessors"][index]["normalized"] = json!(false);
     document["nodes"][1]["scale"] = json!([1.0 / 32767.0, 1.0 / 32767.0, 1]);
     assert_near(baked(&document).shapes.triangles[0].corners[0], CORNER);
+}
+
+/// As gltfpack writes them: tangents of bytes, and coordinates that a transform of the texture
+/// scales, where they are not normalized.
+#[test]
+fn integers_are_tangents_and_coordinates() {
+    let mut document = painted();
+    let tangents = accessor(&mut document, &[0, 127, 0, 129].repeat(4), (5120, "VEC4"), 4);
+    document["accessors"][tangents]["normalized"] = json!(true);
+    let places: Vec<u8> = [[-3_i16, 0], [4, 0], [4, 100], [-3, 100]]
+        .as_flattened()
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    let places = accessor(&mut document, &places, (5122, "VEC2"), 4);
+    let attributes = &mut document["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TANGENT"] = json!(tangents);
+    attributes["TEXCOORD_0"] = json!(places);
+    document["materials"][0]["normalTexture"] = json!({"index": 0});
+    document["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let world = load_json(&document).unwrap();
+    let mut query = world.entities().query::<&Mesh>();
+    let geometries = query.iter().map(|Mesh(geometry)| geometry.clone());
+    let [geometry] = &geometries.collect::<Vec<_>>()[..] else { panic!("not one mesh") };
+    assert_eq!(geometry.tangents, [Vec4::new(0.0, 1.0, 0.0, -1.0); 4]);
+    let expected = [[-3.0, 0.0], [4.0, 0.0], [4.0, 100.0], [-3.0, 100.0]].map(Vec2::from_array);
+    assert_eq!(geometry.texture_coordinates, expected);
 }
 
 #[test]

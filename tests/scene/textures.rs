@@ -235,8 +235,8 @@ fn metal_and_roughness_are_blue_and_green() {
     assert_eq!(of(Parameter::BaseColor), [0.0, 0.0, 1.0]);
 }
 
-/// What glows by a picture is a mark on a model, where nobody says how that is to be seen: it is
-/// under a sky then, and lamps are lamps.
+/// What glows by a picture, no more than white, is a mark on a model, and so is what glows more
+/// where nobody says how that is to be seen: it is under a sky then, and lamps are lamps.
 #[test]
 fn what_glows_by_a_picture_is_no_lamp_of_a_model() {
     let put_in = |edit: fn(&mut Value)| {
@@ -250,6 +250,30 @@ fn what_glows_by_a_picture_is_no_lamp_of_a_model() {
     let by_picture =
         |document: &mut Value| document["materials"][0]["emissiveTexture"] = json!({"index": 0});
     assert_eq!(put_in(by_picture), ["camera", "light"]);
+    let bright = |document: &mut Value| {
+        document["materials"][0]["emissiveTexture"] = json!({"index": 0});
+        document["materials"][0]["extensions"] =
+            json!({"KHR_materials_emissive_strength": {"emissiveStrength": 5.0}});
+    };
+    assert_eq!(put_in(bright), ["camera", "light"]);
+    // Seen by a camera of the file.
+    assert_eq!(
+        put_in(|document| {
+            document["scenes"][0]["nodes"] = json!([0, 1]);
+            document["materials"][0]["emissiveTexture"] = json!({"index": 0});
+        }),
+        ["light"]
+    );
+    let screen = |edit: fn(&mut Value)| {
+        let mut document = painted();
+        document["scenes"][0]["nodes"] = json!([0, 1]);
+        document["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+        document["materials"][0]["emissiveTexture"] = json!({"index": 0});
+        edit(&mut document);
+        load_json(&document).unwrap().put_in().len()
+    };
+    assert_eq!(screen(bright), 0);
+    assert_eq!(screen(|d| d["materials"][0]["extras"] = json!({"sunstone_emission": 1.0})), 0);
 }
 
 /// Tangents that a mesh states, and those that follow from its coordinates, wherever it stands:

@@ -9,6 +9,20 @@ use crate::scene::emitted::LampState;
 
 use super::{incandescence, primitive};
 
+impl<const N: usize> Scene<N> {
+    /// Whether lamps emit polarized light.
+    #[inline(always)]
+    pub fn has_polarized_lamps(&self) -> bool {
+        self.optics.states.any()
+    }
+
+    /// Whether lamps emit by their heat.
+    #[inline(always)]
+    pub fn has_incandescent_lamps(&self) -> bool {
+        self.optics.states.has_incandescent
+    }
+}
+
 /// Squared sine below which an axis counts as parallel to a direction: about 1e-4 radians.
 pub const PARALLEL_SIN2: f32 = 1e-8;
 

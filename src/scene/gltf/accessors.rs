@@ -68,9 +68,9 @@ const INDICES: Wanted = Wanted {
 const SHARES: &[ComponentType] = &[ComponentType::F32, ComponentType::U8, ComponentType::U16];
 
 const COORDINATES: Wanted = Wanted {
-    components: SHARES,
+    components: NUMBERS,
     shape: Type::Vec2,
-    text: "VEC2 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+    text: "VEC2 of FLOAT, BYTE or SHORT (componentType 5126 or 5120 to 5123)",
 };
 
 const OPAQUE_COLORS: Wanted = Wanted {
@@ -80,12 +80,6 @@ const OPAQUE_COLORS: Wanted = Wanted {
 };
 
 const COLORS: Wanted = Wanted { shape: Type::Vec4, ..OPAQUE_COLORS };
-
-const TANGENTS: Wanted = Wanted {
-    components: &[ComponentType::F32],
-    shape: Type::Vec4,
-    text: "VEC4 of FLOAT (componentType 5126)",
-};
 
 /// Rows of equal size in a buffer.
 struct Rows<'a> {
@@ -179,8 +173,8 @@ pub fn coordinates(
     accessor: usize,
     place: &str,
 ) -> Result<Vec<Vec2>, SceneError> {
-    let pair = |bytes: &[u8], of| Vec2::from_array([0, 1].map(|at| share(bytes, of, at)));
-    elements(document, accessor, place, (&COORDINATES, Vec2::ZERO, pair))
+    let pairs = numbers(document, accessor, place, &COORDINATES)?;
+    Ok(pairs.into_iter().map(Vec2::from_array).collect())
 }
 
 /// Colors of vertices with alpha, which is 1 where they have none; `place` is what errors say uses
@@ -201,8 +195,7 @@ pub fn tangents(
     accessor: usize,
     place: &str,
 ) -> Result<Vec<Vec4>, SceneError> {
-    let tangent = |b: &[u8], of| Vec4::from_array([0, 1, 2, 3].map(|at| share(b, of, at)));
-    elements(document, accessor, place, (&TANGENTS, Vec4::ZERO, tangent))
+    Ok(fours(document, accessor, place)?.into_iter().map(Vec4::from_array).collect())
 }
 
 /// One of the components of an element: a float, or an integer over the greatest of its type.

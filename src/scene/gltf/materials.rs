@@ -55,6 +55,8 @@ const WHITE: Spectrum = Spectrum::Rgb([1.0; 3]);
 const KHR_IOR: &str = "KHR_materials_ior.ior";
 /// How glTF states dispersion.
 const KHR_DISPERSION: &str = "KHR_materials_dispersion";
+/// How glTF states that something emits more than white.
+const KHR_EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 /// How glTF states what looks the same in any light.
 pub const KHR_UNLIT: &str = "KHR_materials_unlit";
 /// How glTF once stated colors of gloss.
@@ -115,7 +117,10 @@ impl Import<'_> {
             self.unlit.extend(&material);
         }
         if value["emissiveTexture"].is_object() {
-            self.glowing.extend(&material);
+            let strength = &value["extensions"][KHR_EMISSIVE_STRENGTH]["emissiveStrength"];
+            let is_bright = strength.as_f64().is_some_and(|strength| strength > 1.0);
+            let has_own = Body::of(value, user, &MATERIAL).is_ok_and(|body| body.has(EMISSION));
+            self.glowing.extend(material.iter().map(|&entity| (entity, is_bright || has_own)));
         }
         self.materials.insert(index, material.clone());
         material

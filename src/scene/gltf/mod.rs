@@ -175,9 +175,9 @@ impl GltfFile {
             framed.map_err(|error| import.why_nothing_is_seen().unwrap_or(error))?;
         }
         let mut no_lamps = import.unlit;
-        if import.wants_frame {
-            no_lamps.extend(import.glowing);
-        }
+        let wants_frame = import.wants_frame;
+        let marks = import.glowing.into_iter().filter(|&(_, is_bright)| wants_frame || !is_bright);
+        no_lamps.extend(marks.map(|(entity, _)| entity));
         let is_dark = !import.has_sky && !world.emits(&no_lamps);
         Ok((world, is_dark))
     }
@@ -262,8 +262,9 @@ struct Import<'a> {
     wants_frame: bool,
     /// Materials that emit because they look the same in any light, and not to shed any.
     unlit: Vec<Entity>,
-    /// Materials that emit by pictures: marks on a model, where nobody says how it is to be seen.
-    glowing: Vec<Entity>,
+    /// Materials that emit by pictures, and whether more than white or by a spectrum: all others
+    /// are marks on a model, and so are these where nobody says how it is to be seen.
+    glowing: Vec<(Entity, bool)>,
     /// Whether the file says what comes from outside, be it nothing.
     has_sky: bool,
     /// Whether points or lines were skipped.
