@@ -126,7 +126,6 @@ impl<const N: usize> Scene<N> {
         let mut surfaces = Surfaces::new(&optics.materials, optics.painting.as_deref());
         let interfaces = Interfaces::new(&shapes, &optics, &mut surfaces);
         let materials = surfaces.materials();
-        let event_of_hit = events_of_hits(&material_of_primitive, materials);
         let mut media: Vec<Medium<N>> = optics.media.iter().map(Medium::new).collect();
         let events = events(&media);
         media.push(Medium::clear());
@@ -179,9 +178,9 @@ impl<const N: usize> Scene<N> {
             shapes,
             camera,
             optics,
-            material_of_primitive,
             model_of_material: surfaces.materials().iter().map(of_model).collect(),
-            event_of_hit,
+            event_of_hit: events_of_hits(&material_of_primitive, surfaces.materials()),
+            material_of_primitive,
             surfaces,
         };
         scene.look_about();
