@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::{ImageBuffer, Luma, Rgb, Rgba};
 use serde_json::{Value, json};
+use sunstone::glam::Vec4;
 use sunstone::internals::scene::{World, Written, load};
 use sunstone::world::{
     Bsdf, Coverage, Environment, Filter, Geometry, Mesh, Paint, Parameter, Photometry, Picture,
@@ -60,10 +61,11 @@ fn told_of(paint: &Paint) -> String {
 fn all_textures(world: &World) -> Vec<String> {
     let mut list = Vec::new();
     let mut query = world.entities().query::<&Textures>();
-    let (mut is_painted, mut is_tinted) = (false, false);
+    let (mut is_painted, mut is_tinted, mut has_alpha) = (false, false, true);
     for textures in query.iter() {
         is_painted |= textures.textures().next().is_some();
         is_tinted |= textures.read_vertices();
+        has_alpha &= textures.coverage.as_ref().is_none_or(|it| it.paint.by_vertices);
         let mut parameters: Vec<String> = (textures.parameters.iter())
             .map(|(parameter, paint)| format!("{parameter:?} {}", told_of(paint)))
             .collect();
@@ -81,7 +83,9 @@ fn all_textures(world: &World) -> Vec<String> {
     for Mesh(geometry) in query.iter().filter(|_| is_painted) {
         let Geometry { texture_coordinates, texture_coordinates_1, colors, tangents, .. } =
             &**geometry;
-        let colors = is_tinted.then_some(colors);
+        // So need alpha that does not count.
+        let color = |of: &Vec4| if has_alpha { *of } else { of.truncate().extend(1.0) };
+        let colors = is_tinted.then(|| colors.iter().map(color).collect::<Vec<_>>());
         list.push(format!(
             "{texture_coordinates:?} {texture_coordinates_1:?} {colors:?} {tangents:?}"
         ));

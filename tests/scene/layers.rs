@@ -102,15 +102,23 @@ fn what_adds_nothing_is_metallic_roughness() {
     assert!(matches!(model(&pane), SurfaceModel::ThinDielectric { .. }));
 }
 
+/// What is left of light that goes through the first material, but for pictures and vertices.
+fn transmitted(document: &Value) -> [f32; 3] {
+    let optics = baked(document).optics;
+    let painting = optics.painting.expect("it has a color");
+    let stain = &painting.of(0).expect("it has a color").stain;
+    stain.transmitted.as_ref().expect("it has a color").factor
+}
+
 #[test]
-fn colored_panes_are_walls() {
+fn colored_panes_are_stained() {
     let through = || json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
     let green = json!({"metallicFactor": 0.0, "roughnessFactor": 0.0,
         "baseColorFactor": [0.25, 0.5, 0.25, 1.0]});
     let document = with(green, through());
-    let layers =
-        Layers { base_color: [0.25, 0.5, 0.25], transmission: 1.0, ..plain(1.0, 0.0, 0.0) };
-    assert_eq!(model(&document), SurfaceModel::Layered { layers });
+    let pane = SurfaceModel::ThinDielectric { ior: [1.5; 3], exterior_ior: [1.0; 3] };
+    assert_eq!(model(&document), pane);
+    assert_eq!(transmitted(&document), [0.25, 0.5, 0.25]);
     assert_eq!(warnings(&document), "");
     // So are those whose color is a picture, or that of their vertices.
     for by_vertices in [false, true] {
@@ -125,7 +133,8 @@ fn colored_panes_are_walls() {
             document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(5);
         }
         document["materials"][0]["extensions"] = through();
-        assert!(matches!(model(&document), SurfaceModel::Layered { .. }), "{by_vertices}");
+        assert_eq!(model(&document), pane, "{by_vertices}");
+        assert_eq!(transmitted(&document), [1.0; 3], "{by_vertices}");
         assert_eq!(warnings(&document), "", "{by_vertices}");
     }
 }
