@@ -255,6 +255,13 @@ fn what_is_refused_of_films() {
             &["film", "dispersion", "indices that are numbers"],
         ),
         (
+            |d| {
+                *d = own(json!({"bsdf": "rough_dielectric", "ior": 1.0, "alpha": 0.2,
+                    "film": {"eta": 1.5, "thickness_nm": 5}}));
+            },
+            &["film", "equal indices", "smooth dielectric"],
+        ),
+        (
             |d| khr(d, json!({"iridescenceThicknessMaximum": -1.0})),
             &["KHR_materials_iridescence.iridescenceThicknessMaximum", "-1 must be not negative"],
         ),
