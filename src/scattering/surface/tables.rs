@@ -13,13 +13,16 @@ impl<const N: usize> Surfaces<N> {
         for (index, &baked::Material { ref model, two_sided }) in baked.iter().enumerate() {
             let textures = painting.and_then(|painting| painting.of(index));
             let Added { row, scattered, peak } = surfaces.add(model);
+            let kind = SurfaceKind::of(model);
             surfaces.materials.push(Material {
-                kind: SurfaceKind::of(model),
+                kind,
                 row,
                 two_sided,
                 survival: scattered.clamp(SURVIVAL_MIN, 1.0),
                 peak,
                 has_holes: textures.is_some_and(|textures| textures.coverage.is_some()),
+                // Of textures, the model has the means: it is open where any place is.
+                passes_any_way: kind.passes_any_way() && model.transmits(),
             });
         }
         surfaces
