@@ -140,8 +140,7 @@ impl<const N: usize> Scene<N> {
             |emitter: &Emitter| offset_distance(emitter::reach(&emitter.model, &shapes));
         let emitter_offsets = optics.emitters.iter().map(offset_of).collect();
         let straight_on_kinds = straight_on_kinds(materials);
-        let passes = |row: u32| materials[row as usize].kind.passes_any_way();
-        let passes_any_way = shapes.surfaces.iter().any(|it| !it.is_opaque && passes(it.material));
+        let passes_any_way = materials.iter().any(|it| it.passes_any_way);
         let has_grain = optics.materials.iter().any(|material| material.model.has_grain());
         let has_models_by_place =
             has_models_by_place(&optics) || has_grain || (passes_any_way && interfaces.is_some());
@@ -287,8 +286,7 @@ impl<const N: usize> Scene<N> {
 
     /// Whether nothing goes through a primitive, but straight on.
     pub fn is_closed(&self, primitive: u32) -> bool {
-        let surface = self.shapes.surfaces.get(self.shapes.surface_of(primitive) as usize);
-        surface.is_none_or(|it| it.is_opaque) || !self.material_at(primitive).kind.passes_any_way()
+        self.shapes.surface_of(primitive) == NONE || !self.material_at(primitive).passes_any_way
     }
 
     /// The events that some surface or medium of the scene is met by.

@@ -255,6 +255,13 @@ fn what_is_refused_of_films() {
             &["film", "dispersion", "indices that are numbers"],
         ),
         (
+            |d| {
+                *d = own(json!({"bsdf": "rough_dielectric", "ior": 1.0, "alpha": 0.2,
+                    "film": {"eta": 1.5, "thickness_nm": 5}}));
+            },
+            &["film", "equal indices", "smooth dielectric"],
+        ),
+        (
             |d| khr(d, json!({"iridescenceThicknessMaximum": -1.0})),
             &["KHR_materials_iridescence.iridescenceThicknessMaximum", "-1 must be not negative"],
         ),
@@ -267,4 +274,30 @@ fn what_is_refused_of_films() {
             &["KHR_materials_iridescence.iridescenceIor", "0 must be greater than 0"],
         ),
     ]);
+}
+
+/// Smooth ones are of the least rough facets there, as bare ones are; glass is none.
+#[test]
+fn filmed_metal_is_a_part_of_blends() {
+    let film = json!({"eta": 1.5, "thickness_nm": 300});
+    let blend = |part: Value| {
+        let mut document = good();
+        let of = |body: Value| json!({"extensions": {"SUNSTONE_polarization": body}});
+        document["materials"][0] = of(json!({"bsdf": "blend", "first": "part", "second": "matte",
+            "weight": 0.25}));
+        let materials = document["materials"].as_array_mut().unwrap();
+        for (name, body) in [("part", part), ("matte", json!({"bsdf": "diffuse"}))] {
+            let mut material = of(body);
+            material["name"] = json!(name);
+            materials.push(material);
+        }
+        document
+    };
+    let metal = blend(json!({"bsdf": "conductor", "metal": "Ti", "film": film}));
+    let SurfaceModel::Blend { parts, .. } = model(&metal) else { panic!("no blend") };
+    let SurfaceModel::Filmed { of, .. } = &parts[0] else { panic!("{parts:?}") };
+    assert!(matches!(**of, SurfaceModel::RoughConductor { alpha: 1e-3, .. }), "{of:?}");
+    let glass = blend(json!({"bsdf": "rough_dielectric", "alpha": 0.5, "film": film}));
+    let error = load_json(&glass).unwrap_err();
+    assert!(error.contains("first") && error.contains("glass cannot be a part"), "{error}");
 }

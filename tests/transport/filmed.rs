@@ -14,7 +14,7 @@ use crate::support::rendering::{MONO, replicates, scene, settings};
 
 const ALPHA: f64 = 0.3;
 /// Independent images.
-const REPLICATES: u32 = 32;
+const REPLICATES: u32 = 16;
 /// Titanium at 550 nm, about, under its oxide.
 const INDEX: [f64; 2] = [1.87, 2.6];
 const FILM: Film<f64> = Film { eta: 2.4, k: 0.0, waves: 40.0 / 550.0, spread: 0.0 };
@@ -30,7 +30,7 @@ fn seen(body: Value, deg: f64) -> [[f64; 2]; 2] {
     plate.up(Vec3::new(0.0, cosine, sine));
     plate.orthographic(Vec3::new(0.0, -sine, cosine) * 4.0, Vec3::ZERO, 0.05);
     let world = plate.load("plate");
-    let options = settings(Integrator::Path, Mode::Polarized, MONO, 32, 2);
+    let options = settings(Integrator::Path, Mode::Polarized, MONO, 16, 2);
     let images = replicates(&scene::<1>(&world, MONO, [4, 4]), &options, REPLICATES);
     [0, 1].map(|of| {
         let mean = |values: &[f32]| values.iter().map(|it| f64::from(*it)).sum::<f64>() / 16.0;
@@ -45,7 +45,7 @@ fn seen(body: Value, deg: f64) -> [[f64; 2]; 2] {
 /// The same of light from everywhere by GGX's facets of the reflectance that `face` says with the
 /// diattenuation, by the cosine.
 fn expected(deg: f64, face: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
-    const EDGE: usize = 300;
+    const EDGE: usize = 150;
     let (sine, cosine) = deg.to_radians().sin_cos();
     let v = DVec3::new(0.0, -sine, cosine);
     let lambda = |w: DVec3| {

@@ -589,6 +589,8 @@ pub struct Material {
     pub peak: f32,
     /// Whether there are holes in it, or places that let some light straight on.
     pub has_holes: bool,
+    /// Whether light that is connected, or drawn any way, may go through it somewhere.
+    pub passes_any_way: bool,
 }
 
 #[cfg(test)]

@@ -17,13 +17,16 @@ impl<const N: usize> Surfaces<N> {
             if let Some((painting, stain)) = painting.zip(stain) {
                 surfaces.stain(model, row, painting.mean_stain(stain));
             }
+            let kind = SurfaceKind::of(model);
             surfaces.materials.push(Material {
-                kind: SurfaceKind::of(model),
+                kind,
                 row,
                 two_sided,
                 survival: scattered.clamp(SURVIVAL_MIN, 1.0),
                 peak,
                 has_holes: textures.is_some_and(|textures| textures.coverage.is_some()),
+                // Of textures, the model has the means: it is open where any place is.
+                passes_any_way: kind.passes_any_way() && model.transmits(),
             });
         }
         surfaces

@@ -35,6 +35,10 @@ impl Bsdf {
         if self == Self::Absorber {
             return (Self::diffuse(0.0), false);
         }
+        if let Self::FilmedConductor { eta, k, film } = self {
+            let (of, _) = Self::Conductor { eta, k }.into_part();
+            return (of.filmed(film), true);
+        }
         let Self::Conductor { eta, k } = self else { return (self, false) };
         let (alpha, distribution, multiple_scattering) = (ALPHA_MIN, Distribution::Ggx, true);
         (Self::RoughConductor { eta, k, alpha, distribution, multiple_scattering }, true)

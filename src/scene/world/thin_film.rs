@@ -105,6 +105,10 @@ pub(super) fn check_film(of: &Bsdf, film: &ThinFilm<Spectrum>) -> Result<(), Fau
     let refused = |problem: &str, remedy: &str| Err(Fault::new("film", problem, remedy));
     match of.without_grain() {
         SurfaceModel::RoughConductor { .. } => Ok(()),
+        SurfaceModel::RoughDielectric { ior, exterior_ior, .. } if ior == exterior_ior => refused(
+            "facets between equal indices of refraction do not refract, whatever is on them",
+            "make it a smooth dielectric",
+        ),
         SurfaceModel::RoughDielectric {
             ior: Spectrum::Constant(_),
             exterior_ior: Spectrum::Constant(_),

@@ -54,9 +54,11 @@ impl Fixed {
 
 /// A row in the making, of any number of wavelengths.
 pub struct Making<'a> {
+    /// What is the same at all wavelengths.
     pub fixed: &'a mut Fixed,
-    /// Spectrum by spectrum.
+    /// The rest, spectrum by spectrum.
     pub spectra: &'a mut [f32],
+    /// How many there are.
     pub wavelengths: usize,
 }
 

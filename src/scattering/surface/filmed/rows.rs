@@ -15,9 +15,11 @@ use crate::scattering::surface::rough_dielectric::OfSide;
 
 /// Their rows.
 pub struct Rows<'a> {
+    /// What is the same at all wavelengths.
     pub fixed: [&'a Fixed; LANES],
-    /// Spectrum by spectrum.
+    /// The rest, spectrum by spectrum.
     pub spectra: [&'a [f32]; LANES],
+    /// How many there are.
     pub wavelengths: usize,
 }
 
