@@ -326,7 +326,7 @@ impl<const N: usize> Departing<'_, N> {
         let passes = self.pass(surfaces, drawn, row);
         for lane in 0..LANES.min(self.end - row) {
             let (passes, to_front) = passes[lane];
-            if passes && !scene.is_closed(surfaces.primitive[row + lane]) {
+            if passes {
                 let inside = &mut self.media.inside[row + lane];
                 let known = (*inside, solids[lane]);
                 *inside = scene.medium_beyond(surfaces, row + lane, to_front, known);
