@@ -138,10 +138,10 @@ fn of_the_extension(turned: &Value, pbr: &Value) -> Vec<Value> {
             "bump_texture": {"index": 2, "extensions": extension(json!({"channel": "red"}))},
             "bump_scale": -0.25}))}),
         json!({"pbrMetallicRoughness": pbr, "extensions": extension(json!({
-            "bsdf": "thin_dielectric", "transmitted": [1, 0.5, 0.25],
-            "coverage": {"share": 0.5, "texture": {"index": 2}}}))}),
+            "bsdf": "thin_dielectric", "transmitted": [1, 0.5, 0.25]}))}),
         json!({"extensions": extension(json!({"bsdf": "conductor", "metal": "Au",
-            "reflected": [0.5, 0.25, 1], "bump_texture": {"index": 1}}))}),
+            "reflected": [0.5, 0.25, 1], "bump_texture": {"index": 1},
+            "coverage": {"share": 0.5, "texture": {"index": 2}}}))}),
     ]
 }
 

@@ -68,6 +68,8 @@ use super::world::{
 use crate::math::text::listed;
 use crate::spectrum::Spectrum;
 
+/// Light by cube maps that are blurred by roughness.
+const IMAGE_LIGHTS: &str = "EXT_lights_image_based";
 /// How a camera is stated.
 const STATE_CAMERA: &str =
     "add a node with a camera, and choose it with --camera NAME if there are several";
@@ -274,7 +276,12 @@ struct Import<'a> {
 impl<'a> Import<'a> {
     fn new(document: &'a Document, shared: &'a ReadGeometries) -> Self {
         let mut warnings = Warnings::default();
-        let unknown = validate::unknown_extensions(&document.value);
+        let mut unknown = validate::unknown_extensions(&document.value);
+        if unknown.remove(IMAGE_LIGHTS) {
+            let text = "EXT_lights_image_based is ignored, and so is the light of its pictures: \
+                        give the scene an environment, its uri an equirectangular picture of them";
+            warnings.add("", text);
+        }
         if !unknown.is_empty() {
             let text = format!("extensions that are not known are ignored: {}", listed(unknown));
             warnings.add_like("extensions", "", &text);
