@@ -382,8 +382,8 @@ fn across(direction: Vec3) -> f32 {
 
 /// The directions of places, and the sines of their angles from +y.
 fn directions_of(places: &[Place; LANES]) -> (Vector<F32s>, F32s) {
-    let from_pole = F32s::from(lanes::each(|lane| places[lane].from_pole().0));
-    let to_pole = F32s::from(lanes::each(|lane| places[lane].from_pole().1));
+    let from_pole = F32s::from(lanes::each(|lane| places[lane].nearer_pole().0));
+    let to_pole = F32s::from(lanes::each(|lane| places[lane].nearer_pole().1));
     let around = F32s::from(lanes::each(|lane| {
         let Place { size, cell, shares } = &places[lane];
         azimuth(cell[0] as f64 + shares[0], size[0]) as f32
@@ -442,7 +442,7 @@ impl Place {
     }
 
     /// Its angle from the nearer pole, and 1 or -1 for the upper and the lower one.
-    fn from_pole(&self) -> (f32, f32) {
+    fn nearer_pole(&self) -> (f32, f32) {
         let y = self.y();
         let below = self.size[1] as f64 - 1.0 - y;
         let (rows, pole) = if y <= below { (y, 1.0) } else { (below, -1.0) };
