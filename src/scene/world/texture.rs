@@ -113,7 +113,7 @@ impl Picture {
     /// When they are no such rows, or some are negative or not finite.
     pub fn of_colors(width: usize, colors: Vec<[f32; 3]>) -> Result<Self, SceneError> {
         let refuse = |problem: String, remedy: &str| SceneError::new("picture", problem, remedy);
-        if width == 0 || colors.is_empty() || colors.len() % width != 0 {
+        if width == 0 || colors.is_empty() || !colors.len().is_multiple_of(width) {
             let problem = format!("{} colors are no rows of {width}", colors.len());
             return Err(refuse(problem, "give height times width colors"));
         }
