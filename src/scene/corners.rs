@@ -349,7 +349,7 @@ impl Flat<'_> {
         [u as f32, v.clamp(0.0, 1.0 - u) as f32]
     }
 
-    fn to_world(&self) -> Mat3A {
+    fn to_world(self) -> Mat3A {
         self.instance.map_or(Mat3A::IDENTITY, |it| it.to_world.matrix3)
     }
 
