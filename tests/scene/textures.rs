@@ -378,8 +378,7 @@ fn glass_has_the_color_and_the_alpha_of_its_pictures() {
 #[test]
 fn image_based_lights_are_told() {
     let mut document = painted();
-    document["extensionsUsed"] = json!(["EXT_lights_image_based"]);
-    document["extensions"] = json!({"EXT_lights_image_based": {"lights": []}});
+    document["extensions"]["EXT_lights_image_based"] = json!({"lights": []});
     let world = load_json(&document).unwrap();
     let told: Vec<_> = world.warnings().iter().filter(|text| text.contains("EXT_")).collect();
     assert!(told.len() == 1 && told[0].contains("give the scene an environment"), "{told:?}");
