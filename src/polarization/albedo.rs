@@ -63,8 +63,7 @@ impl Albedo {
     /// Of facets of a dielectric of this index of refraction, relative to what is on the side that
     /// light comes from: what they reflect and let through. The index counts to a thousandth.
     pub fn of_glass(distribution: Distribution, ior: f32, alpha: f32) -> Self {
-        let ior = exp((ln(ior) / STEP_OF_IOR).round() * STEP_OF_IOR);
-        Self::of_terms(Table::shared(distribution, Of::Glass { ior }).terms(alpha))
+        Self::of_terms(Table::shared(distribution, Of::Glass { ior: stepped(ior) }).terms(alpha))
     }
 
     /// The same of glass with this reflectance by the angle on the side of the lower index, and
@@ -74,8 +73,7 @@ impl Albedo {
         (ior, reflectance): (f32, &Angles),
         alpha: f32,
     ) -> Self {
-        let ior = exp((ln(ior) / STEP_OF_IOR).round() * STEP_OF_IOR);
-        let table = Table::shared(distribution, Of::Glass { ior });
+        let table = Table::shared(distribution, Of::Glass { ior: stepped(ior) });
         Self::of_terms(table.with_scale(table.by_angles(reflectance, alpha), alpha))
     }
 
@@ -238,6 +236,12 @@ enum Of {
     Glass { ior: f32 },
     /// Cloth of white threads, of any distribution.
     Cloth,
+}
+
+/// An index of refraction in steps, and never 1: facets between equal indices are not to be seen.
+fn stepped(ior: f32) -> f32 {
+    let steps = (ln(ior) / STEP_OF_IOR).round();
+    exp(if steps == 0.0 { 1.0 } else { steps } * STEP_OF_IOR)
 }
 
 /// Tells tables apart.
@@ -530,6 +534,17 @@ mod tests {
                     let text = format!("{distribution:?} {of:?} {alpha} {cos}");
                     assert!((found - expected).abs() < limit, "{text}: {found} {expected}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn glass_that_hardly_bends_light_loses_what_facets_hide() {
+        for ior in [1.003, 1.001, 1.0003, 1.0001, 1.00001] {
+            for (ior, cos) in [ior, 1.0 / ior].into_iter().flat_map(|it| [(it, 1.0), (it, 0.4)]) {
+                let found = facets_at(&Albedo::of_glass(Distribution::Ggx, ior, 0.2), cos);
+                let expected = integrate(Distribution::Ggx, Of::Glass { ior }, 0.2, f64::from(cos));
+                assert!((found - expected).abs() < 3e-3, "{ior}, {cos}: {found}, {expected}");
             }
         }
     }

@@ -68,11 +68,16 @@ impl Gloss {
         Self { diffuse: product(self.diffuse, diffuse), specular: product(self.specular, specular) }
     }
 
+    /// What is reflected towards the normal.
+    fn gloss(&self) -> [f32; 3] {
+        let [red, green, blue, _] = self.specular;
+        [red, green, blue]
+    }
+
     /// The base color, the share of metal and the roughness.
     fn as_metal(self) -> ([f32; 3], f32, f32) {
-        let [red, green, blue, glossiness] = self.specular;
-        let specular = [red, green, blue];
-        let left = 1.0 - red.max(green).max(blue);
+        let (specular, glossiness) = (self.gloss(), self.specular[3]);
+        let left = 1.0 - specular.into_iter().fold(0.0, f32::max);
         let [red, green, blue, _] = self.diffuse;
         let matte = [red, green, blue].map(|it| it * left / (1.0 - F0));
         let share = share_of_metal(brightness(matte), brightness(specular));
@@ -113,12 +118,17 @@ pub fn model(glossy: &Value, label: &str) -> Result<Bsdf, SceneError> {
         true => ([1.0; 3], 1.0, 1.0),
         false => gloss.as_metal(),
     };
+    // What reflects less than dielectrics do has no metal, and more of it is diffuse.
+    let is_dull = !has_pictures(glossy) && metallic == 0.0;
+    let specular = if is_dull { (brightness(gloss.gloss()) / F0).min(1.0) } else { 1.0 };
+    let more = (1.0 - F0) / (1.0 - F0 * specular);
+    let color = color.map(|it| more * it);
     Ok(Bsdf::MetallicRoughness {
         base_color: Spectrum::Rgb(color),
         metallic,
         alpha: roughness * roughness,
         ior: IOR,
-        specular: 1.0,
+        specular,
     })
 }
 
@@ -240,6 +250,21 @@ mod tests {
                 }
                 assert_eq!(found.2, 0.25);
             }
+        }
+    }
+
+    #[test]
+    fn what_reflects_nothing_is_diffuse() {
+        let glossy = serde_json::json!({"diffuseFactor": [0.5, 0.25, 0.75, 1.0],
+            "specularFactor": [0.0, 0.0, 0.0], "glossinessFactor": 0.0});
+        let model = model(&glossy, "material 0").expect("it is sound");
+        let Bsdf::MetallicRoughness { base_color: Spectrum::Rgb(color), specular, .. } = model
+        else {
+            panic!("{model:?}");
+        };
+        assert_eq!(specular, 0.0);
+        for (found, wanted) in color.into_iter().zip([0.5, 0.25, 0.75]) {
+            assert!((found - wanted).abs() < 1e-6, "{color:?}");
         }
     }
 

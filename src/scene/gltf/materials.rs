@@ -460,7 +460,10 @@ fn check_keys((model, keys): (&str, &[&str]), body: &Body) -> Result<(), SceneEr
     match body.keys().find(|key| !keys.contains(key) && !OF_ALL.contains(key)) {
         None => Ok(()),
         Some(key) => {
-            let remedy = format!("a {model} takes: {}", keys.join(", "));
+            let remedy = match keys {
+                [] => format!("{model} takes no keys: take it away"),
+                keys => format!("a {model} takes: {}", keys.join(", ")),
+            };
             let problem = format!("means nothing for a {model}");
             Err(SceneError::new(body.field(key), problem, remedy))
         }

@@ -96,18 +96,14 @@ impl Import<'_> {
             let transmitted =
                 base.paint(factor).filter(|_| Stain::is_of_glass(bsdf) && !is_absorbed);
             if transmitted.is_some() && !transmits {
-                let text = "the color of glass that does not refract, or is rough under a film, \
-                            is ignored";
-                self.warnings.add_like("color of clear glass", label, text);
+                self.warnings.add_like("color of clear glass", label, uncolored(bsdf));
                 return Ok(Stain::default());
             }
             return Ok(Stain { reflected: None, transmitted });
         }
         if !reflects {
             if [REFLECTED, TRANSMITTED].concat().iter().any(|key| body.has(key)) {
-                let text = "what is reflected and transmitted by rough surfaces under a film is \
-                            ignored";
-                self.warnings.add_like("color under a film", label, text);
+                self.warnings.add_like("color of clear glass", label, uncolored(bsdf));
             }
             return Ok(Stain::default());
         }
@@ -150,6 +146,18 @@ impl Import<'_> {
 
 /// How integers of these textures are encoded, and what of a texel counts, unless they say it.
 pub const MEANT: (Coding, Reads) = (Coding::Srgb, Reads::Color);
+
+/// Why a surface has no color of its own.
+fn uncolored(bsdf: &Bsdf) -> &'static str {
+    match bsdf {
+        Bsdf::Filmed { .. } => "colors of rough surfaces under a film are ignored",
+        _ if bsdf.clone().simplified() == Bsdf::Null => {
+            "the color of glass of the index around it is ignored, as it is not there: give it \
+             another index, if by a thousandth"
+        }
+        _ => "its model has no colors of what it reflects and lets through: they are ignored",
+    }
+}
 
 /// The color of a material of plain glTF.
 pub fn color_of(material: &Value) -> [f32; 3] {
