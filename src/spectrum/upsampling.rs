@@ -4,10 +4,10 @@
 //! A color is linear sRGB under a white: the spectrum times the white's, seen by a film on which
 //! that white is (1, 1, 1). Of all spectra that are seen as the color one of the paper's family is
 //! taken, which are smooth and within [0, 1]: S(a quadratic polynomial of the wavelength), where S
-//! rises from 0 to 1. Its three coefficients are found when they are asked for, in some ten
-//! microseconds, by Newton's method with shorter steps where it would not get nearer, from a
-//! constant as bright as the brightest channel, or grey. Colors nearer to white than to black are
-//! one less their complement. Every color in the unit cube of sRGB is reached, its faces and
+//! rises from 0 to 1. Its three coefficients are found when they are asked for, by Newton's method
+//! with shorter steps where it would not get nearer, from between fits of a grid, or from a grey as
+//! bright as the brightest channel. Colors nearer to white than to black are one less their
+//! complement. Every color in the unit cube of sRGB is reached, its faces and
 //! corners included, both by D65 and by E.
 //!
 //! The sums that see a spectrum have nodes every 5 nm: they are integrals every nanometer of its
@@ -29,8 +29,8 @@ use super::fits::remembered;
 
 /// Distance of a color from what is asked for, in the worst channel, at which it is met.
 const TOLERANCE: f64 = 1e-9;
-/// Most spectra that are tried. Mostly it takes 7; the last of all colors, those that differ from
-/// white by 1e-6, take 70.
+/// Most spectra that are tried. From a grey it mostly takes 7; the last of all colors, those that
+/// differ from white by 1e-6, take 70.
 const TRIALS_MAX: usize = 100;
 /// Shortest step that is tried, as a share of Newton's.
 const SHARE_MIN: f64 = 1e-6;
@@ -184,8 +184,7 @@ fn nearest(start: Sigmoid, rgb: DVec3, weights: &Weights) -> Sigmoid {
 }
 
 /// Where fits of colors begin whose greatest channel is 1/2, as all lights have it: between the
-/// fits of a grid of the other two, which is finer where these are dark. It saves half of the
-/// trials.
+/// fits of a grid of the other two, which is finer where these are dark.
 struct Starts([Vec<DVec3>; 3]);
 
 impl Starts {
