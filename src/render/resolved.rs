@@ -259,6 +259,12 @@ fn unmeasured(name: &str, look: &Look) -> Option<String> {
             percent(look.sees_solid)
         ));
     }
+    if look.sees_polished > 0.0 {
+        missing.push(format!(
+            "what polished surfaces mirror except by chance, so that is some bright dots ({})",
+            percent(look.sees_polished)
+        ));
+    }
     if look.has_parallel_sky {
         missing.push(format!(
             "a sky by parallel rays, so that is black in its image ({})",

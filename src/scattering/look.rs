@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::emitter::{is_delta, places};
 use super::immersion::{Around, STEPS, spread};
+use super::painting::is_polished_at;
 use super::patches::{Patches, primitives_of_surfaces};
 use super::{Scene, Sensor};
 use crate::film::layout::Layout;
@@ -41,6 +42,8 @@ pub struct Look {
     pub sees_specular: f64,
     /// Share of those that meet what lets no light straight on.
     pub sees_solid: f64,
+    /// Share of the camera's rays that meet polished coats, metals or glass first.
+    pub sees_polished: f64,
     /// Share of the camera's rays that leave the scene.
     pub sees_nothing: f64,
     /// Whether those see a sky, by parallel rays: they share no direction with light that comes
@@ -69,8 +72,8 @@ impl Look {
         let sensor = Sensor::new(camera, Layout::plain([width.max(1), height]));
         let mut places = Places::default();
         let view = View::of(scene, &sensor, &mut places);
-        let [sees_specular, sees_solid, sees_nothing] =
-            [view.specular, view.solid, view.nothing].map(View::share);
+        let [sees_specular, sees_solid, sees_polished, sees_nothing] =
+            [view.specular, view.solid, view.polished, view.nothing].map(View::share);
         let hidden = if view.hidden > 0.0 { view.hidden / (view.hidden + view.open) } else { 0.0 };
         let has_sky = !scene.optics.skies.is_empty() && sees_nothing > 0.0;
         let mut lamps = Lamps::default();
@@ -83,6 +86,7 @@ impl Look {
         Self {
             sees_specular,
             sees_solid,
+            sees_polished,
             sees_nothing,
             has_parallel_sky,
             has_points,
@@ -110,10 +114,11 @@ fn has_points_in_media<const N: usize>(scene: &Scene<N>) -> bool {
 /// What the camera's rays meet.
 #[derive(Default)]
 struct View {
-    /// Numbers of rays that meet mirrors or glass first, such as lets no light straight on, and
-    /// nothing.
+    /// Numbers of rays that meet mirrors or glass first, such as lets no light straight on,
+    /// polished surfaces, and nothing.
     specular: usize,
     solid: usize,
+    polished: usize,
     nothing: usize,
     /// Irradiance of what they meet behind glass, that comes straight and that glass is before.
     open: f64,
@@ -141,12 +146,15 @@ impl View {
         let passes = |primitive: u32| {
             kind_of(primitive).is_straight_on() && !kind_of(primitive).is_specular()
         };
-        let met = first_met(scene, origin, direction, passes).primitive;
+        let hit = first_met(scene, origin, direction, passes);
+        let met = hit.primitive;
         if met == NONE {
             self.nothing += 1;
         } else if kind_of(met).is_specular() {
             self.specular += 1;
             self.solid += usize::from(!kind_of(met).is_straight_on());
+        } else if is_polished_at(scene, met, origin + hit.t * direction) {
+            self.polished += 1;
         }
     }
 

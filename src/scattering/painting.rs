@@ -150,6 +150,24 @@ fn paint_row<const N: usize>(
     on.is_some()
 }
 
+/// Whether facets are so smooth where a primitive is met that connections find what they mirror
+/// only by chance.
+pub fn is_polished_at<const N: usize>(scene: &Scene<N>, primitive: u32, point: Vec3) -> bool {
+    if scene.shapes.surface_of(primitive) == NONE {
+        return false;
+    }
+    let mut model = scene.optics.materials[scene.material_row(primitive)].model.clone();
+    let painting = scene.optics.painting.as_deref();
+    let textures = painting.and_then(|painting| textures_at(scene, painting, primitive));
+    if let Some((painting, (textures, _))) = painting.zip(textures) {
+        let on = scene.shapes.painted(primitive).filter(|_| textures.feed_model());
+        if let Some(on) = &on {
+            model = painting.model_at(model, textures, (on, on.weights_at(point)));
+        }
+    }
+    Surfaces::is_polished(&model)
+}
+
 /// Whether a model keeps in its rows a stain that differs from place to place.
 fn stains_rows<S>(textures: &Textures, model: &SurfaceModel<S>) -> bool {
     SurfaceKind::of(model).connects() && textures.stain.differs()

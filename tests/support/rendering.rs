@@ -15,6 +15,7 @@ use sunstone::internals::render::{
 use sunstone::internals::scattering::Scene;
 use sunstone::internals::scattering::emitter::is_delta;
 use sunstone::internals::scattering::immersion::Around;
+use sunstone::internals::scattering::painting::is_polished_at;
 use sunstone::internals::scene::baked::{NONE, Surface};
 use sunstone::internals::scene::emitter::{Emitter, EmitterModel};
 use sunstone::internals::scene::{World, bake, load};
@@ -185,8 +186,8 @@ fn is_specular<const N: usize>(scene: &Scene<N>, surface: &Surface) -> bool {
 }
 
 /// The pixels that connections of light paths to the sensor can fill: those, with their
-/// neighbors, whose primary rays meet diffuse surfaces, absorbers, or an emitter with a
-/// direction of its own. Neighbors are asked because rays are few and edges thin. None at all
+/// neighbors, whose primary rays meet diffuse surfaces, rough ones, absorbers, or an emitter with
+/// a direction of its own. Neighbors are asked because rays are few and edges thin. None at all
 /// for a pinhole in a medium, as connections to it from nearby have no finite variance.
 pub fn light_mask<const N: usize>(scene: &Scene<N>) -> Vec<bool> {
     if scene.sensor_medium != Around::Same(NONE) && scene.sensor.is_finite() {
@@ -222,24 +223,30 @@ fn sees_no_specular<const N: usize>(scene: &Scene<N>, [left, top]: [f32; 2]) -> 
         };
         (0..LANES).all(|lane| {
             let (origin, direction) = (row(&origin, lane), row(&direction, lane));
-            let hit = first_in_the_way(scene, origin, direction);
+            let (hit, point) = first_in_the_way(scene, origin, direction);
             if hit == NONE {
                 // Parallel rays have no direction to share with an environment.
                 return scene.optics.skies.is_empty() || scene.sensor.is_finite();
             }
             !is_specular(scene, &scene.shapes.surfaces[scene.shapes.surface_of(hit) as usize])
+                && !is_polished_at(scene, hit, point)
         })
     })
 }
 
-/// The first primitive that a ray meets which lets not all light straight on, or [`NONE`].
-fn first_in_the_way<const N: usize>(scene: &Scene<N>, mut origin: Vec3, direction: Vec3) -> u32 {
+/// The first primitive that a ray meets which lets not all light straight on, or [`NONE`], and
+/// where.
+fn first_in_the_way<const N: usize>(
+    scene: &Scene<N>,
+    mut origin: Vec3,
+    direction: Vec3,
+) -> (u32, Vec3) {
     loop {
         let hit = scene.accelerator.closest(origin, direction, f32::INFINITY);
         let passes = scene.is_straight_on(hit.primitive)
             && !scene.material_at(hit.primitive).kind.is_specular();
         if !passes {
-            return hit.primitive;
+            return (hit.primitive, origin + hit.t * direction);
         }
         origin += direction * (hit.t + 1e-4);
     }

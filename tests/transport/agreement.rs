@@ -272,7 +272,7 @@ fn integrators_agree_per_band_in_all_scenes() {
     };
     let shipped = ["scenes", "scenes/reference"].into_iter().flat_map(paths).map(load);
     let small = built(&SCENES).chain(built(&FILTERS)).chain(built(&PAINTED)).chain(built(&SKIES));
-    check_bands(shipped.chain(small), [REPLICATES, ITERATIONS / 4], 2);
+    check_bands(shipped.chain(small), [REPLICATES, ITERATIONS / 2], 2);
 }
 
 fn shipped(folder: &str) -> Vec<(String, World)> {
