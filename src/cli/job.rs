@@ -70,6 +70,7 @@ pub(super) fn settings(arguments: &RenderArguments) -> Result<Settings, CliError
         variance: arguments.variance,
         path_length_max: arguments.max_path_length.unwrap_or(PATH_LENGTH_MAX),
         roulette_after: arguments.roulette_after,
+        stage_times: arguments.stats.is_some(),
         sampling: arguments.sampling.0,
         seed: arguments.seed.unwrap_or(0),
         photons,

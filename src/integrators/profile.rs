@@ -57,6 +57,8 @@ pub const STAGES: [&str; 14] = [
 /// Time per stage and rays traced.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
+    /// Whether stages are timed.
+    pub is_timed: bool,
     /// Time per stage, summed over threads.
     pub times: [Duration; STAGES.len()],
     /// Closest-hit rays.
@@ -92,23 +94,35 @@ impl Profile {
     /// Runs `work` on the clock of `stage`.
     #[inline(always)]
     pub fn time<R>(&mut self, stage: Stage, work: impl FnOnce() -> R) -> R {
-        let start = Instant::now();
-        let result = work();
-        self.times[stage as usize] += start.elapsed();
-        result
+        self.time_of_threads(stage, 1, work)
     }
 
     /// Runs `work`, which keeps `threads` threads busy, on the clock of `stage`.
+    #[inline(always)]
     pub fn time_of_threads<R>(
         &mut self,
         stage: Stage,
         threads: usize,
         work: impl FnOnce() -> R,
     ) -> R {
-        let start = Instant::now();
+        let start = self.clock();
         let result = work();
-        self.times[stage as usize] += start.elapsed() * threads as u32;
+        if let Some(start) = start {
+            self.add_time(stage, threads, start);
+        }
         result
+    }
+
+    // Out of line: stages are many.
+    #[inline(never)]
+    fn clock(&self) -> Option<Instant> {
+        self.is_timed.then(Instant::now)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn add_time(&mut self, stage: Stage, threads: usize, start: Instant) {
+        self.times[stage as usize] += start.elapsed() * threads as u32;
     }
 
     /// Adds another profile.

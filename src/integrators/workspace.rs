@@ -73,8 +73,9 @@ pub struct WalkTables<const N: usize> {
 }
 
 impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
-    /// Empty tables for films of so many components, with or without media and partial weights.
-    pub fn new(components: usize, with: (bool, bool)) -> Self {
+    /// Empty tables for films of so many components, with or without media and partial weights;
+    /// its stages are timed or not.
+    pub fn new(components: usize, with: (bool, bool), is_timed: bool) -> Self {
         Self {
             sensor: std::array::from_fn(|_| PathTable::new(ROWS, with)),
             light: std::array::from_fn(|_| PathTable::new(ROWS, with)),
@@ -88,7 +89,7 @@ impl<const N: usize, M: LightModel<N>> Workspace<N, M> {
             slot_order: SlotOrder::default(),
             measured: Measured::new(ROWS, components),
             splats: Splats::default(),
-            profile: Profile::default(),
+            profile: Profile { is_timed, ..Profile::default() },
         }
     }
 }

@@ -73,11 +73,11 @@ impl<const N: usize, M: LightModel<N>> Run<N, M> {
         let with = (scene.has_media(), settings.integrator.weighs_strategies());
         Self {
             film: black_film(scene, settings, sets.differ()),
-            pool: Pool::new(settings.components(), with),
+            pool: Pool::new(settings.components(), with, settings.stage_times),
             sets,
             settings: settings.clone(),
             photons,
-            profile: Profile::default(),
+            profile: Profile { is_timed: settings.stage_times, ..Profile::default() },
             groups,
             place,
             is_unfinished: false,

@@ -27,19 +27,20 @@ pub struct Pool<const N: usize, M: LightModel<N>> {
     resting: Mutex<Vec<Box<Workspace<N, M>>>>,
     components: usize,
     with: (bool, bool),
+    is_timed: bool,
 }
 
 impl<const N: usize, M: LightModel<N>> Pool<N, M> {
     /// None yet, for films of so many Stokes components, and paths with or without media and
-    /// partial weights.
-    pub fn new(components: usize, with: (bool, bool)) -> Self {
-        Self { resting: Mutex::new(Vec::new()), components, with }
+    /// partial weights, whose stages are timed or not.
+    pub fn new(components: usize, with: (bool, bool), is_timed: bool) -> Self {
+        Self { resting: Mutex::new(Vec::new()), components, with, is_timed }
     }
 
     /// Does `work` with one of them.
     pub fn with<R>(&self, work: impl FnOnce(&mut Workspace<N, M>) -> R) -> R {
         let resting = self.resting.lock().expect("no thread panics while it holds the lock").pop();
-        let create = || Box::new(Workspace::new(self.components, self.with));
+        let create = || Box::new(Workspace::new(self.components, self.with, self.is_timed));
         let mut workspace = resting.unwrap_or_else(create);
         let result = work(&mut workspace);
         self.resting.lock().expect("no thread panics while it holds the lock").push(workspace);

@@ -53,7 +53,7 @@ fn case(
     let integrator = options.integrator_name();
     watch.at(&format!("{}, {integrator}", subject.name));
     // Of the same paths, so that the ratio is what polarization itself costs.
-    let options = &Options { sampling: Sampling::Intensity, ..options.clone() };
+    let options = &Options { sampling: Sampling::Intensity, stage_times: true, ..options.clone() };
     let polarized = Settings::new(options.clone())?;
     let scalar = Settings::new(Options { mode: Mode::Scalar, ..options.clone() })?;
     let (modes, samples) = ([&scalar, &polarized], options.samples);

@@ -16,7 +16,8 @@ pub fn table1(
     watch: &impl Watch,
 ) -> Result<Table1, MeasureError> {
     // Of the same paths, as the paper's.
-    let options = &Options { sampling: Sampling::Intensity, ..options.clone() };
+    let sampling = Sampling::Intensity;
+    let options = &Options { sampling, stage_times: true, ..options.clone() };
     let polarized = Settings::new(options.clone())?;
     let scalar = Settings::new(Options { mode: Mode::Scalar, ..options.clone() })?;
     let rounds = (iterations, options.samples_of_photons());
