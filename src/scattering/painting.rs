@@ -9,10 +9,10 @@ use glam::Vec3;
 use crate::geometry::{HitColumns, RayColumns, SurfaceColumns};
 use crate::math::elementary::sin_cos;
 use crate::math::lanes::U32s;
-use crate::math::{F32s, LANES, Vector, lanes};
+use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::{NONE, Optics, Shapes};
 use crate::scene::corners::Painted;
-use crate::scene::emitter::{Emitter, EmitterModel};
+use crate::scene::emitter::{Emitter, EmitterModel, Panorama};
 use crate::scene::painting::{Painting, coverage_at, normal_at};
 use crate::scene::world::{SurfaceModel, Textures};
 
@@ -364,7 +364,7 @@ impl<const N: usize> Scene<N> {
     /// What a point of an emitter emits over what its lamp does, by textures; of one that is
     /// infinitely far away, what comes from a direction.
     pub fn tint(&self, emitter: usize, position: Vec3, direction: Vec3) -> [f32; N] {
-        if let EmitterModel::Panorama(panorama) = &self.optics.emitters[emitter].model {
+        if let Some(panorama) = self.panorama(emitter) {
             let value = panorama.radiance(direction, &self.optics.carried);
             return over(value, self.optics.radiance_of(emitter));
         }
@@ -399,13 +399,42 @@ impl<const N: usize> Scene<N> {
         emitters: [usize; LANES],
         (points, directions): (Vector<F32s>, Vector<F32s>),
     ) {
-        let [points, directions] = [points, directions].map(Vector::to_rows);
+        let skies = emitters.map(|emitter| self.panorama(emitter));
+        let is_sky = skies.map(|sky| sky.is_some());
+        let rows = [points, directions].map(Vector::to_rows);
         let mut tints = [[1.0; N]; LANES];
-        for (lane, tint) in tints.iter_mut().enumerate() {
-            *tint = self.tint(emitters[lane], points[lane].into(), directions[lane].into());
+        for (lane, tint) in tints.iter_mut().enumerate().filter(|(lane, _)| !is_sky[*lane]) {
+            let [point, direction] = rows.map(|rows| rows[lane].into());
+            *tint = self.tint(emitters[lane], point, direction);
         }
+        let of_lamps = |n: usize| F32s::from(lanes::each(|lane| tints[lane][n]));
+        // There is one at most.
+        let Some((sky, lane)) = skies.iter().zip(0..).find_map(|(sky, lane)| Some(((*sky)?, lane)))
+        else {
+            return radiance.iter_mut().enumerate().for_each(|(n, it)| *it *= of_lamps(n));
+        };
+        let (mask, lamp) = (lanes::mask_of(is_sky), self.optics.radiance_of(emitters[lane]));
+        let shown = sky.radiances(directions, &self.optics.carried);
         for (n, radiance) in radiance.iter_mut().enumerate() {
-            *radiance *= F32s::from(lanes::each(|lane| tints[lane][n]));
+            let of_sky =
+                if lamp[n] > 0.0 { F32s::splat(1.0 / lamp[n]) * shown[n] } else { F32s::ZERO };
+            *radiance *= Real::select(mask, of_sky, of_lamps(n));
+        }
+    }
+
+    /// The picture of an emitter that is one of all directions.
+    #[inline(always)]
+    pub fn panorama(&self, emitter: usize) -> Option<&Panorama> {
+        match &self.optics.emitters[emitter].model {
+            EmitterModel::Panorama(panorama) => Some(panorama),
+            EmitterModel::Triangle(_)
+            | EmitterModel::Sphere(_)
+            | EmitterModel::Point(_)
+            | EmitterModel::Patterned(_)
+            | EmitterModel::Spot(_)
+            | EmitterModel::Directional(_)
+            | EmitterModel::Sun(_)
+            | EmitterModel::Environment(_) => None,
         }
     }
 }

@@ -10,6 +10,8 @@ pub struct Carried<const N: usize> {
     kind: Kind,
     /// Under which red, green and blue have the color that they say.
     white: White,
+    /// What that is in every column; zero where it is not known.
+    light: [f64; N],
     beyond: Beyond,
 }
 
@@ -59,6 +61,7 @@ impl Carried<3> {
         wavelengths_nm: RGB_WAVELENGTHS_NM,
         kind: Kind::Rgb,
         white: White::D65,
+        light: [1.0; 3],
         beyond: Beyond::Refused,
     };
 }
@@ -66,12 +69,17 @@ impl Carried<3> {
 impl<const N: usize> Carried<N> {
     /// Vacuum wavelengths in nanometers, greater than zero, by a white of equal energy.
     pub const fn at(wavelengths_nm: [f32; N]) -> Self {
-        Self { wavelengths_nm, kind: Kind::Fixed, white: White::E, beyond: Beyond::Refused }
+        Self::of_kind(wavelengths_nm, Kind::Fixed)
     }
 
     /// The same of a render that has other wavelengths in every iteration.
     pub const fn set(wavelengths_nm: [f32; N]) -> Self {
-        Self { wavelengths_nm, kind: Kind::Set, white: White::E, beyond: Beyond::Refused }
+        Self::of_kind(wavelengths_nm, Kind::Set)
+    }
+
+    const fn of_kind(wavelengths_nm: [f32; N], kind: Kind) -> Self {
+        let (white, light, beyond) = (White::E, [1.0; N], Beyond::Refused);
+        Self { wavelengths_nm, kind, white, light, beyond }
     }
 
     /// What a film of such channels is rendered with, if those are as many and each is carried by
@@ -84,19 +92,27 @@ impl<const N: usize> Carried<N> {
         };
         let wavelengths_nm = wavelengths_nm.try_into().ok()?;
         let kind = if *color == Color::Rgb { Kind::Rgb } else { Kind::Fixed };
-        let (white, beyond) = (White::of(color), Beyond::Refused);
-        Some(Self { wavelengths_nm, kind, white, beyond })
+        Some(Self::of_kind(wavelengths_nm, kind).under(White::of(color)))
     }
 
     /// The same under another white.
     #[must_use]
-    pub const fn under(self, white: White) -> Self {
-        Self { white, ..self }
+    pub fn under(self, white: White) -> Self {
+        let light = match self.is_rgb() {
+            true => [1.0; N],
+            false => self.wavelengths_nm.map(|nm| white.at(f64::from(nm))),
+        };
+        Self { white, light, ..self }
     }
 
     /// Under which red, green and blue have the color that they say.
     pub fn white(&self) -> White {
         self.white
+    }
+
+    /// What the white is in every column: 1 of red, green and blue, and zero where it is not known.
+    pub fn light(&self) -> &[f64; N] {
+        &self.light
     }
 
     /// The same with spectra that are known so beyond their ends.

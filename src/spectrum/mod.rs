@@ -21,6 +21,7 @@ mod lamps;
 mod responses;
 mod rows;
 mod seen;
+mod shapes;
 mod spd;
 mod spectra;
 pub mod upsampling;
@@ -37,6 +38,7 @@ pub use indices::{index, index_names, metal, metal_names};
 pub use lamps::{Line, LineShape};
 pub use responses::{Response, Responses, Taken};
 pub use seen::rgb_of_bands;
+pub use shapes::Shapes;
 pub use spectra::{OutsideTable, Role, Spectrum, SpectrumTable, lit};
 pub use white_balance::WhiteBalance;
 

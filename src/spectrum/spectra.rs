@@ -278,11 +278,8 @@ fn rgb_at<const N: usize>(
 /// What [`Role::Emission`] says of a color of which [`Role::Coefficient`] says this, where it is
 /// known that the white is.
 pub fn lit<const N: usize>(mut values: [f32; N], carried: &Carried<N>) -> [f32; N] {
-    if !carried.is_rgb() {
-        for (value, &nm) in values.iter_mut().zip(carried.wavelengths_nm()) {
-            let white = of_white(carried.white(), nm).unwrap_or_default();
-            *value = (f64::from(*value) * white) as f32;
-        }
+    for (value, light) in values.iter_mut().zip(carried.light()) {
+        *value = (f64::from(*value) * light) as f32;
     }
     values
 }

@@ -103,7 +103,7 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     // Where the last vertex connects to nothing, nobody asks how.
     let densities = |connects: bool| {
         let from = paths.vantage(row);
-        let of_choice = || direct_pdf(scene, emitter, &from, (position, direction));
+        let of_choice = || direct_pdf(scene, (emitter, met.density), &from, (position, direction));
         let direct_pdf = if connects { of_choice() } else { 0.0 };
         EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
     };

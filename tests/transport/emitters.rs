@@ -173,12 +173,12 @@ fn points_of_spheres_are_chosen_by_solid_angle() {
                         continue;
                     }
                     let from = Vantage { position: reference, normal: Vec3::ZERO };
-                    let pdf_a = direct_pdf(&scene, 0, &from, (point, direction));
+                    let pdf_a = direct_pdf(&scene, (0, None), &from, (point, direction));
                     let again = pdf_a * way.length_squared() / cosine[lane];
                     assert!((again / pdf[lane] - 1.0).abs() < 0.02, "{place}: {again}");
                     // Light paths start off the sphere, which is much if that is tiny.
                     let off = point + (point - center) * 0.1;
-                    let pdf_off = direct_pdf(&scene, 0, &from, (off, direction));
+                    let pdf_off = direct_pdf(&scene, (0, None), &from, (off, direction));
                     assert!(distance < 1e2 || (pdf_off / pdf_a - 1.0).abs() < 0.01, "{place}");
                 }
             }

@@ -96,6 +96,7 @@ impl Area {
         let cos_at_light = if self.two_sided { cosine.abs() } else { cosine };
         (cos_at_light > 0.0).then(|| MetEmission {
             radiance: source.radiance,
+            density: None,
             emission_pdf: self.emission_pdf(source, cos_at_light),
             cos_at_light,
             normal: front,

@@ -80,6 +80,7 @@ impl Emits for Environment {
     ) -> Option<MetEmission<N>> {
         Some(MetEmission {
             radiance: source.radiance.map(|it| it * self.share(direction)),
+            density: None,
             emission_pdf: source.probability * SPHERE_PDF * disk_pdf(source.shapes),
             cos_at_light: 1.0,
             normal: Vec3::ZERO,

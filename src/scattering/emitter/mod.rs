@@ -203,6 +203,8 @@ impl<const N: usize> EmissionSample<N> {
 pub struct MetEmission<const N: usize> {
     /// Radiance towards the sensor.
     pub radiance: [f32; N],
+    /// What [`Emits::density`] says, if it is known already.
+    pub density: Option<f32>,
     /// `emission` density.
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 for the environment.
@@ -258,7 +260,8 @@ pub fn met_emission<const N: usize>(
     direction: Vec3,
 ) -> Option<MetEmission<N>> {
     let mut met = met(&scene.optics.emitters[row].model, &source(scene, row), position, direction)?;
-    if scene.has_painted_lamps {
+    // What comes from where a picture of all directions knows itself.
+    if scene.has_painted_lamps && scene.panorama(row).is_none() {
         let tint = scene.tint(row, position, direction);
         met.radiance.iter_mut().zip(tint).for_each(|(radiance, tint)| *radiance *= tint);
     }
@@ -272,16 +275,17 @@ pub fn met_emission<const N: usize>(
     Some(MetEmission { emission_pdf: aim.gain(line) * met.emission_pdf, ..met })
 }
 
-/// The `direct` density of a point of an emitter, seen along `direction`, or of the direction.
+/// The `direct` density of a point of an emitter, seen along `direction`, or of the direction; of
+/// what has been met there it may be `known` but for the choice.
 pub fn direct_pdf<const N: usize>(
     scene: &Scene<N>,
-    row: usize,
+    (row, known): (usize, Option<f32>),
     from: &Vantage,
     (point, direction): (Vec3, Vec3),
 ) -> f32 {
     let model = &scene.optics.emitters[row].model;
-    chance_of_choice(scene, row, from)
-        * density(model, &scene.shapes, from.position, (point, direction))
+    let density = || density(model, &scene.shapes, from.position, (point, direction));
+    chance_of_choice(scene, row, from) * known.unwrap_or_else(density)
 }
 
 /// The probability with which a vertex chooses an emitter to connect to.

@@ -1,5 +1,5 @@
 //! The environment by a picture: directions are drawn by how bright they are. What of which color
-//! comes from where is looked up where it is needed (`painting`); here is its mean.
+//! comes from where is looked up where it is met, or needed (`painting`); elsewhere stands its mean.
 
 use glam::Vec3;
 
@@ -71,10 +71,11 @@ impl Emits for Panorama {
         _: Vec3,
         direction: Vec3,
     ) -> Option<MetEmission<N>> {
-        let pdf = self.pdf(direction);
+        let (radiance, pdf) = self.seen(direction, source.carried);
         // Where nothing is drawn it is black.
         (pdf > 0.0).then(|| MetEmission {
-            radiance: source.radiance,
+            radiance,
+            density: Some(pdf),
             emission_pdf: source.probability * pdf * disk_pdf(source.shapes),
             cos_at_light: 1.0,
             normal: Vec3::ZERO,

@@ -91,6 +91,7 @@ impl Emits for Sun {
         let versine = 0.5 * (direction + self.direction).length_squared();
         (versine <= self.versine).then(|| MetEmission {
             radiance: source.radiance,
+            density: None,
             emission_pdf: source.probability * self.pdf() * disk_pdf(source.shapes),
             cos_at_light: 1.0,
             normal: Vec3::ZERO,

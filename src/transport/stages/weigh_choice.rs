@@ -28,7 +28,7 @@ pub fn weigh_choice<const N: usize>(
             let row = row + lane;
             let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
             let direction = Vec3::from(lanes::row_of(&paths.rays.direction, row));
-            let pdf = direct_pdf(scene, emitters[lane], &from[lane], (origin, -direction));
+            let pdf = direct_pdf(scene, (emitters[lane], None), &from[lane], (origin, -direction));
             paths.mis.set_row(row, paths.mis.row(row).beside_choice(pdf));
         }
     }
