@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::file::{Job, JobFile};
+use super::file::{Job, JobFile, told};
 use super::known;
 use super::order::Order;
 use super::reals::Reals;
@@ -75,8 +75,8 @@ impl Wrong {
     fn list(self) -> Vec<String> {
         let words = |Trouble { label, text, more }| match (label, more) {
             (None, _) => text,
-            (Some(label), 0) => format!("{label}, {text}"),
-            (Some(label), more) => format!("{label} and {more} more of its sweep, {text}"),
+            (Some(label), 0) => told(&label, &text),
+            (Some(label), more) => told(&format!("{label} and {more} more of its sweep"), &text),
         };
         self.list.into_iter().map(words).collect()
     }

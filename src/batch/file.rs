@@ -14,7 +14,7 @@ use super::sweep::{Axis, VALUES_MAX, unfold};
 use super::unique::Unique;
 use super::values::Values;
 use crate::image::{extension, folder_of, read_bytes};
-use crate::math::text::excerpt;
+use crate::math::text::{excerpt, is_predicate};
 use crate::scene::Edit;
 
 /// Most bytes of a job file.
@@ -125,7 +125,7 @@ impl JobFile {
                 wrong.push(format!("asks for more than {VALUES_MAX} jobs"));
                 break;
             }
-            wrong.extend(texts.iter().map(|text| format!("{}, {text}", more[0].label())));
+            wrong.extend(texts.iter().map(|text| told(&more[0].label(), text)));
             jobs.extend(more);
         }
         if jobs.is_empty() && wrong.is_empty() {
@@ -310,6 +310,12 @@ fn unfolded(
         job
     });
     (jobs.collect(), wrong)
+}
+
+/// What is wrong with jobs: of the key that it begins with, or of all of it.
+pub fn told(label: &str, text: &str) -> String {
+    let comma = if is_predicate(text) { "" } else { "," };
+    format!("{label}{comma} {text}")
 }
 
 impl Job {

@@ -96,7 +96,7 @@ impl Axis {
     }
 }
 
-/// Digits of numbers that have no end, of whatever is not the noise of arithmetic, and of any `f64`.
+/// Digits of numbers that have no end, of what is more than the noise of arithmetic, and of all.
 const DIGITS_FEW: usize = 6;
 const DIGITS_STATED: usize = 12;
 const DIGITS_MANY: usize = 17;

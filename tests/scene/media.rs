@@ -375,7 +375,7 @@ fn bad_tables_are_refused() {
         second(document, tabulated(data_uri(text.as_bytes())));
     }
     refused(&[
-        (|d| second(d, tabulated(3)), &["media[1].table", "not a string"]),
+        (|d| second(d, tabulated(3)), &["media[1].table", "neither a path nor an object"]),
         (|d| second(d, tabulated("none.csv")), &["media[1].table", "none.csv", "beside"]),
         (|d| second(d, tabulated("/etc/passwd")), &["table", "not a path relative"]),
         (|d| csv(d, ""), &["media[1].table", "no column theta_deg"]),
