@@ -113,9 +113,12 @@ pub fn of_system(path: &Path, source: &io::Error, text: String) -> PyErr {
     }
 }
 
+/// Python writes the number before the text and the path behind it.
 fn os_error(number: i32, text: String, path: &Path) -> PyErr {
-    let text = in_python(&text);
-    PyOSError::new_err((number, text, path.display().to_string()))
+    let path = path.display().to_string();
+    let text = text.replace(&format!(" (os error {number})"), "").replace(&format!(" {path}"), "");
+    let text = text.strip_prefix(&format!("{path} ")).unwrap_or(&text);
+    PyOSError::new_err((number, in_python(text), path))
 }
 
 /// The numbers that every Unix has given these since the first.

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMappingProxy, PyString, PyTuple};
 use serde_json::{Map, Number, Value};
 use sunstone::Edit;
+use sunstone::internals::math::text::sentence;
 
 use crate::errors::SCENE_ERROR;
 
@@ -23,7 +24,7 @@ pub fn edits(edits: &Bound<PyDict>) -> PyResult<Vec<Edit>> {
 
 /// A value as JSON; `place` is what errors call it.
 fn of_python(place: &str, value: &Bound<PyAny>, depth: usize) -> PyResult<Value> {
-    let refuse = |problem: &str| Err(SCENE_ERROR.says(format!("{place}: {problem}")));
+    let refuse = |problem: &str| Err(SCENE_ERROR.says(sentence(place, problem)));
     if depth > DEPTH_MAX {
         return refuse("is nested too deeply");
     }

@@ -4,6 +4,8 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
 
+use sunstone::internals::math::text::sentence;
+
 use crate::errors::SCENE_ERROR;
 
 /// What is left of the keyword arguments of an object.
@@ -94,7 +96,8 @@ impl<'py> Keys<'py> {
             "" => String::new(),
             remedy => format!("\n  help: {remedy}"),
         };
-        SCENE_ERROR.says(format!("{}{separator}{key}: {problem}{help}", self.place))
+        let place = format!("{}{separator}{key}", self.place);
+        SCENE_ERROR.says(sentence(&place, problem) + &help)
     }
 
     /// The error of the library for a part of this object that it has refused to make.
@@ -109,7 +112,7 @@ where
     T: for<'a> FromPyObject<'a, 'py>,
 {
     if holds_truth(value) {
-        let text = format!("{place}: must be a number, not True or False");
+        let text = sentence(place, "must be a number, not True or False");
         return Err(PyTypeError::new_err(text));
     }
     value.extract::<T>().map_err(|error| named(place, value, error.into()))
@@ -133,6 +136,6 @@ pub fn holds_truth(value: &Bound<PyAny>) -> bool {
 
 /// The same error, which says where the value stands.
 fn named(place: &str, value: &Bound<PyAny>, error: PyErr) -> PyErr {
-    let text = format!("{place}: {}", error.value(value.py()));
+    let text = sentence(place, &error.value(value.py()).to_string());
     PyErr::from_type(error.get_type(value.py()), text)
 }

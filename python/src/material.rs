@@ -1,14 +1,13 @@
 //! Materials of keyword arguments, which are those of the scene files.
 
 use pyo3::prelude::*;
-use sunstone::spectra::metal_names;
+use sunstone::spectra::{metal, metal_names};
 use sunstone::world::{
     Action, Bsdf, Coat, Delay, EmittedStokes, Grid, Hand, InternalReflection, Material,
     MeasuredTable, Sides, Textures, ThinFilm,
 };
 use sunstone::{Distribution, Spectrum};
 
-use crate::errors::of_any;
 use crate::keys::Keys;
 use crate::spectra::Part;
 use crate::textures::textures;
@@ -102,7 +101,7 @@ fn bsdf(keys: &Keys, model: &str, or: &Defaults) -> PyResult<Bsdf> {
         "measured" => {
             let bytes: Vec<u8> = keys.need("table", "the bytes of a file of tensors, `.pbsdf`")?;
             let read = MeasuredTable::new("table", bytes);
-            let table = read.map_err(|fault| keys.refuse("table", &fault.to_string(), ""))?;
+            let table = read.map_err(|fault| keys.fault(&fault.within("table")))?;
             Bsdf::Measured { places: table.places(), table }
         }
         "mueller" => {
@@ -195,7 +194,7 @@ fn matrix(keys: &Keys) -> PyResult<[Spectrum; 16]> {
     let elements: Vec<Spectrum> = rows.into_iter().flatten().map(Spectrum::Constant).collect();
     match <[Spectrum; 16]>::try_from(elements) {
         Ok(elements) if is_square => Ok(elements),
-        _ => Err(keys.refuse("matrix", "is not a matrix", "give four lists of four numbers")),
+        _ => Err(keys.refuse("matrix", "is not 4 by 4", "give four lists of four numbers")),
     }
 }
 
@@ -304,13 +303,14 @@ fn alpha(keys: &Keys, default: Option<f32>) -> PyResult<f32> {
 
 /// The index of refraction of a metal of the model `name`.
 fn metal_index(keys: &Keys, name: &str) -> PyResult<(Spectrum, Spectrum)> {
-    let metal: Option<String> = keys.take("metal")?;
+    let symbol: Option<String> = keys.take("metal")?;
     let [eta, k] = [keys.refraction("eta", Part::Real)?, keys.refraction("k", Part::Extinction)?];
-    match (metal, eta, k) {
-        (Some(symbol), None, None) => match Bsdf::metal(&symbol).map_err(of_any)? {
-            Bsdf::Conductor { eta, k } => Ok((eta, k)),
-            other => unreachable!("a metal is a conductor, not {other:?}"),
-        },
+    match (symbol, eta, k) {
+        (Some(symbol), None, None) => metal(&symbol).ok_or_else(|| {
+            let problem = format!("`{symbol}` is not tabulated");
+            let names = metal_names().join(", ");
+            keys.refuse("metal", &problem, &format!("use one of {names}, or give `eta` and `k`"))
+        }),
         (None, Some(eta), Some(k)) => Ok((eta, k)),
         _ => {
             let problem = format!("a {name} takes either `metal` or both `eta` and `k`");

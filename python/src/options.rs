@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyString};
 use sunstone::internals::cli::color::{ColorArguments, ColorName, of_arguments};
 use sunstone::internals::cli::white::WhiteName;
 use sunstone::internals::image::layers::LayerKind;
+use sunstone::internals::math::text::sentence;
 use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX};
 use sunstone::internals::scene::world::{Asked, Walk};
 use sunstone::{Crop, FilterKind, Integrator, Mode, Options, Photons, Sampling, Settings, White};
@@ -164,7 +165,14 @@ fn parsed<T: FromStr<Err = String>>(options: &Bound<PyDict>, name: &str) -> PyRe
             numbers.join(":")
         }
     };
-    let wrong = |rule: String| RENDER_ERROR.says(format!("{name}: {rule}, not {text}"));
+    let wrong = |rule: String| {
+        let known = if rule.contains(&format!("`{text}`")) {
+            String::new()
+        } else {
+            format!(", not {text}")
+        };
+        RENDER_ERROR.says(sentence(name, &(rule + &known)))
+    };
     text.parse().map(Some).map_err(wrong)
 }
 

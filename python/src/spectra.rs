@@ -4,6 +4,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sunstone::Spectrum;
+use sunstone::internals::math::text::sentence;
 use sunstone::spectra::{Line, LineShape, illuminant_names, index, index_names, metal};
 use sunstone::world::EmittedStokes;
 
@@ -111,6 +112,12 @@ fn formula(keys: &Keys) -> PyResult<Option<Spectrum>> {
 
 /// The spectrum of what shines.
 pub fn lamp(place: &str, value: &Bound<PyAny>) -> PyResult<Spectrum> {
+    if let Ok(name) = value.cast::<PyString>()
+        && Spectrum::illuminant(&name.to_cow()?).is_some()
+    {
+        let problem = format!("`{name}` is a name: give {{\"illuminant\": \"{name}\"}}");
+        return Err(SCENE_ERROR.says(sentence(place, &problem)));
+    }
     let Ok(object) = value.cast::<PyDict>() else { return spectrum(place, value) };
     let keys = Keys::of(place, object)?;
     let scale: f32 = keys.take("scale")?.unwrap_or(1.0);
@@ -155,18 +162,21 @@ pub fn stokes(place: &str, value: &Bound<PyAny>) -> PyResult<EmittedStokes> {
     let components = value.extract::<Vec<Bound<PyAny>>>();
     let Ok([s1, s2, s3]) = components.as_deref() else {
         let problem = "is not three components: give [S1, S2, S3] over S0, each a spectrum";
-        return Err(SCENE_ERROR.says(format!("{place}: {problem}")));
+        return Err(SCENE_ERROR.says(sentence(place, problem)));
     };
     let of = |index: usize, value| spectrum(&format!("{place}[{index}]"), value);
     let stokes = EmittedStokes::new([of(0, s1)?, of(1, s2)?, of(2, s3)?]);
-    stokes.map_err(|fault| SCENE_ERROR.says(format!("{place}: {}", fault.of(""))))
+    stokes.map_err(|fault| SCENE_ERROR.says(fault.of(place)))
 }
 
 /// A number, red, green and blue, or {"nm": [...], "value": [...]}.
 fn spectrum(place: &str, value: &Bound<PyAny>) -> PyResult<Spectrum> {
     const FORMS: &str =
         "a spectrum is a number, [red, green, blue] or {\"nm\": [...], \"value\": [...]}";
-    let refuse = |problem: &str| SCENE_ERROR.says(format!("{place}: {problem}"));
+    let refuse = |problem: &str| SCENE_ERROR.says(sentence(place, problem));
+    if let Ok(name) = value.cast::<PyString>() {
+        return Err(refuse(&format!("`{name}` is a name, and none are taken here: {FORMS}")));
+    }
     if let Ok(object) = value.cast::<PyDict>() {
         let keys = Keys::of(place, object)?;
         let made = table(&keys);

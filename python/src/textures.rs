@@ -10,7 +10,7 @@ use sunstone::world::{
 };
 use sunstone::{Coding, Spectrum};
 
-use crate::errors::of_any;
+use crate::errors::SCENE_ERROR;
 use crate::keys::Keys;
 
 /// What pictures may feed.
@@ -174,5 +174,5 @@ fn picture(of: &Keys) -> PyResult<Picture> {
             )
         }
     };
-    read.map_err(of_any)
+    read.map_err(|error| SCENE_ERROR.says(of.place_of(&error.to_string())))
 }

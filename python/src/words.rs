@@ -72,7 +72,7 @@ pub fn in_python(text: &str) -> String {
         }
     }
     told.push_str(rest);
-    told
+    told.replace(" -D:", " define:").replace(" -D ", " define ")
 }
 
 /// The words that an option may take.

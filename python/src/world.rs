@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sunstone::glam::{DQuat, DVec3};
 use sunstone::hecs::Entity;
+use sunstone::internals::math::text::sentence;
 use sunstone::world::{
     ClearSky, EmittedStokes, Falloff, Filling, Lens, Photometry, Punctual, PunctualKind, Skin,
 };
@@ -83,12 +84,8 @@ impl World {
         let keys = Keys::of(format!("mesh `{name}`"), keys)?;
         let Ok(geometry) = geometry.cast::<Geometry>() else {
             let what = geometry.get_type();
-            let text = format!(
-                "{}: must be a Geometry, not a {}",
-                keys.place_of("geometry"),
-                what.name()?
-            );
-            return Err(PyTypeError::new_err(text));
+            let what = format!("must be a Geometry, not a {}", what.name()?);
+            return Err(PyTypeError::new_err(sentence(&keys.place_of("geometry"), &what)));
         };
         let (skin, place) = (self.skin(&keys)?, place(&keys)?);
         keys.finish("a mesh")?;
@@ -267,7 +264,7 @@ fn gone() -> PyErr {
 /// What errors call a new object, whose name nobody has.
 fn free_place(kind: &str, name: &str, known: &HashMap<String, Entity>) -> PyResult<String> {
     let place = format!("{kind} `{name}`");
-    let refuse = |problem: &str| Err(SCENE_ERROR.says(format!("{place}: {problem}")));
+    let refuse = |problem: &str| Err(SCENE_ERROR.says(sentence(&place, problem)));
     match (name.is_empty(), known.contains_key(name)) {
         (true, _) => refuse("needs a name, by which others find it"),
         (_, true) => refuse("there is one of this name already"),

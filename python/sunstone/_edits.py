@@ -50,7 +50,7 @@ class Parts(Mapping[str, Any]):
             for other, of, there in taken:
                 if of == index and all(a == b for a, b in zip(path, there)):
                     problem = f"is of the same place as {other}\n  help: set it once"
-                    raise SceneError(f"{target}: {problem}")
+                    raise SceneError(f"{target} {problem}")
             taken.append((target, index, path))
             keys = _keys_of(steps[index])
             if len(path) > 1 and path[0] not in keys:
@@ -168,7 +168,7 @@ class Parts(Mapping[str, Any]):
         if not slash or not path:
             listed = ", ".join(kinds)
             raise SceneError(
-                f"{target}: is no edit\n  help: write KIND/NAME/KEY; kinds are {listed}"
+                f"{target} is no edit\n  help: write KIND/NAME/KEY; kinds are {listed}"
             )
         if kind not in kinds:
             raise SceneError(
@@ -441,7 +441,7 @@ def plain(value: Any, place: str = "a value", depth: int = 0) -> Any:
         # Without what others have made of these, as numpy's numbers are floats too.
         return value if type(value).__module__ == "builtins" else _number(value)
     if depth > DEPTH_MAX:
-        raise SceneError(f"{place}: is nested too deeply")
+        raise SceneError(f"{place} is nested too deeply")
     if isinstance(value, np.generic):
         return _number(value)
     if isinstance(value, Mapping):
@@ -521,7 +521,7 @@ def _with(value: Any, path: list[str], new: Any, target: str) -> Any:
             )
         if not rest and new is None:
             raise SceneError(
-                f"{target}: is an item of a list, and cannot be taken away\n"
+                f"{target} is an item of a list, and cannot be taken away\n"
                 "  help: set the whole list"
             )
         items = list(value)

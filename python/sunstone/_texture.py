@@ -73,6 +73,9 @@ def as_keys(textures: Mapping[str, Texture | Picture]) -> dict[str, dict[str, An
     def keys(of: Texture | Picture) -> dict[str, Any]:
         return (of if isinstance(of, Texture) else Texture(of))._keys
 
+    if not isinstance(textures, Mapping):
+        kind = type(textures).__name__
+        raise TypeError(f"textures are a mapping, as {{'reflectance': 'wood.png'}}, not a {kind}")
     return {str(slot): keys(of) for slot, of in textures.items()}
 
 
@@ -89,7 +92,7 @@ def _stored(picture: Picture) -> dict[str, Any]:
     shape = array.shape
     if array.ndim != 3 or shape[2] not in (1, 2, 3, 4) or 0 in shape:
         raise SceneError(
-            f"picture: must have the shape (height, width) or (height, width, channels), of one to "
+            f"a picture must have the shape (height, width) or (height, width, channels), of one to "
             f"four channels, not {np.shape(picture)}"
         )
     if array.dtype in (np.uint8, np.uint16):
@@ -98,7 +101,7 @@ def _stored(picture: Picture) -> dict[str, Any]:
         colors = np.ascontiguousarray(np.broadcast_to(array, (*shape[:2], 3)), dtype=np.float32)
         return {"picture": colors.tobytes(), "width": int(shape[1])}
     raise SceneError(
-        f"picture: must be of integers of 8 or 16 bits, or of floats of one or three channels, not "
+        f"a picture must be of integers of 8 or 16 bits, or of floats of one or three channels, not "
         f"{array.dtype} of {shape[2]}"
     )
 

@@ -103,10 +103,12 @@ class World(Editable):
         name: str,
         bsdf: Literal[
             "absorber",
+            "circular_polarizer",
             "conductor",
             "dielectric",
             "diffuse",
             "measured",
+            "mueller",
             "null",
             "plastic",
             "polarizer",
@@ -130,7 +132,14 @@ class World(Editable):
         exterior_ior: Index | None = None,
         axis_deg: float | None = None,
         extinction_ratio: float | None = None,
-        retardance_deg: float | None = None,
+        transmittance: Spectrum | None = None,
+        blocked: Spectrum | None = None,
+        retardance_deg: Spectrum | None = None,
+        birefringence: Spectrum | None = None,
+        thickness_um: float | None = None,
+        handedness: Literal["left", "right"] | None = None,
+        matrix: npt.ArrayLike | None = None,
+        film: Mapping[str, Any] | None = None,
         table: bytes | None = None,
         reflected: Spectrum | None = None,
         transmitted: Spectrum | None = None,
@@ -165,11 +174,20 @@ class World(Editable):
                 One that depends on the wavelength disperses light by the former two; in RGB that at
                 587.56 nm holds for all.
             exterior_ior: of these: index of refraction outside; 1 by default.
-            axis_deg: of "polarizer" (transmission axis) and "retarder" (fast axis), in degrees from
-                the x axis of the shape, counterclockwise about the normal; 0 by default.
+            axis_deg: of "polarizer" (transmission axis), "retarder" (fast axis), both in
+                "circular_polarizer", and "mueller", in degrees from the x axis of the shape,
+                counterclockwise about the normal; 0 by default.
             extinction_ratio: of "polarizer": greatest over least transmittance; infinite by
                 default.
-            retardance_deg: of "retarder", in degrees.
+            transmittance: of "polarizer" and "circular_polarizer": along the axis; 1 by default.
+            blocked: of the same: transmittance across it, in place of `extinction_ratio`.
+            retardance_deg: of "retarder" and "circular_polarizer" (90 by default), in degrees.
+            birefringence: of the same, with `thickness_um` in place of `retardance_deg`.
+            thickness_um: of the same: of the crystal, in micrometers.
+            handedness: of "circular_polarizer": of the light that it makes; "right" by default.
+            matrix: of "mueller": four rows of four numbers, for light from the front to the back.
+            film: on metal and glass, smooth and rough: {"eta": 1.33, "k": 0, "thickness_nm": 300,
+                "share": 1}.
             table: of "measured": the bytes of a file of Mueller matrices, as Mitsuba's
                 measured_polarized reads.
             reflected: of glass and metal: share that is left of light that it reflects, a number or
@@ -205,7 +223,14 @@ class World(Editable):
                 exterior_ior=exterior_ior,
                 axis_deg=axis_deg,
                 extinction_ratio=extinction_ratio,
+                transmittance=transmittance,
+                blocked=blocked,
                 retardance_deg=retardance_deg,
+                birefringence=birefringence,
+                thickness_um=thickness_um,
+                handedness=handedness,
+                matrix=matrix,
+                film=film,
                 table=table,
                 reflected=reflected,
                 transmitted=transmitted,
@@ -258,10 +283,10 @@ class World(Editable):
                 sigma_s=sigma_s,
                 g=g,
                 depolarization=depolarization,
-                particles=None if particles is None else [dict(part) for part in particles],
-                host=None if host is None else dict(host),
-                milk=None if milk is None else dict(milk),
-                table=None if table is None else dict(table),
+                particles=particles,
+                host=host,
+                milk=milk,
+                table=table,
             ),
         )
 

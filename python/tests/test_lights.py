@@ -73,12 +73,12 @@ def test_what_is_wrong_with_lights_is_told() -> None:
     picture = png([[(1, 2, 3)]])
     cases: list[tuple[Any, dict[str, Any], str]] = [
         ("point", dict(ies=b"nothing"), "TILT"),
-        ("point", dict(picture=picture), "picture: means nothing"),
-        ("spot", dict(outer=0.3, ies=EVEN), "ies: means nothing"),
+        ("point", dict(picture=picture), "picture means nothing"),
+        ("spot", dict(outer=0.3, ies=EVEN), "ies means nothing"),
         ("spot", dict(outer=0.3, picture=b""), "picture"),
         ("spot", dict(outer=0.3, picture=png([[(0, 0, 0)]])), "black"),
         ("spot", dict(outer=1.57, picture=picture), "outer angle"),
-        ("directional", dict(picture=picture), "picture: means nothing"),
+        ("directional", dict(picture=picture), "picture means nothing"),
     ]
     for kind, more, text in cases:
         with pytest.raises(sunstone.SceneError, match=text):
@@ -150,5 +150,5 @@ def test_spots_fall_off_as_they_say_and_tables_are_materials() -> None:
     assert np.allclose(measured, even, rtol=0.05)
     with pytest.raises(sunstone.SceneError, match="is not known"):
         walls("sharp", bsdf="absorber")
-    with pytest.raises(sunstone.SceneError, match="table: is missing"):
+    with pytest.raises(sunstone.SceneError, match="table is missing"):
         walls(None, bsdf="measured")

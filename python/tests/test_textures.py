@@ -109,7 +109,7 @@ def test_worlds_with_pictures_pickle() -> None:
 def test_wrong_textures_are_told() -> None:
     gray = np.full((2, 2), 128, dtype=np.uint8)
     for keys, expected in [
-        (dict(bsdf="diffuse", textures={"shine": gray}), "shine: means nothing"),
+        (dict(bsdf="diffuse", textures={"shine": gray}), "shine means nothing"),
         (dict(bsdf="conductor", metal="Al", textures={"alpha": gray}), "no facets by a picture"),
         (dict(bsdf="diffuse", textures={"emission": gray}), "no emission"),
         (dict(bsdf="diffuse", textures={"transmitted": gray}), "is of glass that refracts"),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::file::{Job, JobFile};
+use super::file::{Job, JobFile, told};
 use super::known;
 use super::order::Order;
 use super::reals::Reals;
@@ -75,8 +75,8 @@ impl Wrong {
     fn list(self) -> Vec<String> {
         let words = |Trouble { label, text, more }| match (label, more) {
             (None, _) => text,
-            (Some(label), 0) => format!("{label}, {text}"),
-            (Some(label), more) => format!("{label} and {more} more of its sweep, {text}"),
+            (Some(label), 0) => told(&label, &text),
+            (Some(label), more) => told(&format!("{label} and {more} more of its sweep"), &text),
         };
         self.list.into_iter().map(words).collect()
     }
@@ -246,7 +246,7 @@ fn check_outputs(
                 Some(other) if *other == row => None,
                 Some(other) => {
                     let (job, other) = &orders[*other];
-                    Some(twice(order, &format!("{} {}", job.index, other.label())))
+                    Some(twice(order, (job.index, other)))
                 }
                 None => {
                     taken.insert(path, row);
@@ -334,14 +334,17 @@ fn check_others(
     }
 }
 
-/// What is said of a second job with an output.
-fn twice(order: &Order, other: &str) -> String {
-    let axes = order.values.iter().map(|(axis, _)| format!("{{{axis}}}")).collect::<Vec<_>>();
-    let advice = match axes.is_empty() {
-        true => "{name} or {index}".to_owned(),
-        false => axes.join(" and "),
+/// What is said of a second job with an output: what tells it from the other.
+fn twice(order: &Order, (index, other): (usize, &Order)) -> String {
+    let differs = |(axis, value): &(&str, &Value)| other.values.get(axis) != Some(*value);
+    let axes = order.values.iter().filter(differs);
+    let axes: Vec<String> = axes.map(|(axis, _)| format!("{{{axis}}}")).collect();
+    let advice = match (axes.is_empty(), order.name == other.name) {
+        (false, _) => format!("{}, whole, or {{index}}", axes.join(" and ")),
+        (true, true) => "{index}".to_owned(),
+        (true, false) => "{name} or {index}".to_owned(),
     };
-    format!(" is that of job {other} too; write {advice} into it")
+    format!(" is that of job {index} {} too; write {advice} into it", other.label())
 }
 
 /// Folders that have been written into for a test, and why not.

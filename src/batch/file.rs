@@ -14,7 +14,7 @@ use super::sweep::{Axis, VALUES_MAX, unfold};
 use super::unique::Unique;
 use super::values::Values;
 use crate::image::{extension, folder_of, read_bytes};
-use crate::math::text::excerpt;
+use crate::math::text::{excerpt, is_predicate};
 use crate::scene::Edit;
 
 /// Most bytes of a job file.
@@ -125,7 +125,7 @@ impl JobFile {
                 wrong.push(format!("asks for more than {VALUES_MAX} jobs"));
                 break;
             }
-            wrong.extend(texts.iter().map(|text| format!("{}, {text}", more[0].label())));
+            wrong.extend(texts.iter().map(|text| told(&more[0].label(), text)));
             jobs.extend(more);
         }
         if jobs.is_empty() && wrong.is_empty() {
@@ -273,6 +273,7 @@ fn unfolded(
         vec![Vec::new()]
     });
     let place = Arc::new(Place { number, line, is_named, own });
+    let short: Vec<Vec<Value>> = axes.iter().map(Axis::short_names).collect();
     let jobs = combinations.iter().zip(first..).map(|(indices, index)| {
         let mut job = Job {
             index,
@@ -284,11 +285,12 @@ fn unfolded(
             values: Values::default(),
             is_whole: wrong.is_empty(),
         };
-        let mut in_names = Values::default();
-        for (axis, &at) in axes.iter().zip(indices) {
+        let (mut in_names, mut in_short) = (Values::default(), Values::default());
+        for ((axis, short), &at) in axes.iter().zip(&short).zip(indices) {
             job.set(&axis.key, axis.values[at].clone());
             job.values.insert(axis.name.clone(), axis.values[at].clone());
             in_names.insert(axis.name.clone(), axis.in_names(at));
+            in_short.insert(axis.name.clone(), short[at].clone());
         }
         let own = Value::from(index);
         if job.options.get("seed").and_then(Value::as_str) == Some("job") {
@@ -296,17 +298,24 @@ fn unfolded(
         }
         let (name, zero) = (Value::from(name.as_str()), Value::from(0));
         let filled = output.as_ref().map(|output| {
-            output.fill(|field| match field {
+            output.fill(|field, is_rounded| match field {
                 "name" => Some(&name),
                 "index" => Some(&own),
                 "seed" => Some(job.options.get("seed").unwrap_or(&zero)),
-                axis => in_names.get(axis),
+                axis if is_rounded => in_names.get(axis),
+                axis => in_short.get(axis),
             })
         });
         job.output = filled.unwrap_or_default();
         job
     });
     (jobs.collect(), wrong)
+}
+
+/// What is wrong with jobs: of the key that it begins with, or of all of it.
+pub fn told(label: &str, text: &str) -> String {
+    let comma = if is_predicate(text) { "" } else { "," };
+    format!("{label}{comma} {text}")
 }
 
 impl Job {

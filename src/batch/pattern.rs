@@ -77,14 +77,16 @@ impl Pattern {
         })
     }
 
-    /// The name that values make, by field. What would lead into other folders becomes `_`.
-    pub fn fill<'a>(&self, value_of: impl Fn(&str) -> Option<&'a Value>) -> String {
+    /// The name that values make, by field and by whether it is rounded here. What would lead into
+    /// other folders becomes `_`.
+    pub fn fill<'a>(&self, value_of: impl Fn(&str, bool) -> Option<&'a Value>) -> String {
         let mut name = String::new();
         for piece in &self.0 {
             match piece {
                 Piece::Text(text) => name.push_str(text),
                 Piece::Field(field, format) => {
-                    let text = value_of(field).map(|value| format.write(value)).unwrap_or_default();
+                    let value = value_of(field, format.precision.is_some());
+                    let text = value.map(|value| format.write(value)).unwrap_or_default();
                     let leads = |c: char| matches!(c, '/' | '\\' | ':') || c.is_control();
                     name.extend(text.chars().map(|c| if leads(c) { '_' } else { c }));
                 }
@@ -190,7 +192,7 @@ mod tests {
             ("{{{v}}}", json!(true), "{true}"),
             ("a {v} b", json!("../x:y"), "a .._x_y b"),
         ] {
-            let name = Pattern::parse(pattern).unwrap().fill(|_| Some(&value));
+            let name = Pattern::parse(pattern).unwrap().fill(|_, _| Some(&value));
             assert_eq!(name, expected, "{pattern}");
         }
         for (bad, words) in [

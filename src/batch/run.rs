@@ -339,7 +339,7 @@ impl<'a> Work<'a> {
         let _permit = permit.unwrap_or_else(|| self.gate.enter(room));
         let renderer = Renderer::new(&world, &order.settings)?;
         let lacks = world.lacks(renderer.settings())?;
-        warnings.extend(lacks.iter().map(|note| format!("note: {note}")));
+        warnings.extend(lacks.iter().map(|lack| format!("warning: {lack}")));
         let mut renderer = renderer.on(&batch.threads).stopped_by(&self.stop);
         renderer.run(|so_far| {
             let share = f64::from(so_far.samples) / f64::from(so_far.total);

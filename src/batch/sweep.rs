@@ -1,5 +1,7 @@
 //! Sweeps: axes of values, of which every combination is a job.
 
+use std::collections::{BTreeSet, HashMap};
+
 use serde_json::{Map, Value};
 
 /// Most values of an axis, and most jobs of a sweep.
@@ -71,6 +73,94 @@ impl Axis {
         };
         if is_short { value.clone() } else { at.into() }
     }
+
+    /// The same of all values, with numbers in as few digits as tell what they are: without what
+    /// arithmetic has left behind, and six of those that have no end. Values that differ have names
+    /// that do.
+    pub fn short_names(&self) -> Vec<Value> {
+        let whole: Vec<Value> = (0..self.values.len()).map(|at| self.in_names(at)).collect();
+        for digits in DIGITS_FEW..DIGITS_MANY {
+            let mut short: Vec<Value> = whole.iter().map(|it| shortened(it, digits)).collect();
+            if tell_apart(&short, &whole) {
+                return short;
+            }
+            // What has no end may need more digits; what is a double next to a single does not.
+            if digits + 1 == DIGITS_MANY {
+                lengthen(&mut short, &whole);
+                if tell_apart(&short, &whole) {
+                    return short;
+                }
+            }
+        }
+        whole
+    }
+}
+
+/// Digits of numbers that have no end, of what is more than the noise of arithmetic, and of all.
+const DIGITS_FEW: usize = 6;
+const DIGITS_STATED: usize = 12;
+const DIGITS_MANY: usize = 17;
+/// What arithmetic leaves behind in a number, as a share of it.
+const NOISE: f64 = 1e-14;
+
+/// A value with its numbers in as few digits as are needed: `digits` where there is no end.
+fn shortened(value: &Value, digits: usize) -> Value {
+    match value {
+        Value::Array(items) => items.iter().map(|item| shortened(item, digits)).collect(),
+        Value::Number(number) if number.is_f64() => {
+            number.as_f64().map_or(Value::Null, |number| fewest(number, digits).into())
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) | Value::Object(_) => {
+            value.clone()
+        }
+    }
+}
+
+/// A number in as few digits as are needed: the one that was meant, or `digits` of it.
+fn fewest(number: f64, digits: usize) -> f64 {
+    let single = number as f32;
+    let stated: f64 = match f64::from(single) == number {
+        // The double of a single: that has fewer.
+        true => single.to_string().parse().unwrap_or(number),
+        false => number,
+    };
+    if significant(stated) <= DIGITS_STATED {
+        return stated;
+    }
+    let of = |digits: usize| -> f64 {
+        let text = format!("{stated:.*e}", digits - 1);
+        text.parse().unwrap_or(stated)
+    };
+    let is_it = |short: &f64| (short - stated).abs() <= NOISE * stated.abs();
+    (1..=DIGITS_STATED).map(of).find(is_it).unwrap_or_else(|| of(digits))
+}
+
+/// The digits of a number that count.
+fn significant(number: f64) -> usize {
+    let text = format!("{number:e}");
+    text.split('e').next().map_or(0, |text| text.chars().filter(char::is_ascii_digit).count())
+}
+
+/// Gives values that share a name with others their own.
+fn lengthen(names: &mut [Value], values: &[Value]) {
+    let mut values_of: HashMap<String, BTreeSet<String>> = HashMap::new();
+    for (name, value) in names.iter().zip(values) {
+        values_of.entry(name.to_string()).or_default().insert(value.to_string());
+    }
+    for (name, value) in names.iter_mut().zip(values) {
+        if values_of.get(&name.to_string()).is_some_and(|values| values.len() > 1) {
+            *name = value.clone();
+        }
+    }
+}
+
+/// Whether values that differ have names that do.
+fn tell_apart(names: &[Value], values: &[Value]) -> bool {
+    let mut known = HashMap::with_capacity(names.len());
+    names
+        .iter()
+        .zip(values)
+        .all(|(name, value)| *known.entry(name.to_string()).or_insert(value) == value)
 }
 
 /// The values that an axis lists, or that lie evenly between two.
@@ -103,11 +193,24 @@ fn between(from: &Value, to: &Value, count: &Value) -> Result<Vec<Value>, String
         let whole = |index: u64| (i128::from(a) + step * i128::from(index)) as i64;
         return Ok((0..count).map(|index| whole(index).into()).collect());
     }
-    let value = |index: u64| match index == steps {
-        true => b,
-        false => a + (b - a) * index as f64 / steps as f64,
+    let value = |index: u64| match index {
+        0 => a,
+        index if index == steps => b,
+        index => rounded(a + (b - a) * index as f64 / steps as f64, a.abs().max(b.abs())),
     };
     Ok((0..count).map(|index| value(index).into()).collect())
+}
+
+/// A number without what arithmetic has left behind in it, by the largest of those it is made of:
+/// 0.3 in place of 0.30000000000000004, and 0 in place of a small part of the others.
+fn rounded(number: f64, largest: f64) -> f64 {
+    let near = |short: &f64| (short - number).abs() <= NOISE * largest;
+    let text = format!("{largest:e}");
+    let leading = text.split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
+    let most = leading.map_or(0, |leading| DIGITS_STATED as i32 - leading);
+    let of = |decimals: i32| format!("{number:.*}", decimals as usize).parse::<f64>().ok();
+    // None is behind zero.
+    (0..=most.max(0)).filter_map(of).find(near).map_or(number, |short| short + 0.0)
 }
 
 /// What a sweep unfolds to: for every job, the index of the value of each axis; the last axis is
@@ -188,6 +291,56 @@ mod tests {
         let axis = axis(json!({"name": "a", "key": "k", "values": values}));
         let names: Vec<Value> = (0..9).map(|at| axis.in_names(at)).collect();
         assert_eq!(json!(names), json!([0, "gold", color, 3, 4, 5, null, 0.5, 8]));
+    }
+
+    /// No digits of arithmetic, and six of what has no end; more where six tell nothing apart.
+    #[test]
+    fn names_are_short_and_tell_values_apart() {
+        let names = |values: Value| axis(json!({"name": "a", "key": "k", "values": values}));
+        let single = f64::from(0.1_f32);
+        let noisy = json!([0.1, 0.2, 0.1 + 0.2, 1.0 / 3.0, 2.0 / 3.0, 1e-7, 1.5e300]);
+        let few = json!([0.1, 0.2, 0.3, 0.333333, 0.666667, 1e-7, 1.5e300]);
+        assert_eq!(json!(names(noisy).short_names()), few);
+        let others = json!([single, 3, "x", -0.0, 5.0]);
+        assert_eq!(json!(names(others).short_names()), json!([0.1, 3, "x", -0.0, 5.0]));
+        // 0.1 and its single are two values.
+        let both = json!([0.1, 0.1 + 0.2, single]);
+        assert_eq!(json!(names(both).short_names()), json!([0.1, 0.3, single]));
+        // Seven digits here, and all of these.
+        let close = json!([1.0 / 3.0, 0.33333341234567, 0.5]);
+        assert_eq!(json!(names(close).short_names()), json!([0.3333333, 0.3333334, 0.5]));
+        let next = f64::from_bits((1.0_f64 / 3.0).to_bits() + 1);
+        let neighbors = json!(names(json!([1.0 / 3.0, next])).short_names());
+        assert_eq!(neighbors.to_string(), "[0.3333333333333333,0.3333333333333334]");
+        // What is stated in some digits keeps them, in lists too.
+        let stated = json!([550.12345678, [0.1 + 0.2, 1], 12345678901.5, 0.1]);
+        let kept = json!([550.12345678, [0.3, 1], 12345678901.5, 0.1]);
+        assert_eq!(json!(names(stated).short_names()), kept);
+    }
+
+    #[test]
+    fn steps_of_ranges_are_what_was_meant() {
+        for (from, to, count, decimals) in [
+            (0.1, 0.7, 7, 1),
+            (-0.3, 0.3, 7, 1),
+            (0.0, 1.0, 1001, 3),
+            (1.1, 2.3, 13, 1),
+            (1e-7, 9e-7, 9, 7),
+            (1000.05, 1000.95, 19, 2),
+            (0.7, -0.2, 10, 1),
+        ] {
+            let range = json!({"name": "a", "key": "k", "from": from, "to": to, "count": count});
+            for (index, value) in axis(range).values.iter().enumerate() {
+                let exact = from + (to - from) * index as f64 / f64::from(count - 1);
+                let meant: f64 = format!("{exact:.decimals$}").parse().unwrap();
+                // Zero has no sign.
+                assert_eq!(value.as_f64().unwrap().to_bits(), (meant + 0.0).to_bits(), "{value}");
+            }
+        }
+        let thirds = axis(json!({"name": "a", "key": "k", "from": 0, "to": 1, "count": 4})).values;
+        assert_eq!(thirds[1..3], [json!(1.0 / 3.0), json!(2.0 / 3.0)]);
+        let huge = axis(json!({"name": "a", "key": "k", "from": -1e300, "to": 1e300, "count": 5}));
+        assert_eq!(huge.values[1..4], [json!(-5e299), json!(0.0), json!(5e299)]);
     }
 
     #[test]

@@ -49,9 +49,11 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CliError> {
     }
     let mut renderer = threads.run(|| Renderer::new(&world, &settings))?.on(&threads);
     checkpoints.resume(&mut renderer)?;
+    let foreseen = world.foreseen(&settings)?;
     if !arguments.quiet {
-        world.notes(&settings)?.iter().for_each(|note| say(format_args!("note: {note}")));
+        foreseen.notes.iter().for_each(|note| say(format_args!("note: {note}")));
     }
+    foreseen.lacks.iter().for_each(|lack| say(format_args!("warning: {lack}")));
     let show = |tev: Tev| tev.show(&arguments.output, &renderer.rows(), updates.interval);
     let viewer = tev.map(show).transpose()?;
     let mut followers = Followers { checkpoints, updates, viewer, threads };

@@ -5,6 +5,8 @@
 
 use std::fmt::Display;
 
+use super::text::sentence;
+
 /// A set of numbers, and its name in errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
@@ -70,10 +72,7 @@ impl Fault {
     }
 
     fn text(&self) -> String {
-        match self.field.as_str() {
-            "" => self.problem.clone(),
-            field => format!("{field}: {}", self.problem),
-        }
+        sentence(&self.field, &self.problem)
     }
 
     /// The same fault, of a field that has another name.

@@ -66,6 +66,16 @@ pub fn is_predicate(text: &str) -> bool {
     !word.is_empty() && VERBS.contains(&format!(" {word} "))
 }
 
+/// What is said about something with a name, as a sentence; without it, if the name is empty.
+pub fn sentence(name: &str, said: &str) -> String {
+    let separator = match () {
+        () if name.is_empty() => "",
+        () if is_predicate(said) => " ",
+        () => ": ",
+    };
+    format!("{name}{separator}{said}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +87,13 @@ mod tests {
         assert_eq!(excerpt("two\nlines", 100), "two\\nlines");
         assert_eq!(excerpt("étoile", 3), "éto...");
         assert_eq!(excerpt("étoile", 6), "étoile");
+    }
+
+    #[test]
+    fn sentences_go_on_with_what_is_said() {
+        assert_eq!(sentence("material 0", "is missing"), "material 0 is missing");
+        assert_eq!(sentence("ior", "1.5 must be less"), "ior: 1.5 must be less");
+        assert_eq!(sentence("", "is missing"), "is missing");
     }
 
     #[test]

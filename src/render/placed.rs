@@ -231,10 +231,18 @@ impl PlacedWorld {
     /// # Errors
     /// As those of [`super::Renderer::new`], but for the memory.
     pub fn notes(&self, settings: &Settings) -> Result<Vec<String>, RenderError> {
+        let Foreseen { notes, lacks } = self.foreseen(settings)?;
+        Ok(notes.into_iter().chain(lacks).collect())
+    }
+
+    /// The same, apart from what the image lacks.
+    pub(crate) fn foreseen(&self, settings: &Settings) -> Result<Foreseen, RenderError> {
         let film = self.film(settings)?;
-        let notes = self.with_scene(settings, film, Notes { world: &self.0.world, settings })?;
+        let foresee = Foresee { world: &self.0.world, settings };
+        let mut foreseen = self.with_scene(settings, film, foresee)?;
         let put_in = self.world().put_in().iter().map(|it| it.note.clone());
-        Ok(put_in.chain(notes).collect())
+        foreseen.notes.splice(0..0, put_in);
+        Ok(foreseen)
     }
 
     /// Of these, what the image lacks.
@@ -355,21 +363,33 @@ impl Ground {
     }
 }
 
-/// What is to be known of a render before it begins.
-struct Notes<'a> {
+/// What is to be known of a render before it begins, a sentence each.
+pub(crate) struct Foreseen {
+    /// How it goes, and what is seen by chance.
+    pub notes: Vec<String>,
+    /// What the image lacks.
+    pub lacks: Vec<String>,
+}
+
+/// Looks what is.
+struct Foresee<'a> {
     world: &'a World,
     settings: &'a Settings,
 }
 
-impl WithScene for Notes<'_> {
-    type Output = Vec<String>;
+impl WithScene for Foresee<'_> {
+    type Output = Foreseen;
 
-    fn with<const N: usize>(self, sets: Sets<N>) -> Vec<String> {
-        notes(self.world, &sets.scene, self.settings)
+    fn with<const N: usize>(self, sets: Sets<N>) -> Foreseen {
+        let Self { world, settings } = self;
+        let resolved = Resolved::new(settings, &sets.scene);
+        let glimpsed = glimpsed(world, &sets.scene, &resolved);
+        let lacks = lacks(world, &sets.scene, &resolved);
+        Foreseen { notes: resolved.choice_in_words().into_iter().chain(glimpsed).collect(), lacks }
     }
 }
 
-/// Of that, what the image lacks.
+/// Looks what the image lacks.
 struct Lacks<'a> {
     world: &'a World,
     settings: &'a Resolved,
@@ -381,17 +401,6 @@ impl WithScene for Lacks<'_> {
     fn with<const N: usize>(self, sets: Sets<N>) -> Vec<String> {
         lacks(self.world, &sets.scene, self.settings)
     }
-}
-
-fn notes<const N: usize>(world: &World, scene: &Scene<N>, settings: &Settings) -> Vec<String> {
-    let resolved = Resolved::new(settings, scene);
-    let glimpsed = glimpsed(world, scene, &resolved);
-    resolved
-        .choice_in_words()
-        .into_iter()
-        .chain(lacks(world, scene, &resolved))
-        .chain(glimpsed)
-        .collect()
 }
 
 fn lacks<const N: usize>(world: &World, scene: &Scene<N>, settings: &Resolved) -> Vec<String> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::files;
 use crate::math::Fault;
-use crate::math::text::{excerpt, is_predicate};
+use crate::math::text::{excerpt, sentence};
 
 /// Most troubles that one error tells; the others are counted.
 const TOLD_MAX: usize = 10;
@@ -98,7 +98,11 @@ impl SceneError {
         let file = if self.file.is_empty() { String::new() } else { format!("{}: ", self.file) };
         if let [only] = &self.troubles[..] {
             let help = only.help().map_or_else(String::new, |help| format!("\n{help}"));
-            return format!("{file}{}{help}", only.line());
+            let line = match only.place.is_empty() {
+                true => sentence(&self.file, &only.problem),
+                false => format!("{file}{}", only.line()),
+            };
+            return format!("{line}{help}");
         }
         let mut lines = vec![format!("{file}{} things are wrong", self.troubles.len() + self.more)];
         for (index, trouble) in self.troubles.iter().enumerate() {
@@ -117,12 +121,7 @@ impl SceneError {
 
 impl Trouble {
     fn line(&self) -> String {
-        let separator = match () {
-            () if self.place.is_empty() => "",
-            () if is_predicate(&self.problem) => " ",
-            () => ": ",
-        };
-        format!("{}{separator}{}", self.place, self.problem)
+        sentence(&self.place, &self.problem)
     }
 
     fn help(&self) -> Option<String> {

@@ -243,7 +243,7 @@ camera = { a = 1 }
         "job 5 \"swept\" and 1 more of its sweep, spp: invalid value '3.5'",
         "job 2 \"swept\" and 2 more of its sweep, seed: invalid value '-1'",
         "job 7, color: invalid value '3'",
-        "job 7, has no `output`",
+        "job 7 has no `output`",
         "job 8 \"broken\", height: takes one number or word",
         "job 8 \"broken\", max_path_length: takes one number or word",
         "job 8 \"broken\", sweep, axis \"d\": has no `key`",

@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 
 use image::{ImageBuffer, Luma, Rgb, Rgba};
 use serde_json::{Value, json};
+use sunstone::Spectrum;
 use sunstone::glam::Vec4;
+use sunstone::glam::{DAffine3, DVec3};
 use sunstone::internals::scene::{World, Written, load};
 use sunstone::world::{
-    Bsdf, Coverage, Environment, Filter, Geometry, Mesh, Paint, Parameter, Photometry, Picture,
-    Projection, Reads, Texture, Textures, Wrap,
+    Bsdf, Coverage, Emission, Environment, Filter, Geometry, Layers, Material, Mesh, Paint,
+    Parameter, Photometry, Picture, Projection, Reads, Sides, Texture, Textures, ThinFilm, Wrap,
 };
 
 use crate::common::scratch;
@@ -442,6 +444,56 @@ fn what_has_no_words_is_refused_by_name() {
     (texture.wrap, texture.filter) = ([Wrap::Clamp, Wrap::Mirror], Filter::Nearest);
     world.set_textures(material, textures).unwrap();
     assert_same(&world, "edges");
+}
+
+/// Which sides scatter and emit, of glTF's own models too, whose backs are like their fronts where
+/// a file says nothing.
+#[test]
+fn sides_are_written_as_they_are() {
+    let plain = Layers::plain(Spectrum::Rgb([0.5, 0.25, 0.125]), 0.5, 0.25);
+    let coated = Layers { coat: 0.5, ..plain.clone() };
+    let open = Layers { diffuse_transmission: 0.5, ..coated.clone() };
+    let Layers { base_color, metallic, alpha, ior, specular, .. } = plain;
+    let own = Bsdf::MetallicRoughness { base_color, metallic, alpha, ior, specular };
+    let open = Bsdf::Layered { layers: open };
+    let models = [
+        Bsdf::Layered { layers: coated },
+        Bsdf::blend(Bsdf::diffuse(0.5), open.clone(), 0.5),
+        open,
+        own.clone(),
+        own.filmed(ThinFilm::new(1.5, 0.0, 200.0)),
+        Bsdf::diffuse(0.5),
+        Bsdf::Absorber,
+    ];
+    let mut world = World::new("sides");
+    let mut told = Vec::new();
+    for (index, model) in models.into_iter().enumerate() {
+        for (two_sided, emits) in [(false, false), (false, true), (true, false), (true, true)] {
+            let name = format!("{index} {two_sided} {emits}");
+            let material = Material::from(model.clone());
+            let material = if two_sided { material.two_sided() } else { material };
+            let material = if emits { material.emitting(2.0) } else { material };
+            let material = world.add_material(&name, material).unwrap();
+            let at = DAffine3::from_translation(told.len() as f64 * DVec3::X);
+            world.add_sphere(&name, 0.25, material, at).unwrap();
+            told.push((name, two_sided, emits));
+        }
+    }
+    for read in again(&world, "sides") {
+        assert_eq!(read.warnings(), [""; 0]);
+        for (name, two_sided, emits) in &told {
+            let material = read.find(name).expect("it is there");
+            let entities = read.entities();
+            let sides = *entities.get::<&Sides>(material).unwrap();
+            assert_eq!(sides.two_sided, *two_sided, "{name}");
+            assert_eq!(entities.get::<&Emission>(material).is_ok(), *emits, "{name}");
+        }
+    }
+    let mut both = painted();
+    both["materials"][0]["doubleSided"] = json!(true);
+    both["materials"][0]["extensions"] = json!({"SUNSTONE_polarization": {"one_sided": true}});
+    let error = crate::common::load_json(&both).map(drop).unwrap_err();
+    assert!(error.contains("one_sided contradicts doubleSided"), "{error}");
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod mitsuba_errors;
 mod mitsuba_lights;
 mod mitsuba_textures;
 mod moving;
+mod nulls;
 mod pictures;
 mod plastic;
 mod reference;

@@ -49,6 +49,67 @@ fn sides(document: &Value) -> (u32, u32) {
     (surface.interior, surface.exterior)
 }
 
+/// Media go by their index, and where something else stands the error says which there are.
+#[test]
+fn what_is_no_medium_is_told_with_those_there_are() {
+    let scene = |medium: Value| {
+        let mut document = with_media();
+        document["scenes"][0]["extras"] = json!({"sunstone": {"medium": medium}});
+        document
+    };
+    let node = |medium: Value| {
+        let mut document = with_media();
+        side(&mut document, "interior", medium);
+        document
+    };
+    for wrong in [json!("fog"), json!("milk"), json!(2), json!(-1), json!(0.5), json!({})] {
+        for (document, key) in [(scene(wrong.clone()), "medium"), (node(wrong.clone()), "interior")]
+        {
+            let error = load_json(&document).map(drop).unwrap_err();
+            let problem = format!("{key}: {wrong} is not an index into the file's 2 media");
+            assert!(error.contains(&problem), "{error}");
+            assert!(error.contains("give 0 for \"fog\", 1; or null for nothing"), "{error}");
+        }
+    }
+    let mut none = good();
+    none["extras"] = json!({"sunstone": {"medium": "milk"}});
+    let error = load_json(&none).map(drop).unwrap_err();
+    assert!(error.contains("add `media` to the scene, of which the first is 0"), "{error}");
+    for nothing in [Value::Null, json!("none")] {
+        assert_eq!(baked(&scene(nothing.clone())).shapes.scene_medium, NONE);
+        assert_eq!(sides(&node(nothing)).0, NONE);
+    }
+}
+
+/// Names of tables stand for indices of refraction; elsewhere the error says what does.
+#[test]
+fn names_where_none_are_known_are_told() {
+    let of = |key: &str, value: Value| {
+        let mut document = with_media();
+        medium(&mut document, 0)[key] = value;
+        load_json(&document).map(drop).unwrap_err()
+    };
+    for key in ["sigma_a", "sigma_s", "g"] {
+        let error = of(key, json!("water"));
+        assert!(
+            error.contains(&format!("{key} is not a spectrum: `water` is a name, and none")),
+            "{error}"
+        );
+        assert!(error.contains("write a number, [red, green, blue] or {\"nm\""), "{error}");
+    }
+    let mut document = with_media();
+    *medium(&mut document, 0) = json!({"phase": "mie", "host": "water", "particles": [
+        {"eta": 1.5, "volume_fraction": 1e-3,
+            "distribution": {"kind": "monodisperse", "radius_um": 0.1}}]});
+    let error = load_json(&document).map(drop).unwrap_err();
+    assert!(error.contains("host is not an object"), "{error}");
+    assert!(error.contains("write {\"eta\": \"water\"}"), "{error}");
+    let mut document = good();
+    document["materials"][0]["extensions"]["SUNSTONE_polarization"]["emission"] = json!("D65");
+    let error = load_json(&document).map(drop).unwrap_err();
+    assert!(error.contains("write {\"illuminant\": \"D65\"}"), "{error}");
+}
+
 #[test]
 fn media_become_rows_in_their_order() {
     let mut document = with_media();
@@ -314,7 +375,7 @@ fn bad_tables_are_refused() {
         second(document, tabulated(data_uri(text.as_bytes())));
     }
     refused(&[
-        (|d| second(d, tabulated(3)), &["media[1].table", "not a string"]),
+        (|d| second(d, tabulated(3)), &["media[1].table", "neither a path nor an object"]),
         (|d| second(d, tabulated("none.csv")), &["media[1].table", "none.csv", "beside"]),
         (|d| second(d, tabulated("/etc/passwd")), &["table", "not a path relative"]),
         (|d| csv(d, ""), &["media[1].table", "no column theta_deg"]),
@@ -440,7 +501,7 @@ fn bad_media_are_refused() {
         (|d| medium(d, 0)["phase"] = json!("fog"), &["media[0] \"fog\".phase", "`fog`", "use one"]),
         (|d| medium(d, 0)["color"] = json!(1), &["media[0] \"fog\".color", "not a key", "sigma_a"]),
         (|d| medium(d, 0)["sigma_a"] = json!(-1), &["\"fog\".sigma_a", "-1", "not negative"]),
-        (|d| medium(d, 0)["sigma_s"] = Value::Null, &["\"fog\".sigma_s", "not a spectrum"]),
+        (|d| medium(d, 0)["sigma_s"] = Value::Null, &["\"fog\".sigma_s", "is missing"]),
         (|d| *medium(d, 1) = json!({"phase": "isotropic"}), &["media[1]", "sigma_a", "missing"]),
         (|d| medium(d, 0)["g"] = json!(1), &["\"fog\".g", "within (-1, 1)"]),
         (|d| medium(d, 1)["g"] = json!(0), &["media[1].g", "means nothing", "depolarization"]),

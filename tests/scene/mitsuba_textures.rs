@@ -391,6 +391,19 @@ fn what_is_wrong_with_heights_is_told() {
         let error = with_picture("wrong_heights", &body).map(|_| ()).unwrap_err();
         assert!(error.contains(expected), "{error}\nis not: {expected}");
     }
+    for sheet in ["polarizer", "retarder", "circular"] {
+        let body = bump(&format!("{wood}<bsdf type='{sheet}'/>"));
+        let error = with_picture("wrong_heights", &body).map(|_| ()).unwrap_err();
+        assert!(error.contains("has a sheet within it, which has no normals"), "{error}");
+    }
+    // What is not there at all may have any heights.
+    let none = format!(
+        "{wood}<bsdf type='mask'><float name='opacity' value='0'/><bsdf type='diffuse'/></bsdf>"
+    );
+    let medium = "<medium name='interior' type='homogeneous'/>";
+    let body = bump(&none).replace("</shape>", &format!("{medium}</shape>"));
+    let world = with_picture("no_heights", &body).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(world.entities().query::<&Textures>().iter().count(), 0);
 }
 
 #[test]

@@ -223,6 +223,26 @@ fn files_have_hot_surfaces() {
         }
         has_all(&load_json(&hot(wrong)).unwrap_err(), &["material 0", "incandescent", words]);
     }
+    // What does not go together is named, and the way to mend it.
+    let glass = json!({"bsdf": "dielectric", "incandescent": true, "emission": 5});
+    let film = json!({"eta": 1.5, "thickness_nm": 300});
+    for (body, key, value, words) in [
+        (&tungsten, "film", film.clone(), ["does not go with film", "remove the film"]),
+        (&glass, "film", film, ["does not go with film", "or incandescent"]),
+        (&tungsten, "reflected", json!(0.5), ["does not go with reflected", "remove reflected"]),
+        (&glass, "transmitted", json!(0.5), ["does not go with transmitted", "remove the color"]),
+        (&glass, "ior", json!(1), ["ior is that of what is around it", "another ior"]),
+        (&glass, "bsdf", json!("thin_dielectric"), ["the model is thin dielectric", "use a"]),
+        (&tungsten, "emission", Value::Null, ["nothing is emitted", "add a blackbody"]),
+    ] {
+        let mut wrong = body.clone();
+        wrong[key] = value;
+        let mut document = hot(wrong);
+        document["materials"][0].as_object_mut().unwrap().remove("emissiveFactor");
+        let error = load_json(&document).unwrap_err();
+        has_all(&error, &["material 0 \"glow\", SUNSTONE_polarization.incandescent "]);
+        has_all(&error, &words);
+    }
     // It emits less of what light paths start from than a black body, by a share of the power.
     let power = |world: &World| bake(world, &Carried::RGB).unwrap().optics.emitters[0].brightness;
     let mut black = tungsten;

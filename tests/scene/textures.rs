@@ -158,6 +158,61 @@ fn alpha_makes_holes_where_it_counts() {
     assert_eq!(even, None);
 }
 
+/// What light goes straight through goes by the true surface. Panes do not: they mirror.
+#[test]
+fn sheets_have_no_normals_to_bend() {
+    let of = |body: Value, key: &str| {
+        let mut document = painted();
+        document["textures"] = json!([{"source": 0}]);
+        document["extras"] = json!({"sunstone": {"media":
+            [{"phase": "isotropic", "sigma_a": 1, "sigma_s": 1}]}});
+        if body["bsdf"] == "null" {
+            let inside = json!({"interior": 0});
+            document["nodes"][1]["extensions"] = json!({"SUNSTONE_polarization": inside});
+        }
+        let mut material = json!({"name": "painted"});
+        material["extensions"]["SUNSTONE_polarization"] = body;
+        match key {
+            "normalTexture" => material[key] = json!({"index": 0}),
+            own => material["extensions"]["SUNSTONE_polarization"][own] = json!({"index": 0}),
+        }
+        document["materials"][0] = material;
+        load_json(&document)
+    };
+    let sheets = [
+        json!({"bsdf": "polarizer"}),
+        json!({"bsdf": "retarder", "retardance_deg": 90}),
+        json!({"bsdf": "circular_polarizer"}),
+        json!({"bsdf": "mueller", "matrix":
+            [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}),
+        json!({"bsdf": "null"}),
+    ];
+    for body in sheets {
+        let world = of(body.clone(), "normalTexture").unwrap_or_else(|error| panic!("{error}"));
+        let told = world.warnings().join("\n");
+        assert!(told.contains("normalTexture is ignored: sheets and null"), "{body}: {told}");
+        assert_eq!(textures(&world), None);
+        let error = of(body.clone(), "bump_texture").map(drop).unwrap_err();
+        let model = body["bsdf"].as_str().unwrap();
+        assert!(
+            error.contains(&format!("bump_texture means nothing for a {model}, which")),
+            "{error}"
+        );
+    }
+    let bumps = of(json!({"bsdf": "diffuse"}), "bump_texture").unwrap();
+    let relief = textures(&bumps).and_then(|textures| textures.relief).expect("it is bent");
+    for body in [json!({"bsdf": "thin_dielectric"}), json!({"bsdf": "dielectric"})] {
+        let world = of(body, "bump_texture").unwrap();
+        assert_eq!(textures(&world).unwrap().relief.map(|it| it.of), Some(relief.of));
+    }
+    // A program is told the same.
+    let mut world = World::new("made");
+    let sheet = world.add_material("sheet", Bsdf::polarizer(0.0)).unwrap();
+    let textures = Textures { relief: Some(relief), ..Textures::default() };
+    let error = world.set_textures(sheet, textures).unwrap_err().to_string();
+    assert!(error.contains("`sheet`, normals are by a texture"), "{error}");
+}
+
 type Refused = (fn(&mut Value), &'static [&'static str]);
 
 #[test]

@@ -161,7 +161,7 @@ pub fn read_json(path: &Path) -> Result<Value, SceneError> {
 /// The bytes of a scene file.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
     read_bytes(path, u64::MAX).map_err(|error| {
-        let problem = format!("cannot read {}: {error}", path.display());
+        let problem = format!("cannot read it: {error}");
         let remedy = match error.kind() {
             ErrorKind::OutOfMemory => "use a smaller file",
             _ => "is the path right?",

@@ -3,7 +3,8 @@
 //! glTF has no words for polarization. What is missing goes into `SUNSTONE_polarization`, whose
 //! body is also accepted as the object `extras.sunstone` and, key by key, as `extras.sunstone_*`,
 //! the way Blender exports custom properties. `scenes/sunstone.schema.json` documents the keys;
-//! a test compares it with the tables here.
+//! a test compares it with the tables here. A key that is null is not there, as edits have it, but
+//! where nothing is something to state.
 
 use std::collections::BTreeMap;
 
@@ -56,6 +57,7 @@ pub const MATERIAL: Keys = Keys {
         "matrix",
         "metal",
         "multiple_scattering",
+        "one_sided",
         "reflectance",
         "reflected",
         "reflected_texture",
@@ -238,6 +240,9 @@ pub const ALL: [&Keys; 24] = [
     &EMISSION,
 ];
 
+/// Keys of which null says something: that nothing is there, and not that nobody said it.
+const MAY_BE_NOTHING: [&str; 3] = ["exterior", "interior", "medium"];
+
 /// The keys of what stands under a key of an object, if it is an object or a list of these: of a
 /// table where a spectrum may stand.
 pub fn inner(keys: &Keys, name: &str) -> Option<&'static Keys> {
@@ -340,6 +345,9 @@ impl<'a> Body<'a> {
         if !keys.known.contains(&key) {
             return Err(SceneError::new(field, "is not a key of the extension", keys.advice()));
         }
+        if value.is_null() && !MAY_BE_NOTHING.contains(&key) {
+            return Ok(());
+        }
         if let Some((other, other_field)) = self.values.get(key)
             && !same(other, value)
         {
@@ -411,20 +419,6 @@ impl<'a> Body<'a> {
                 let problem = format!("{value} is not an index into the file's {len} {what}");
                 Err(SceneError::new(field, problem, String::new()))
             }
-        }
-    }
-
-    /// An index into an array of the file, or null or "none" for nothing of it.
-    pub fn index_or_none(
-        &self,
-        key: &str,
-        what: &str,
-        len: usize,
-    ) -> Result<Option<Option<usize>>, SceneError> {
-        match self.values.get(key) {
-            None => Ok(None),
-            Some((value, _)) if value.is_null() || value.as_str() == Some("none") => Ok(Some(None)),
-            Some(_) => Ok(self.index(key, what, len)?.map(Some)),
         }
     }
 

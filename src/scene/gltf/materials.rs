@@ -32,6 +32,7 @@ use super::layers::{has_painted_wall, says_more};
 use super::own_textures::{BUMP_SCALE, BUMP_TEXTURE};
 use super::plastics;
 use super::sheets;
+use super::sides::ONE_SIDED;
 use super::spectra::Part;
 use super::stains::{CONDUCTOR, DIELECTRIC, ROUGH_CONDUCTOR, ROUGH_DIELECTRIC, THIN_DIELECTRIC};
 use super::volume::Volume;
@@ -40,8 +41,8 @@ use crate::polarization::fresnel::k_of_reflectance;
 use crate::polarization::{ALPHA_MIN, Distribution};
 use crate::scene::error::SceneError;
 use crate::scene::world::{
-    Boundary, Bsdf, Emission, EmittedStokes, Layers, Material, MeasuredTable, Name, Skin,
-    Transform, tabulated,
+    Boundary, Bsdf, Emission, EmittedStokes, Incandescent, Layers, Material, MeasuredTable, Name,
+    Skin, Transform, tabulated,
 };
 use crate::spectrum::{Spectrum, metal, metal_names};
 
@@ -102,10 +103,10 @@ const MODELS: [Model; 14] = [
     Model { name: "thin_dielectric", keys: &THIN_DIELECTRIC, read: thin_dielectric },
 ];
 /// Keys that go with any model.
-const OF_ALL: [&str; 7] =
-    ["bsdf", BUMP_SCALE, BUMP_TEXTURE, "coverage", EMISSION, INCANDESCENT, STOKES];
+const OF_ALL: [&str; 8] =
+    ["bsdf", BUMP_SCALE, BUMP_TEXTURE, "coverage", EMISSION, INCANDESCENT, ONE_SIDED, STOKES];
 
-impl Import<'_> {
+impl<'a> Import<'a> {
     /// The entity of a material, which is added when it is first used.
     pub fn material(&mut self, index: Option<usize>, user: &str) -> Result<Entity, SceneError> {
         if let Some(known) = self.materials.get(&index) {
@@ -146,7 +147,7 @@ impl Import<'_> {
             }
         };
         let stokes = index.map_or(Ok(None), |index| self.stokes(index, &label))?;
-        let by_heat = index.map_or(Ok(false), |index| self.is_incandescent(index, &label))?;
+        let by_heat = index.map_or(Ok(None), |index| self.is_incandescent(index, &label))?;
         let emits = material.emission.is_some();
         let of = (&material.bsdf, material.emission.as_ref());
         let textures = self.textures(index, &label, of)?;
@@ -159,30 +160,35 @@ impl Import<'_> {
             let put = self.world.put_stokes(entity, stokes);
             put.map_err(|fault| SceneError::at(&label, fault))?;
         }
-        if by_heat && emits {
-            let put = self.world.put_incandescent(entity);
-            put.map_err(|fault| SceneError::at(&label, fault))?;
+        if let (Some(body), true) = (by_heat, emits) {
+            self.world.put_incandescent(entity).map_err(|fault| body.place(fault))?;
         }
         Ok(entity)
     }
 
-    /// Whether a material emits by its heat.
-    fn is_incandescent(&self, index: usize, label: &str) -> Result<bool, SceneError> {
-        let value = &self.document.value["materials"][index];
+    /// The keys of a material that emits by its heat. That may be switched off, but has to be
+    /// stated.
+    fn is_incandescent(&self, index: usize, label: &str) -> Result<Option<Body<'a>>, SceneError> {
+        let document = self.document;
+        let value = &document.value["materials"][index];
         let body = Body::of(value, label, &MATERIAL)?;
-        Ok(body.flag(INCANDESCENT)?.unwrap_or(false))
+        match body.flag(INCANDESCENT)?.unwrap_or(false) {
+            true if !states_emission(value, &body) => {
+                Err(body.place(Incandescent::without_emission()))
+            }
+            true => Ok(Some(body)),
+            false => Ok(None),
+        }
     }
 
     /// How what a material emits is polarized. That may be switched off, but has to be stated.
     fn stokes(&self, index: usize, label: &str) -> Result<Option<EmittedStokes>, SceneError> {
         let value = &self.document.value["materials"][index];
         let body = Body::of(value, label, &MATERIAL)?;
-        let stokes = body.stokes(STOKES)?;
-        let emits = body.has(EMISSION)
-            || value.get("emissiveFactor").is_some()
-            || value["extensions"][KHR_UNLIT].is_object();
-        match stokes {
-            Some(_) if !emits => Err(body.place(EmittedStokes::without_emission())),
+        match body.stokes(STOKES)? {
+            Some(_) if !states_emission(value, &body) => {
+                Err(body.place(EmittedStokes::without_emission()))
+            }
             stokes => Ok(stokes),
         }
     }
@@ -277,8 +283,7 @@ impl Import<'_> {
         let emission = Emission { radiance };
         let field = format!("{color} times emissiveStrength");
         emission.check().map_err(|fault| SceneError::at(label, fault.of(field)))?;
-        let emits = emission.radiance.values().iter().any(|value| *value > 0.0);
-        Ok(emits.then_some(emission))
+        Ok(Some(emission).filter(Emission::emits))
     }
 
     /// Whether neither a picture nor vertices change the color of a material of plain glTF.
@@ -355,6 +360,13 @@ impl Import<'_> {
         })?;
         Ok(bsdf)
     }
+}
+
+/// Whether a material says what it emits, and be it nothing.
+fn states_emission(value: &Value, body: &Body) -> bool {
+    body.has(EMISSION)
+        || value.get("emissiveFactor").is_some()
+        || value["extensions"][KHR_UNLIT].is_object()
 }
 
 /// All glass: a pane, or the boundary of a solid, with facets if it is rough, or may be.

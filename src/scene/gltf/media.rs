@@ -4,6 +4,7 @@ use hecs::Entity;
 
 use super::extension::{Body, MEDIUM, SCENE};
 use super::{Import, particles};
+use crate::math::text::{excerpt, listed};
 use crate::scene::error::{Findings, SceneError};
 use crate::scene::world::{Boundary, Filling, MEDIA_MAX, Medium, Name, Phase};
 
@@ -15,6 +16,8 @@ const PHASES: [(&str, &[&str]); 5] = [
     ("mueller_table", &["table"]),
     ("rayleigh", &["depolarization"]),
 ];
+/// Most characters of a wrong value that an error quotes.
+const CHARACTERS_MAX: usize = 60;
 /// Keys of every medium.
 const COMMON_KEYS: [&str; 4] = ["name", "phase", "sigma_a", "sigma_s"];
 
@@ -46,8 +49,8 @@ impl Import<'_> {
         // What refers to media by their number can be read only if all are there.
         findings.result()?;
         for owner in &owners {
-            if let Some(Some(index)) = owner.index_or_none("medium", "media", self.media.len())? {
-                self.world.set_scene_medium(self.media[index])?;
+            if let Some(Filling::Medium(medium)) = self.filling_of(owner, "medium")? {
+                self.world.set_scene_medium(medium)?;
             }
         }
         Ok(())
@@ -105,15 +108,45 @@ impl Import<'_> {
 
     /// What a node says about the two sides of its surfaces.
     pub fn boundary(&self, node: &Body) -> Result<Boundary, SceneError> {
-        let filling = |key: &str| {
-            let index = node.index_or_none(key, "media", self.media.len())?;
-            let clear = Filling::Clear;
-            Ok(index.map(|index| index.map_or(clear, |index| Filling::Medium(self.media[index]))))
-        };
         Ok(Boundary {
-            interior: filling("interior")?,
-            exterior: filling("exterior")?,
+            interior: self.filling_of(node, "interior")?,
+            exterior: self.filling_of(node, "exterior")?,
             priority: node.integer("priority")?.unwrap_or(0),
         })
+    }
+
+    /// The medium that a key names by its index, or null or "none" for nothing of it.
+    fn filling_of(&self, body: &Body, key: &str) -> Result<Option<Filling>, SceneError> {
+        let Some((value, field)) = body.value(key) else { return Ok(None) };
+        if value.is_null() || value.as_str() == Some("none") {
+            return Ok(Some(Filling::Clear));
+        }
+        let known = value.as_u64().and_then(|index| self.media.get(usize::try_from(index).ok()?));
+        if let Some(medium) = known {
+            return Ok(Some(Filling::Medium(*medium)));
+        }
+        let (value, count) = (excerpt(&value.to_string(), CHARACTERS_MAX), self.media.len());
+        let problem = format!("{value} is not an index into the file's {count} media");
+        Err(SceneError::new(field, problem, self.advice_on_media()))
+    }
+
+    /// How media are named.
+    fn advice_on_media(&self) -> String {
+        let entities = self.world.entities();
+        let name = |(index, medium): (usize, &Entity)| {
+            let label = entities.get::<&Name>(*medium).map_or(String::new(), |it| it.0.clone());
+            // Labels are those of errors, behind where the media stand.
+            match label.split_once('"') {
+                Some((_, name)) => format!("{index} for \"{name}"),
+                None => index.to_string(),
+            }
+        };
+        match self.media.is_empty() {
+            true => "add `media` to the scene, of which the first is 0; or null for nothing".into(),
+            false => {
+                let names = listed(self.media.iter().enumerate().map(name));
+                format!("give {names}; or null for nothing")
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::polarization::milk::Milk;
 use crate::polarization::particles::{Amount, Sizes};
 use crate::scene::error::SceneError;
 use crate::scene::world::{Component, Phase, Spheres};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{self, Spectrum};
 
 /// Values of a distribution's `kind`, with the keys that they take.
 const KINDS: [(&str, &[&str]); 4] = [
@@ -21,6 +21,11 @@ pub fn phase(body: &Body) -> Result<Phase, SceneError> {
     match (body.object("milk", &MILK)?, body.objects("particles", &PARTICLES)?) {
         (Some(milk), None) if !body.has("host") => Ok(Phase::Milk(self::milk(&milk)?)),
         (None, Some(particles)) => {
+            let name = body.value("host").and_then(|(value, _)| value.as_str());
+            if let Some(name) = name.filter(|name| spectrum::index(name).is_some()) {
+                let remedy = format!("write {{\"eta\": \"{name}\"}}");
+                return Err(SceneError::new(body.field("host"), "is not an object", remedy));
+            }
             let Some(host) = body.object("host", &HOST)? else {
                 let remedy = "give its index of refraction, {\"eta\": 1.33} for water";
                 return Err(body.missing("host", remedy));

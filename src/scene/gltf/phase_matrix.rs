@@ -21,15 +21,18 @@ impl Import<'_> {
     /// The phase matrices of a medium's `table`, by increasing wavelength.
     pub fn phase_matrices(&mut self, body: &Body) -> Result<Vec<TabulatedMatrix>, SceneError> {
         let field = body.field("table");
+        const REMEDY: &str = "give the path of a CSV, or an object with the columns";
         let columns = if !body.has("table") {
-            return Err(body.missing("table", "give the path of a CSV, or an object"));
+            return Err(body.missing("table", REMEDY));
         } else if body.is_object("table") {
             match body.object("table", &MATRIX)? {
                 Some(object) => columns_of(&object)?,
                 None => Columns::new(),
             }
         } else {
-            let uri = body.word("table")?.unwrap_or_default();
+            let Some(uri) = body.value("table").and_then(|(value, _)| value.as_str()) else {
+                return Err(SceneError::new(field, "is neither a path nor an object", REMEDY));
+            };
             let (columns, ignored) = parse_csv(&self.document.read_text(uri, &field)?, &field)?;
             if let Some(text) = unread(&ignored) {
                 self.warnings.add_like("columns", &field, &text);

@@ -72,7 +72,16 @@ impl Body<'_> {
     pub fn emission(&self, key: &str, document: &Document) -> Result<Option<Spectrum>, SceneError> {
         match self.is_object(key) {
             true => self.object(key, &EMISSION)?.map(|body| lamp(&body, document)).transpose(),
-            false => self.plain(key, &format!("an object with one of {}", LAMPS.join(", "))),
+            false => {
+                let name = self.value(key).and_then(|(value, _)| value.as_str());
+                if let Some(name) = name.filter(|name| Spectrum::illuminant(name).is_some()) {
+                    let problem =
+                        format!("is not a spectrum: `{name}` is a name, which stands in an object");
+                    let remedy = format!("write {{\"illuminant\": \"{name}\"}}");
+                    return Err(SceneError::new(self.field(key), problem, remedy));
+                }
+                self.plain(key, &format!("an object with one of {}", LAMPS.join(", ")))
+            }
         }
     }
 
@@ -119,7 +128,15 @@ pub fn plain(value: &Value, field: &str, others: &str) -> Result<Spectrum, Scene
     let number = |value: &Value| {
         let number = value.as_f64().ok_or_else(|| {
             let remedy = format!("write a number, [red, green, blue] or {others}");
-            SceneError::new(field, "is not a spectrum", remedy)
+            match value.as_str() {
+                Some(name) => {
+                    let name = excerpt(name, NAME);
+                    let problem =
+                        format!("is not a spectrum: `{name}` is a name, and none are taken here");
+                    SceneError::new(field, problem, remedy)
+                }
+                None => SceneError::new(field, "is not a spectrum", remedy),
+            }
         })?;
         Range::ANY.check("", number).map_err(|fault| SceneError::at(field, fault))?;
         Ok::<f32, SceneError>(number as f32)

@@ -162,7 +162,7 @@ impl Import<'_> {
         if let (false, Some(texture), Some(emission)) = (is_unlit, glow, emission) {
             textures.emission = findings.note(painted_emission(texture, emission, label));
         }
-        let relief = self.relief(&material["normalTexture"], &body, label);
+        let relief = self.relief(&material["normalTexture"], &body, (bsdf, label));
         textures.relief = findings.note(relief).flatten();
         findings.result()?;
         Ok(textures)
@@ -201,15 +201,28 @@ impl Import<'_> {
         }
     }
 
-    /// A picture of normals, or of heights, if there is one.
+    /// A picture of normals, or of heights, if there is one. Any exporter may write normals; who
+    /// states heights means them.
     fn relief(
         &mut self,
         info: &Value,
         body: &Body,
-        label: &str,
+        (bsdf, label): (&Bsdf, &str),
     ) -> Result<Option<Relief>, SceneError> {
         let normals = self.normals(info, label)?;
         let heights = self.heights(body)?;
+        if !Textures::may_bend(bsdf) {
+            if heights.is_some() {
+                let model = body.word("bsdf")?.unwrap_or("sheet");
+                let problem = format!("means nothing for a {model}, which has no normals to bend");
+                return Err(SceneError::new(body.field(BUMP_TEXTURE), problem, "take it away"));
+            }
+            if normals.is_some() {
+                let text = "normalTexture is ignored: sheets and null have no normals to bend";
+                self.warnings.add_like("normals of sheets", label, text);
+            }
+            return Ok(None);
+        }
         if normals.is_some() && heights.is_some() {
             let problem = "and normalTexture exclude each other";
             let field = body.field(BUMP_TEXTURE);

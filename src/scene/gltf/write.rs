@@ -21,6 +21,7 @@ use super::cameras::written_film;
 use super::extension::EXTENSION;
 use super::facets::{self, with_facets};
 use super::layers::write_layers;
+use super::sides::{ONE_SIDED, has_backs};
 use super::{blends, films, plastics, sheets};
 use crate::polarization::Analyzer;
 use crate::scene::error::{Findings, SceneError};
@@ -136,8 +137,13 @@ impl<'a> Writer<'a> {
             });
         for (entity, name, bsdf, sides, (emission, stokes, by_heat)) in materials {
             let mut material = self.material(&name, &bsdf, sides, emission.as_ref());
+            let body = &mut material["extensions"][EXTENSION];
             if by_heat.is_some() {
-                material["extensions"][EXTENSION]["incandescent"] = json!(true);
+                body["incandescent"] = json!(true);
+            }
+            let is_lamp = emission.as_ref().is_some_and(Emission::emits);
+            if !sides.two_sided && has_backs(&bsdf, (body["bsdf"].is_string(), is_lamp)) {
+                body[ONE_SIDED] = json!(true);
             }
             self.stokes(&name, stokes.as_ref(), &mut material["extensions"][EXTENSION]);
             if let Ok(textures) = self.world.entities().get::<&Textures>(entity) {

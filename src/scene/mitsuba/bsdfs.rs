@@ -49,6 +49,13 @@ impl Surface {
         let is_relief = |used| matches!(used, Use::Normals | Use::Heights(_));
         self.wanted.iter().any(|wanted| is_relief(wanted.used))
     }
+
+    /// Gives it normals by a texture, unless nothing is there: a mask may leave none of it.
+    fn bend(&mut self, wanted: Wanted) {
+        if self.bsdf != Bsdf::Null {
+            self.wanted.push(wanted);
+        }
+    }
 }
 
 impl From<Bsdf> for Surface {
@@ -391,7 +398,7 @@ fn normal_map(fields: &Fields) -> Result<Surface, SceneError> {
     let Some(wanted) = fields.wanted("normalmap", Use::Normals) else {
         return Err(fields.wrong("normalmap", "is no picture", "give a texture of type bitmap"));
     };
-    surface.wanted.push(wanted);
+    surface.bend(wanted);
     Ok(surface)
 }
 
@@ -412,7 +419,7 @@ fn bump_map(fields: &Fields) -> Result<Surface, SceneError> {
     let Some(wanted) = fields.wanted(name, Use::Heights(scale)) else {
         return Err(fields.refuse("has a texture that is no picture", "give one of type bitmap"));
     };
-    surface.wanted.push(wanted);
+    surface.bend(wanted);
     Ok(surface)
 }
 
@@ -424,6 +431,10 @@ fn flat(fields: &Fields) -> Result<Surface, SceneError> {
     if surface.wants_relief() {
         let problem = "has a normalmap or a bumpmap within it";
         return Err(fields.refuse(problem, "keep one of them"));
+    }
+    if surface.bsdf != Bsdf::Null && !Textures::may_bend(&surface.bsdf) {
+        let problem = "has a sheet within it, which has no normals to bend";
+        return Err(fields.refuse(problem, "use that bsdf without it"));
     }
     Ok(surface)
 }

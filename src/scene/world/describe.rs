@@ -118,6 +118,13 @@ fn layered(layers: &Layers<Spectrum>) -> String {
     text
 }
 
+/// What errors call a model: its description up to what it is made of.
+pub(super) fn kind(bsdf: &Bsdf) -> String {
+    let mut text = model(bsdf);
+    text.truncate(text.find([',', '(']).unwrap_or(text.len()));
+    text.trim_end().to_owned()
+}
+
 fn model(bsdf: &Bsdf) -> String {
     match bsdf {
         Bsdf::Absorber => "absorber".to_owned(),

@@ -1,6 +1,7 @@
 //! Surfaces that glow by their heat.
 
-use super::{Bsdf, Emission, EmittedStokes, Textures};
+use super::describe::kind;
+use super::{Bsdf, Emission, EmittedStokes, Stain, Textures};
 use crate::math::Fault;
 use crate::polarization::fresnel::{conductor_reflectance, dielectric_reflectance};
 use crate::spectrum::{Beyond, Carried, Role, Spectrum};
@@ -25,24 +26,61 @@ impl Incandescent {
         stokes: Option<&EmittedStokes>,
         textures: Option<&Textures>,
     ) -> Result<(), Fault> {
-        let refuse = |problem: &str, remedy: &str| Err(Fault::new("incandescent", problem, remedy));
         if emission.is_none() {
-            return refuse(
-                "is of what emits, and nothing is emitted",
-                "add a blackbody's emission",
-            );
+            return Err(Self::without_emission());
         }
         if stokes.is_some() {
-            return refuse("says how the light is polarized, and so does stokes", "keep one");
+            return refused("says how the light is polarized, and so does stokes", "keep one");
         }
-        if textures.is_some_and(|textures| textures.feed_model() || textures.stain.is_some()) {
-            return refuse("is of one surface, and textures paint it", "remove the textures");
+        check_model(bsdf)?;
+        let Some(textures) = textures else { return Ok(()) };
+        if textures.stain.reflected.is_some() {
+            let problem = "does not go with reflected, a color of what is reflected: what leaves \
+                           follows from the index of refraction";
+            return refused(problem, "remove reflected and its texture, or incandescent");
         }
-        match share(&bsdf.clone().simplified()) {
-            Some(_) => Ok(()),
-            None => refuse("is of smooth surfaces", "use a conductor or a dielectric"),
+        if textures.stain.transmitted.is_some() {
+            let problem = "does not go with transmitted, or a base color by textures, a color of \
+                           what goes through: hot glass is black within";
+            return refused(problem, "remove the color and its texture, or incandescent");
         }
+        if textures.feed_model() {
+            let problem = "does not go with textures of the surface: it is the same all over";
+            return refused(problem, "remove these textures, or incandescent");
+        }
+        Ok(())
     }
+
+    /// The fault of a material that is said to be hot and emits nothing.
+    pub(in crate::scene) fn without_emission() -> Fault {
+        let problem = "is of what emits, and nothing is emitted";
+        Fault::new("incandescent", problem, "add a blackbody's emission")
+    }
+}
+
+fn refused(problem: impl Into<String>, remedy: &str) -> Result<(), Fault> {
+    Err(Fault::new("incandescent", problem, remedy))
+}
+
+/// Refuses models of which it is not known what leaves them.
+fn check_model(bsdf: &Bsdf) -> Result<(), Fault> {
+    let simplified = bsdf.clone().simplified();
+    if share(&simplified).is_some() {
+        return Ok(());
+    }
+    if matches!(simplified, Bsdf::FilmedConductor { .. } | Bsdf::FilmedDielectric { .. }) {
+        let problem = "does not go with film: what leaves is known of bare surfaces";
+        return refused(
+            problem,
+            "remove the film (KHR_materials_iridescence too), or incandescent",
+        );
+    }
+    if Stain::is_of_glass(bsdf) && simplified == Bsdf::Null {
+        let problem = "is of glass that refracts, and ior is that of what is around it";
+        return refused(problem, "give it another ior, or remove incandescent");
+    }
+    let problem = format!("is of smooth metal and glass, and the model is {}", kind(bsdf));
+    refused(problem, "use a conductor or a dielectric")
 }
 
 /// The share of a black body's power that leaves a surface, about, or none of those that cannot be

@@ -511,6 +511,11 @@ pub struct Emission {
 }
 
 impl Emission {
+    /// Whether it is more than nothing.
+    pub(in crate::scene) fn emits(&self) -> bool {
+        self.radiance.values().iter().any(|value| *value > 0.0)
+    }
+
     /// Refuses what cannot be emitted.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.radiance.check("radiance", Range::NOT_NEGATIVE)

@@ -122,9 +122,37 @@ impl Textures {
         }
         let factors = self.paints().flat_map(|paint| paint.factor);
         factors.into_iter().try_for_each(|factor| Range::NOT_NEGATIVE.check("factor", factor))?;
-        match &self.relief {
-            Some(relief) => Range::ANY.check("scale", relief.scale),
-            None => Ok(()),
+        let Some(relief) = &self.relief else { return Ok(()) };
+        if !Self::may_bend(bsdf) {
+            let problem = "are by a texture, and sheets and null have none to bend";
+            return Err(Fault::new("normals", problem, "take this texture away"));
+        }
+        Range::ANY.check("scale", relief.scale)
+    }
+
+    /// Whether a model goes by shading normals. Black is black by any.
+    pub fn may_bend(bsdf: &Bsdf) -> bool {
+        match bsdf {
+            Bsdf::Polarizer { .. } | Bsdf::Retarder { .. } | Bsdf::Sheet { .. } | Bsdf::Null => {
+                false
+            }
+            Bsdf::Absorber
+            | Bsdf::Diffuse { .. }
+            | Bsdf::Conductor { .. }
+            | Bsdf::FilmedConductor { .. }
+            | Bsdf::RoughConductor { .. }
+            | Bsdf::MetallicRoughness { .. }
+            | Bsdf::Layered { .. }
+            | Bsdf::Plastic { .. }
+            | Bsdf::Measured { .. }
+            | Bsdf::Blend { .. }
+            | Bsdf::Brushed { .. }
+            | Bsdf::Filmed { .. }
+            | Bsdf::Dielectric { .. }
+            | Bsdf::DispersiveDielectric { .. }
+            | Bsdf::FilmedDielectric { .. }
+            | Bsdf::RoughDielectric { .. }
+            | Bsdf::ThinDielectric { .. } => true,
         }
     }
 
