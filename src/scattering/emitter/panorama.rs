@@ -1,5 +1,5 @@
-//! The environment by a picture: directions are drawn by how bright they are. What of which color
-//! comes from where is looked up where it is met, or needed (`painting`); elsewhere stands its mean.
+//! The environment by a picture: directions are drawn by how bright they are. What comes from where
+//! is looked up where it is met, or needed (`painting`); elsewhere stands its mean.
 
 use glam::Vec3;
 
