@@ -259,11 +259,8 @@ fn unmeasured(name: &str, look: &Look) -> Option<String> {
             percent(look.sees_solid)
         ));
     }
-    if look.sees_polished > 0.0 {
-        missing.push(format!(
-            "what polished surfaces mirror except by chance, so that is some bright dots ({})",
-            percent(look.sees_polished)
-        ));
+    if look.sees_panes > 0.0 {
+        missing.push(format!("what panes mirror, which it lacks ({})", percent(look.sees_panes)));
     }
     if look.has_parallel_sky {
         missing.push(format!(
@@ -271,11 +268,22 @@ fn unmeasured(name: &str, look: &Look) -> Option<String> {
             percent(look.sees_nothing)
         ));
     }
-    if missing.is_empty() {
+    let mut said = Vec::new();
+    if !missing.is_empty() {
+        said.push(format!("cannot see {}", missing.join(", nor ")));
+    }
+    if look.sees_polished > 0.0 {
+        said.push(format!(
+            "finds what polished surfaces mirror and let through only by chance, as a few bright \
+             dots ({})",
+            percent(look.sees_polished)
+        ));
+    }
+    if said.is_empty() {
         return None;
     }
     Some(format!(
-        "the integrator `{name}` cannot see {}; `bdpt`, `path` and `ppm` show them",
-        missing.join(", nor ")
+        "the integrator `{name}` {}; `bdpt`, `path` and `ppm` show them",
+        said.join(", and ")
     ))
 }

@@ -69,7 +69,7 @@ impl fmt::Display for RenderStatistics {
         let threads = counted(*threads, ["thread", "threads"]);
         write!(f, "{samples} in {:.2} s on {threads}", self.seconds)?;
         if let Some(cpu_seconds) = self.cpu_seconds {
-            write!(f, " ({cpu_seconds:.2} s of all cores)")?;
+            write!(f, " ({cpu_seconds:.2} s of CPU time)")?;
         }
         let rays = (self.rays_closest + self.rays_visibility) as f64;
         let rays_per_second = if self.seconds > 0.0 { rays / self.seconds } else { 0.0 };

@@ -42,7 +42,9 @@ pub struct Look {
     pub sees_specular: f64,
     /// Share of those that meet what lets no light straight on.
     pub sees_solid: f64,
-    /// Share of the camera's rays that meet polished coats, metals or glass first.
+    /// Share of the camera's rays that meet what mirrors some light, and lets the rest straight on.
+    pub sees_panes: f64,
+    /// Share of those that meet, behind panes too, polished coats, metals or rough glass first.
     pub sees_polished: f64,
     /// Share of the camera's rays that leave the scene.
     pub sees_nothing: f64,
@@ -72,8 +74,8 @@ impl Look {
         let sensor = Sensor::new(camera, Layout::plain([width.max(1), height]));
         let mut places = Places::default();
         let view = View::of(scene, &sensor, &mut places);
-        let [sees_specular, sees_solid, sees_polished, sees_nothing] =
-            [view.specular, view.solid, view.polished, view.nothing].map(View::share);
+        let [sees_specular, sees_solid, sees_panes, sees_polished, sees_nothing] =
+            [view.specular, view.solid, view.panes, view.polished, view.nothing].map(View::share);
         let hidden = if view.hidden > 0.0 { view.hidden / (view.hidden + view.open) } else { 0.0 };
         let has_sky = !scene.optics.skies.is_empty() && sees_nothing > 0.0;
         let mut lamps = Lamps::default();
@@ -86,6 +88,7 @@ impl Look {
         Self {
             sees_specular,
             sees_solid,
+            sees_panes,
             sees_polished,
             sees_nothing,
             has_parallel_sky,
@@ -114,10 +117,11 @@ fn has_points_in_media<const N: usize>(scene: &Scene<N>) -> bool {
 /// What the camera's rays meet.
 #[derive(Default)]
 struct View {
-    /// Numbers of rays that meet mirrors or glass first, such as lets no light straight on,
-    /// polished surfaces, and nothing.
+    /// Numbers of rays that meet mirrors or glass first, such as lets no light straight on, such as
+    /// does, polished surfaces there or behind it, and nothing.
     specular: usize,
     solid: usize,
+    panes: usize,
     polished: usize,
     nothing: usize,
     /// Irradiance of what they meet behind glass, that comes straight and that glass is before.
@@ -146,14 +150,22 @@ impl View {
         let passes = |primitive: u32| {
             kind_of(primitive).is_straight_on() && !kind_of(primitive).is_specular()
         };
-        let hit = first_met(scene, origin, direction, passes);
-        let met = hit.primitive;
+        let met = first_met(scene, origin, direction, passes).primitive;
         if met == NONE {
             self.nothing += 1;
-        } else if kind_of(met).is_specular() {
-            self.specular += 1;
-            self.solid += usize::from(!kind_of(met).is_straight_on());
-        } else if is_polished_at(scene, met, origin + hit.t * direction) {
+            return;
+        }
+        self.specular += usize::from(kind_of(met).is_specular());
+        self.panes += usize::from(kind_of(met).is_straight_on());
+        let passes = |primitive: u32| kind_of(primitive).is_straight_on();
+        let hit = first_met(scene, origin, direction, passes);
+        if hit.primitive == NONE {
+            return;
+        }
+        let is_first = hit.primitive == met;
+        if kind_of(hit.primitive).is_specular() {
+            self.solid += usize::from(is_first);
+        } else if is_polished_at(scene, hit.primitive, origin + hit.t * direction) {
             self.polished += 1;
         }
     }

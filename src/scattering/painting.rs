@@ -150,8 +150,7 @@ fn paint_row<const N: usize>(
     on.is_some()
 }
 
-/// Whether facets are so smooth where a primitive is met that connections find what they mirror
-/// only by chance.
+/// Whether a primitive is polished where it is met: see [`SurfaceModel::is_polished`].
 pub fn is_polished_at<const N: usize>(scene: &Scene<N>, primitive: u32, point: Vec3) -> bool {
     if scene.shapes.surface_of(primitive) == NONE {
         return false;
@@ -165,7 +164,7 @@ pub fn is_polished_at<const N: usize>(scene: &Scene<N>, primitive: u32, point: V
             model = painting.model_at(model, textures, (on, on.weights_at(point)));
         }
     }
-    Surfaces::is_polished(&model)
+    model.is_polished()
 }
 
 /// Whether a model keeps in its rows a stain that differs from place to place.

@@ -4,7 +4,8 @@
 use sunstone::glam::{DVec3, Vec3};
 use sunstone::world::{Bsdf, Geometry, Lens, Material, Medium, Phase, Punctual, Transform};
 use sunstone::{
-    Color, Error, Integrator, Mode, Options, Photons, PlacedWorld, Renderer, Rule, Settings, World,
+    Color, Distribution, Error, Integrator, Mode, Options, Photons, PlacedWorld, Renderer, Rule,
+    Settings, World,
 };
 
 /// How large the room is, in meters.
@@ -414,6 +415,57 @@ fn particle_tracing_does_not_see_a_sky_by_parallel_rays() -> Result<(), Error> {
     assert!(said(Lens::pinhole(1.5), Integrator::Light)?.is_empty());
     for integrator in [Integrator::Path, Integrator::Bdpt, Integrator::Ppm] {
         assert!(said(parallel(1.0), integrator)?.is_empty());
+    }
+    Ok(())
+}
+
+/// What `light` does not see of a wall through what is before it.
+#[test]
+fn particle_tracing_tells_what_polished_surfaces_and_panes_hide() -> Result<(), Error> {
+    let said = |walls: &[Bsdf], integrator| -> Result<Vec<String>, Error> {
+        let mut world = World::new("walls");
+        for (index, bsdf) in walls.iter().enumerate() {
+            let name = format!("wall {index}");
+            let material = Material::from(bsdf.clone());
+            let material = match bsdf {
+                Bsdf::Diffuse { .. } | Bsdf::RoughConductor { .. } => material.two_sided(),
+                _ => material,
+            };
+            let material = world.add_material(&name, material)?;
+            let at = Vec3::NEG_Z * index as f32;
+            let wall = Geometry::quad(at, Vec3::X * 9.0, Vec3::Y * 9.0);
+            world.add_mesh(&name, wall, material, Transform::IDENTITY)?;
+        }
+        world.set_environment([1.0; 3])?;
+        let from = Transform::looking(DVec3::Z, DVec3::ZERO, DVec3::Y);
+        world.set_camera("eye", Lens::pinhole(0.5), from)?;
+        Ok(notes(&PlacedWorld::new(world)?, Some(integrator)))
+    };
+    let metal = |alpha| Bsdf::rough_metal("Al", alpha);
+    let (rough, polished, smooth) = (metal(0.3)?, metal(0.02)?, metal(0.001)?);
+    let pane = Bsdf::thin_dielectric(1.5);
+    let glass = |alpha: f32| Bsdf::RoughDielectric {
+        ior: 1.5.into(),
+        exterior_ior: 1.0.into(),
+        alpha,
+        distribution: Distribution::default(),
+        multiple_scattering: true,
+    };
+    let white = Bsdf::diffuse(0.5);
+    for (walls, words) in [
+        (vec![polished.clone()], &["polished", "(100 % of the view)"][..]),
+        (vec![smooth], &["polished"]),
+        (vec![glass(0.02), white.clone()], &["polished"]),
+        (vec![pane.clone(), polished], &["polished", "what panes mirror"]),
+        (vec![pane, white.clone()], &["what panes mirror"]),
+    ] {
+        let found = said(&walls, Integrator::Light)?.concat();
+        assert!(words.iter().all(|word| found.contains(word)), "{walls:?}: {found}");
+        assert_eq!(found.contains("polished"), words.contains(&"polished"), "{walls:?}: {found}");
+        assert!(!said(&walls, Integrator::Path)?.concat().contains("light"), "{walls:?}");
+    }
+    for walls in [vec![rough], vec![glass(0.3), white]] {
+        assert_eq!(said(&walls, Integrator::Light)?, [] as [String; 0], "{walls:?}");
     }
     Ok(())
 }

@@ -60,13 +60,6 @@ impl<const N: usize> Surfaces<N> {
         self.add(model).row
     }
 
-    /// Whether a model's facets are so smooth that connections find what they mirror only by
-    /// chance.
-    pub fn is_polished(model: &SurfaceModel<[f32; N]>) -> bool {
-        let Added { peak, .. } = Self::default().add(model);
-        peak > 0.0 && peak < super::rough::peak(POLISHED)
-    }
-
     /// Gives a row of a model, of those that keep it, what is left of light that is reflected and
     /// of what goes through.
     pub fn stain(&mut self, model: &SurfaceModel<[f32; N]>, row: u32, stain: [[f32; N]; 2]) {
@@ -90,9 +83,6 @@ impl<const N: usize> Surfaces<N> {
 
 /// The least probability of going on, so that no path gains too much where it is let.
 pub const SURVIVAL_MIN: f32 = 0.05;
-
-/// Roughness below which surfaces are polished.
-const POLISHED: f32 = 0.05;
 
 /// What a material has become.
 pub struct Added {

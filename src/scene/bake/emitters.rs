@@ -423,12 +423,14 @@ impl Table {
     fn set_probabilities(&mut self) -> Result<(), SceneError> {
         let total: f64 = self.powers.iter().sum();
         if !(total > 0.0 && total.is_finite()) {
-            let problem = if total > 0.0 {
-                "the lights are too bright to add up"
+            let [problem, remedy] = if total > 0.0 {
+                ["the lights are too bright to add up", "give them less power"]
             } else {
-                "nothing in the scene emits light at the wavelengths of the render"
+                [
+                    "nothing in the scene emits light at the wavelengths of the render",
+                    "add a light, an emissive material or an environment",
+                ]
             };
-            let remedy = "add a light, an emissive material or an environment";
             return Err(SceneError::new("lights", problem, remedy));
         }
         for (row, power) in self.rows.iter_mut().zip(&self.powers) {

@@ -47,6 +47,7 @@ mod pattern;
 mod phase_matrix;
 mod photometry;
 mod plastic;
+mod polish;
 mod relief;
 mod sampled;
 mod shape;
