@@ -192,7 +192,7 @@ pub struct Options {
     pub seed: u32,
     /// Photons, where they are used.
     pub photons: Photons,
-    /// Whether the time of every stage is measured, which takes up to 3 % more.
+    /// Whether the time of every stage is measured, which takes some hundredths more.
     pub stage_times: bool,
     /// Stop when this is over. Waves of samples are short then; photons of a first iteration are as
     /// many as there is time for, and a later one that would be late is left out.

@@ -424,17 +424,7 @@ impl<const N: usize> Scene<N> {
     /// The picture of an emitter that is one of all directions.
     #[inline(always)]
     pub fn panorama(&self, emitter: usize) -> Option<&Panorama> {
-        match &self.optics.emitters[emitter].model {
-            EmitterModel::Panorama(panorama) => Some(panorama),
-            EmitterModel::Triangle(_)
-            | EmitterModel::Sphere(_)
-            | EmitterModel::Point(_)
-            | EmitterModel::Patterned(_)
-            | EmitterModel::Spot(_)
-            | EmitterModel::Directional(_)
-            | EmitterModel::Sun(_)
-            | EmitterModel::Environment(_) => None,
-        }
+        self.optics.emitters[emitter].model.panorama()
     }
 }
 

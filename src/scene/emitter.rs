@@ -43,6 +43,11 @@ pub trait Extent {
 
     /// Power in W over radiance, intensity or irradiance: in m^2 sr, sr or m^2.
     fn size(&self, shapes: &Shapes) -> f64;
+
+    /// The picture of all directions that it is, if it is one.
+    fn panorama(&self) -> Option<&Panorama> {
+        None
+    }
 }
 
 /// One triangle; radiance leaves its front, or both sides.
@@ -139,6 +144,13 @@ macro_rules! emitter_models {
             pub fn is_finite(&self) -> bool {
                 match self {
                     $(Self::$Model(_) => <$Model as Extent>::FINITE,)*
+                }
+            }
+
+            /// The picture of all directions that it is, if it is one.
+            pub fn panorama(&self) -> Option<&Panorama> {
+                match self {
+                    $(Self::$Model(model) => model.panorama(),)*
                 }
             }
 
@@ -276,6 +288,10 @@ impl Extent for Panorama {
 
     fn size(&self, shapes: &Shapes) -> f64 {
         4.0 * PI * disk(shapes)
+    }
+
+    fn panorama(&self) -> Option<&Panorama> {
+        Some(self)
     }
 }
 

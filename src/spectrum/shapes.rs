@@ -42,8 +42,8 @@ impl Shapes {
         Self { count, of_white: Default::default() }
     }
 
-    /// [`Smooth::coefficient`] of a color under a white at wavelengths in nanometers, to some
-    /// 1e-7 of the brightest channel; `rgb` says which color that of the number is.
+    /// [`Smooth::coefficient`] of a color under a white at wavelengths in nanometers, within
+    /// 2e-5 of the brightest channel; `rgb` says which color that of the number is.
     #[inline]
     pub fn values<const N: usize>(
         &self,

@@ -6,7 +6,7 @@
 
 use crate::math::{F32s, LANES, Real, Vector, lanes};
 use crate::scene::baked::Shapes;
-use crate::scene::emitter::{Emitter, EmitterModel, Panorama};
+use crate::scene::emitter::{Emitter, Panorama};
 
 use super::{Emits, Kind, record};
 
@@ -46,17 +46,7 @@ pub struct Tables {
 
 impl Tables {
     fn new(emitters: &[Emitter]) -> Self {
-        let panorama = emitters.iter().find_map(|emitter| match &emitter.model {
-            EmitterModel::Panorama(panorama) => Some(panorama.clone()),
-            EmitterModel::Triangle(_)
-            | EmitterModel::Sphere(_)
-            | EmitterModel::Point(_)
-            | EmitterModel::Patterned(_)
-            | EmitterModel::Spot(_)
-            | EmitterModel::Directional(_)
-            | EmitterModel::Sun(_)
-            | EmitterModel::Environment(_) => None,
-        });
+        let panorama = emitters.iter().find_map(|emitter| emitter.model.panorama().cloned());
         Self { panorama }
     }
 }
