@@ -91,7 +91,7 @@ mod scene;
 mod spectrum;
 mod transport;
 
-pub use crate::film::filter::{Filter, FilterKind};
+pub use crate::film::filter::{Filter, FilterKind, FilterSamples};
 pub use crate::film::layout::{Crop, Layout};
 pub use crate::image::cut::Cut;
 pub use crate::image::texels::Coding;

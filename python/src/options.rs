@@ -13,7 +13,9 @@ use sunstone::internals::image::layers::LayerKind;
 use sunstone::internals::math::text::sentence;
 use sunstone::internals::render::settings::{AUTO, PATH_LENGTH_MAX};
 use sunstone::internals::scene::world::{Asked, Walk};
-use sunstone::{Crop, FilterKind, Integrator, Mode, Options, Photons, Sampling, Settings, White};
+use sunstone::{
+    Crop, FilterKind, FilterSamples, Integrator, Mode, Options, Photons, Sampling, Settings, White,
+};
 
 use crate::errors::{RENDER_ERROR, of_settings};
 use crate::keys::{extract, flag};
@@ -51,6 +53,8 @@ pub fn settings(options: &Bound<PyDict>, asked: &Asked) -> PyResult<Settings> {
         height: option(options, "height")?,
         filter: named(options, "filter", &FilterKind::ALL, FilterKind::name)?,
         filter_radius: option(options, "filter_radius")?,
+        filter_samples: named(options, "filter_samples", &FilterSamples::ALL, FilterSamples::name)?
+            .unwrap_or(default.filter_samples),
         crop: crop(options)?,
         pixel_aspect: option(options, "pixel_aspect")?,
         samples,

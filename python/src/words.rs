@@ -2,10 +2,10 @@
 
 use sunstone::internals::cli::color::ColorName;
 use sunstone::internals::render::settings::AUTO;
-use sunstone::{FilterKind, Integrator, LightChoice, Mode, Sampling, White};
+use sunstone::{FilterKind, FilterSamples, Integrator, LightChoice, Mode, Sampling, White};
 
 /// Options that Python has too, with what is said of those that take no value there.
-const OPTIONS: [(&str, &str); 35] = [
+const OPTIONS: [(&str, &str); 36] = [
     ("allow-outside", "=True"),
     ("alpha", ""),
     ("bands", ""),
@@ -14,6 +14,7 @@ const OPTIONS: [(&str, &str); 35] = [
     ("crop", ""),
     ("filter", ""),
     ("filter-radius", ""),
+    ("filter-samples", ""),
     ("height", ""),
     ("hold-spectra", "=True"),
     ("integrator", ""),
@@ -83,6 +84,7 @@ fn values(name: &str) -> Box<dyn Iterator<Item = &'static str>> {
         ),
         "mode" => Box::new(Mode::ALL.into_iter().map(Mode::name)),
         "filter" => Box::new(FilterKind::ALL.into_iter().map(FilterKind::name)),
+        "filter-samples" => Box::new(FilterSamples::ALL.into_iter().map(FilterSamples::name)),
         "sampling" => Box::new(Sampling::ALL.into_iter().map(Sampling::name)),
         "rgb-white" => Box::new(White::ALL.into_iter().map(White::name)),
         "light" => {

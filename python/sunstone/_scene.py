@@ -238,6 +238,7 @@ class Scene(Editable):
         height: int | None = None,
         filter: Filter | None = None,
         filter_radius: float | None = None,
+        filter_samples: Literal["shared", "own"] | None = None,
         crop: tuple[int, int, int, int] | str | None = None,
         pixel_aspect: float | None = None,
         color: Color = "rgb",
@@ -283,6 +284,9 @@ class Scene(Editable):
             filter: how light about a pixel counts for it: "box", "tent", "gaussian", "mitchell",
                 "catmullrom" or "lanczos"; by default the scene's, or "box".
             filter_radius: where that ends, in pixels from the center; each has its own by default.
+            filter_samples: "shared", the default, lets samples count for all pixels that such a
+                filter reaches, for the least noise; "own" for one, so that noise of neighbors is
+                independent.
             crop: the part of the film that is rendered: left, top, right, bottom in pixels, as
                 (100, 50, 300, 200), or "25%,25%,75%,75%"; its pixels are those of the whole.
             pixel_aspect: width of a pixel over its height; by default the scene's, or 1.

@@ -47,6 +47,7 @@ CASES: list[dict[str, Any]] = [
     dict(color="spectral", responses="xyz", raw_response=True, mode="scalar", variance=True),
     dict(sampling="intensity", replicates=2, threads=1),
     dict(filter="mitchell", filter_radius=1.5, crop="25%,0%,75%,100%", pixel_aspect=2.0),
+    dict(filter="gaussian", filter_samples="own", width=20, height=10),
     dict(integrator="auto", variance=True, spp=32, height=9, width=33),
 ]
 

@@ -4,7 +4,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::args::FILM;
-use crate::film::filter::FilterKind;
+use crate::film::filter::{FilterKind, FilterSamples};
 use crate::film::layout::Crop;
 use crate::image::layers::LayerKind;
 use crate::render::Options;
@@ -34,6 +34,24 @@ impl ValueEnum for FilterName {
     }
 }
 
+/// What samples of a filter count for, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SamplesName(pub FilterSamples);
+
+impl ValueEnum for SamplesName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: [SamplesName; FilterSamples::ALL.len()] = {
+            let [a, b] = FilterSamples::ALL;
+            [SamplesName(a), SamplesName(b)]
+        };
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()).help(self.0.summary()))
+    }
+}
+
 /// The film as typed, but for its size.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = FILM)]
@@ -44,6 +62,11 @@ pub struct FilmArguments {
     /// Where the filter ends, in pixels from the center [default: the filter's, or the scene's]
     #[arg(long, value_name = "PIXELS")]
     pub filter_radius: Option<f32>,
+    /// Which pixels samples count for, if that is wider than a pixel: all that it reaches, for the
+    /// least noise, or one, for noise that is independent of the neighbors' (for those who
+    /// denoise) [default: shared]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub filter_samples: Option<SamplesName>,
     /// Render a part of the film alone: left, top, right, bottom in pixels (100,50,300,200) or in
     /// percent (25%,25%,75%,75%); its pixels are those of the whole, bit for bit [default: the
     /// scene's, or all]
@@ -65,6 +88,7 @@ impl FilmArguments {
         Options {
             filter: self.filter.map(|name| name.0),
             filter_radius: self.filter_radius,
+            filter_samples: self.filter_samples.map_or(FilterSamples::default(), |name| name.0),
             crop: self.crop,
             pixel_aspect: self.pixel_aspect,
             layers: self.layers.clone(),

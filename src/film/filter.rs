@@ -1,10 +1,11 @@
 //! Reconstruction filters: how much light at a point of the film counts for a pixel.
 //!
 //! A pixel is the mean of the light about its center, weighted by the filter along the two axes:
-//! `f(dx) f(dy)`. Both ways of finding light measure that mean without a word to neighbors:
+//! `f(dx) f(dy)`. Both ways of finding light measure that mean:
 //!
 //! - a sample of a pixel lies where the filter's magnitude draws it, and counts by its sign (filter
-//!   importance sampling: Ernst, Stamminger and Greiner 2006, "Filter importance sampling");
+//!   importance sampling: Ernst, Stamminger and Greiner 2006, "Filter importance sampling"), unless
+//!   neighbors share their samples (`lattice`);
 //! - light that comes to a point of the film counts for one of the pixels whose filters reach
 //!   there, drawn by their magnitudes, times the sum of these.
 //!
@@ -107,6 +108,37 @@ fn cubic([b, c]: [f64; 2], x: f64) -> f64 {
 fn sinc(x: f64) -> f64 {
     let angle = std::f64::consts::PI * x;
     if x == 0.0 { 1.0 } else { sin(angle) / angle }
+}
+
+/// Which pixels samples count for, where filters are wider than a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FilterSamples {
+    /// All whose filters reach them: least noise, alike in neighbors ([`super::lattice`]).
+    #[default]
+    Shared,
+    /// One: noise is each pixel's own.
+    Own,
+}
+
+impl FilterSamples {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Shared, Self::Own];
+
+    /// What users call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shared => "shared",
+            Self::Own => "own",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Shared => "Count for all pixels whose filters reach them: least noise",
+            Self::Own => "Count for one pixel: noise of neighbors is independent",
+        }
+    }
 }
 
 /// A filter of some width.

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::filter::Filter;
+use super::filter::{Filter, FilterSamples};
+use super::lattice;
 use crate::image::cut::Cut;
 use crate::math::{Fault, Range};
 
@@ -109,6 +110,8 @@ pub struct Layout {
     pub cut: Cut,
     /// How light about a pixel counts for it.
     pub filter: Filter,
+    /// Whether samples count for all pixels whose filters reach them.
+    pub shares: bool,
     /// Width of a pixel over its height.
     pub pixel_aspect: f32,
 }
@@ -116,7 +119,26 @@ pub struct Layout {
 impl Layout {
     /// All of a film of square pixels that are means over their squares.
     pub fn plain(film: [u32; 2]) -> Self {
-        Self { cut: Cut::whole(film), filter: Filter::PIXEL, pixel_aspect: 1.0 }
+        let (cut, filter) = (Cut::whole(film), Filter::PIXEL);
+        Self { cut, filter, shares: false, pixel_aspect: 1.0 }
+    }
+
+    /// How far beyond its pixel a sample counts, in pixels.
+    pub fn reach(&self) -> u32 {
+        if self.shares { lattice::reach(self.filter) } else { 0 }
+    }
+
+    /// The pixels that samples are taken in: those that are rendered and those that they share
+    /// samples with. Columns and rows count from the first beside the film that has any.
+    pub fn sampled(&self) -> Cut {
+        let Cut { film, start, size } = self.cut;
+        let [film, size] = [film, size].map(|sides| sides.map(|side| side + 2 * self.reach()));
+        Cut { film, start, size }
+    }
+
+    /// The words of its filter's samples.
+    pub fn samples(&self) -> FilterSamples {
+        if self.shares { FilterSamples::Shared } else { FilterSamples::Own }
     }
 }
 

@@ -4,6 +4,7 @@
 mod developed;
 pub mod filter;
 mod halves;
+pub mod lattice;
 pub mod layout;
 pub mod record;
 mod state;

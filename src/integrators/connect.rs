@@ -26,7 +26,8 @@ use super::workspace::{WalkTables, Workspace};
 
 /// Light paths an iteration: one for every pixel.
 pub fn light_paths<const N: usize>(scene: &Scene<N>) -> f32 {
-    (scene.sensor.width * scene.sensor.height) as f32
+    let [width, height] = scene.sensor.layout.sampled().film;
+    width as f32 * height as f32
 }
 
 /// Does `work` for every kind of event that can be connected to, and its rows.

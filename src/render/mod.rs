@@ -16,6 +16,7 @@ pub mod resolved;
 mod run;
 mod sets;
 pub mod settings;
+mod shared;
 pub mod spectral;
 pub mod statistics;
 mod sums;

@@ -262,7 +262,7 @@ impl<const N: usize> PhotonPass<N> {
         settings: &Resolved,
         shot: Shot,
     ) -> Vec<Vec<Probe>> {
-        let tiles = tiles([scene.sensor.width, scene.sensor.height], TILE);
+        let tiles = tiles(scene.sensor.layout.sampled().film, TILE);
         let step = tiles.len().div_ceil(PROBED_TILES);
         let mut probes: Vec<Vec<Probe>> = vec![Vec::new(); self.maps.0.len()];
         for &[x, y, width, height] in tiles.iter().step_by(step) {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use crate::film::filter::Filter;
+use crate::film::filter::{Filter, FilterSamples};
+use crate::film::lattice::Lattice;
 use crate::film::layout::{Crop, Layout};
 use crate::geometry::Accelerator;
 use crate::image::cut::Cut;
@@ -480,7 +481,11 @@ fn film(options: &Options, camera: &Camera) -> Result<Layout, SettingsError> {
     let cut = crop.map_or(Ok(Cut::whole(size)), |crop| crop.on(size).map_err(refuse))?;
     let mut filter = options.filter.map_or(of_camera.filter, Filter::of);
     filter.radius = options.filter_radius.unwrap_or(filter.radius);
-    Ok(Layout { cut, filter, pixel_aspect: pixel_aspect(options, camera) })
+    // Where all light comes by connections, there are no samples of pixels.
+    let has_samples = options.integrator.is_none_or(Integrator::measures);
+    let are_shared = has_samples && options.filter_samples == FilterSamples::Shared;
+    let shares = are_shared && Lattice::new(filter).is_some();
+    Ok(Layout { cut, filter, shares, pixel_aspect: pixel_aspect(options, camera) })
 }
 
 /// Width of a pixel over its height.

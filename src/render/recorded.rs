@@ -169,6 +169,7 @@ impl Origin {
             (HEIGHT, self.film.cut.size[1].to_string()),
             ("image: part of the film", self.film.cut.to_string()),
             ("image: filter", self.film.filter.to_string()),
+            ("image: samples of filters", self.film.samples().name().to_owned()),
             ("image: pixel aspect", self.film.pixel_aspect.to_string()),
             (MODE, settings.mode.name().to_owned()),
             (ANALYZER, analyzer_text(settings.analyzer)),

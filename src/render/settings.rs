@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::ops::{Deref, RangeInclusive};
 use std::time::Duration;
 
-use crate::film::filter::{Filter, FilterKind};
+use crate::film::filter::{Filter, FilterKind, FilterSamples};
 use crate::film::layout::{Crop, check_pixel_aspect};
 use crate::image::layers::LayerKind;
 use crate::integrators::Integrator;
@@ -158,6 +158,8 @@ pub struct Options {
     /// Where that ends, in pixels, from 0.01 to 32; by default [`FilterKind::radius`], or what the
     /// camera says of its filter.
     pub filter_radius: Option<f32>,
+    /// Which pixels samples count for, if that is wider than a pixel.
+    pub filter_samples: FilterSamples,
     /// The part of the film that is rendered; by default what the camera says, or all of it. Its
     /// pixels have the bits that they have in the whole.
     pub crop: Option<Crop>,
@@ -218,6 +220,7 @@ impl Default for Options {
             height: None,
             filter: None,
             filter_radius: None,
+            filter_samples: FilterSamples::default(),
             crop: None,
             pixel_aspect: None,
             layers: Vec::new(),

@@ -126,12 +126,7 @@ fn sum_readings<const N: usize>(
             let reading = measured.reading(first + pixel);
             let is_finite = match &reading {
                 Reading::Intensity(intensity) => are_finite(*intensity),
-                Reading::Stokes(states) => {
-                    // Zero times what is not finite is no number.
-                    let zero = f32x4::ZERO;
-                    let sum = states.iter().fold(zero, |sum, state| zero.mul_add(*state, sum));
-                    sum.to_array() == [0.0; 4]
-                }
+                Reading::Stokes(states) => are_states_finite(states),
             };
             if is_finite {
                 add(pixel, &reading);
@@ -141,6 +136,15 @@ fn sum_readings<const N: usize>(
         }
     }
     not_finite
+}
+
+/// The same of Stokes vectors.
+#[inline(always)]
+pub fn are_states_finite(states: &[f32x4]) -> bool {
+    // Zero times what is not finite is no number.
+    let zero = f32x4::ZERO;
+    let sum = states.iter().fold(zero, |sum, state| zero.mul_add(*state, sum));
+    sum.to_array() == [0.0; 4]
 }
 
 /// Whether all are finite; without a way out before the end, so that many are looked at at once.

@@ -7,12 +7,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use wide::f32x4;
 
 use crate::film::Film;
+use crate::film::layout::Layout;
 use crate::image::cut::Cut;
 use crate::integrators::profile::{Profile, Stage};
 use crate::integrators::workspace::Workspace;
 use crate::math::exact::ExactSums;
 use crate::spectrum::Taken;
-use crate::transport::chunk::{ITERATIONS, Sequence, TILE, WIDE_TILE, tiles};
+use crate::transport::chunk::{ITERATIONS, Sequence, TILE, WIDE_TILE, aligned_tiles};
 use crate::transport::stages::weigh_samples::weigh_samples;
 use crate::transport::tables::measured::{PolarizedSplat, Splat, Splats};
 use crate::transport::tables::photon_maps::PhotonMaps;
@@ -20,6 +21,7 @@ use crate::transport::{Chunk, LightModel};
 
 use super::Resolved;
 use super::sets::{Iteration, Projection};
+use super::shared::{Blocks, share_measured};
 use super::sums::{are_finite, sum_measured};
 
 /// Workspaces at rest.
@@ -94,11 +96,13 @@ pub fn wave<const N: usize, M: LightModel<N>>(
         pool.with(|workspace| tile(workspace, lit, settings, (first, count), maps, chunk))
     };
     let sensor = &iterations[0].scene.sensor;
-    let tiles = tiles_of(sensor.layout.cut, settings.integrator.splats(), samples_of_each);
+    let sampled = sensor.layout.sampled();
+    let tiles = tiles_of(sampled, settings.integrator.splats(), samples_of_each);
     let next = AtomicUsize::new(0);
     let waiting = BTreeMap::new();
-    let cut = sensor.layout.cut;
-    let line = Mutex::new(Line { film: &mut *film, profile, iterations, cut, added: 0, waiting });
+    let layout = sensor.layout;
+    let line =
+        Mutex::new(Line { film: &mut *film, profile, iterations, layout, added: 0, waiting });
     // Every thread takes the next tile when it is done with one, so that none waits for others
     // before the end, and few results for those before them.
     let work = || {
@@ -149,10 +153,8 @@ fn tiles_of(cut: Cut, has_splats: bool, samples_of_each: u32) -> Vec<Tile> {
     let around = if has_splats { around(cut) } else { [(cut.start, [0; 2], false); 4] };
     let tiles_of = |edge: u32| -> Vec<Tile> {
         let of_area = |(start, size, is_seen): ([u32; 2], [u32; 2], bool)| {
-            tiles(size, edge).into_iter().map(move |[x, y, width, height]| Tile {
-                area: [start[0] + x, start[1] + y, width, height],
-                is_seen,
-            })
+            let areas = aligned_tiles((start, size), edge).into_iter();
+            areas.map(move |area| Tile { area, is_seen })
         };
         areas.into_iter().chain(around).flat_map(of_area).collect()
     };
@@ -185,7 +187,7 @@ struct Line<'a, const N: usize> {
     film: &'a mut Film,
     profile: &'a mut Profile,
     iterations: &'a [Iteration<N>],
-    cut: Cut,
+    layout: Layout,
     /// Tiles that are in the film.
     added: usize,
     /// Results of later tiles.
@@ -194,12 +196,12 @@ struct Line<'a, const N: usize> {
 
 impl<const N: usize> Line<'_, N> {
     fn add(&mut self, index: usize, result: TileResult<N>, tiles: &[Tile]) {
-        let Self { film, profile, iterations, cut, added, waiting } = self;
+        let Self { film, profile, iterations, layout, added, waiting } = self;
         waiting.insert(index, result);
         let not_finite = profile.time(Stage::Film, || {
             let mut not_finite = 0;
             while let Some(result) = waiting.remove(added) {
-                add_sums(film, &result.sums, tiles[*added].area, *cut);
+                add_sums(film, &result.sums, tiles[*added].area, layout);
                 for (iteration, splats) in iterations.iter().zip(&result.splats) {
                     not_finite += add_splats(film, &iteration.film, splats);
                 }
@@ -282,6 +284,7 @@ fn tile<const N: usize, M: LightModel<N>>(
 ) -> TileResult<N> {
     let mut result = TileResult { sums: ExactSums::default(), splats: Vec::new() };
     let integrator = settings.integrator;
+    let mut blocks = Blocks::default();
     let starts = (first..first + count).step_by(samples_of_each as usize);
     for (iteration, start) in iterations.iter().zip(starts) {
         let end = (start + samples_of_each).min(first + count);
@@ -293,8 +296,13 @@ fn tile<const N: usize, M: LightModel<N>>(
                 let Workspace { measured, profile, .. } = &mut *workspace;
                 let slots = (chunk.slots(), chunk.pixels());
                 profile.not_finite += profile.time(Stage::Film, || {
-                    weigh_samples(measured, &chunk, &iteration.scene.sensor);
-                    sum_measured(&mut result.sums, measured, &iteration.film, slots)
+                    let (sums, sensor) = (&mut result.sums, &iteration.scene.sensor);
+                    let (to, from) = ((&mut *sums, &mut blocks), (&chunk, sensor));
+                    let shared = share_measured(to, measured, &iteration.film, from);
+                    shared.unwrap_or_else(|| {
+                        weigh_samples(measured, &chunk, sensor);
+                        sum_measured(sums, measured, &iteration.film, slots)
+                    })
                 });
             }
             if integrator.splats() {
@@ -308,14 +316,26 @@ fn tile<const N: usize, M: LightModel<N>>(
     result
 }
 
-fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4], cut: Cut) {
+/// Adds the sums of a tile, and of the pixels about it that its samples reach.
+fn add_sums(film: &mut Film, sums: &ExactSums, [x, y, width, height]: [u32; 4], layout: &Layout) {
     if sums.is_empty() {
         return;
     }
-    let (film_width, width) = (film.width(), width as usize);
-    let [x, y] = [x - cut.start[0], y - cut.start[1]];
-    for line in 0..height as usize {
-        let pixel = (y as usize + line) * film_width + x as usize;
-        film.add_row(pixel, sums, line * width, width);
+    let (cut, beyond) = (layout.cut, 2 * layout.reach());
+    // Where the sums begin and end among the pixels that are rendered, with what is beyond these.
+    let [of_columns, of_rows] = [(0, x, width), (1, y, height)].map(|(axis, at, length)| {
+        let first = i64::from(at) - i64::from(beyond) - i64::from(cut.start[axis]);
+        let end = first + i64::from(length + beyond);
+        (first, first.max(0) as usize, end.clamp(0, i64::from(cut.size[axis])) as usize)
+    });
+    let (left, from, to) = of_columns;
+    let (top, above, below) = of_rows;
+    if from >= to {
+        return;
+    }
+    for row in above..below {
+        let [skipped, line] = [from as i64 - left, row as i64 - top].map(|it| it as usize);
+        let first = line * (width + beyond) as usize + skipped;
+        film.add_row(row * film.width() + from, sums, first, to - from);
     }
 }

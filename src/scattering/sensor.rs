@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::film::filter::Profile;
+use crate::film::lattice::{Lattice, Shift};
 use crate::film::layout::Layout;
 use crate::math::elementary::sin_cos;
 use crate::math::{F32s, Vector, lanes, warp};
@@ -23,6 +24,8 @@ pub struct Sensor {
     pub layout: Layout,
     /// The filter of its pixels, if that is not their squares.
     filter: Option<Arc<Profile>>,
+    /// That of samples that neighbors share.
+    lattice: Option<Arc<Lattice>>,
     position: Vec3,
     right: Vec3,
     up: Vec3,
@@ -76,11 +79,14 @@ impl Sensor {
                 ([half_height * aspect, half_height], false, 0.0, 1.0)
             }
         };
+        let lattice = if layout.shares { Lattice::new(layout.filter) } else { None };
+        assert_eq!(lattice.is_some(), layout.shares, "only what can be shared is");
         Self {
             width,
             height,
             layout,
             filter: Profile::new(layout.filter).map(Arc::new),
+            lattice: lattice.map(Arc::new),
             position: camera.position,
             right: camera.right,
             up: camera.up,
@@ -120,8 +126,22 @@ impl Sensor {
 
     /// What a sample counts that has been drawn by these numbers, where samples have weights.
     pub fn weights(&self) -> Option<impl Fn([f32; 2]) -> f32> {
-        let filter = self.filter.as_deref().filter(|filter| filter.is_signed())?;
+        let own = self.filter.as_deref().filter(|_| self.lattice.is_none());
+        let filter = own.filter(|filter| filter.is_signed())?;
         Some(|[x, y]: [f32; 2]| filter.draw(x).1 * filter.draw(y).1)
+    }
+
+    /// Where the samples of all pixels lie in an iteration, by its numbers in [0, 1), if neighbors
+    /// share them.
+    pub fn shift(&self, numbers: impl FnOnce() -> [f32; 2]) -> Option<Shift> {
+        self.lattice.as_deref().map(|lattice| lattice.shift(numbers()))
+    }
+
+    /// The path that starts in a pixel of those that samples are taken in ([`Layout::sampled`]).
+    #[inline(always)]
+    pub fn path_of(&self, [column, row]: [u32; 2]) -> u32 {
+        // Films of the most pixels have more with those beside them.
+        row.wrapping_mul(self.width + 2 * self.layout.reach()).wrapping_add(column)
     }
 
     /// Whether a point of the film counts for one of several pixels ([`Sensor::pixel_of`]).

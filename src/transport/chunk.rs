@@ -1,7 +1,7 @@
 //! The unit of work: a tile of pixels for a few iterations, small enough to stay in the L2 cache
 //! through all stages. Chunks are independent; threads take chunks.
 
-use crate::scattering::Side;
+use crate::scattering::{Sensor, Side};
 
 use super::bounce::Sampling;
 
@@ -17,9 +17,9 @@ pub const ROWS: usize = (TILE * TILE * ITERATIONS) as usize;
 /// What one chunk has to do.
 #[derive(Clone, Debug)]
 pub struct Chunk {
-    /// Left edge of the tile in pixels.
+    /// Left edge of the tile in pixels, of those that samples are taken in (`Layout::sampled`).
     pub x: u32,
-    /// Top edge of the tile in pixels.
+    /// Top edge of the tile in pixels, likewise.
     pub y: u32,
     /// Width of the tile, at most [`TILE`], or [`WIDE_TILE`] with a single iteration.
     pub width: u32,
@@ -64,19 +64,18 @@ impl Chunk {
         self.pixels() * self.iterations as usize
     }
 
-    /// Column and row of the film, and iteration, of a slot.
+    /// Column and row, of those that samples are taken in, and iteration, of a slot.
     pub fn place(&self, slot: usize) -> (u32, u32, u32) {
         let pixel = (slot % self.pixels()) as u32;
         let iteration = self.first_iteration + (slot / self.pixels()) as u32;
         (self.x + pixel % self.width, self.y + pixel / self.width, iteration)
     }
 
-    /// What the random numbers of a slot are drawn by: the path, on a film of `film_width` pixels,
-    /// and the index in its sequence.
-    pub fn sequence_of(&self, slot: usize, film_width: u32) -> (u32, u32) {
+    /// What the random numbers of a slot are drawn by: the path and the index in its sequence.
+    pub fn sequence_of(&self, slot: usize, sensor: &Sensor) -> (u32, u32) {
         let (column, line, iteration) = self.place(slot);
         match self.sequence {
-            Sequence::PerPath => (line * film_width + column, iteration),
+            Sequence::PerPath => (sensor.path_of([column, line]), iteration),
             Sequence::Shared => (self.x, iteration.wrapping_mul(ROWS as u32) + slot as u32),
         }
     }
@@ -89,9 +88,21 @@ impl Chunk {
 
 /// The tiles of a film, row by row: left, top, width, height, of which the last two are `edge` at
 /// most.
-pub fn tiles([width, height]: [u32; 2], edge: u32) -> Vec<[u32; 4]> {
-    let starts = |size: u32| (0..size).step_by(edge as usize);
-    starts(height)
-        .flat_map(|y| starts(width).map(move |x| [x, y, edge.min(width - x), edge.min(height - y)]))
+pub fn tiles(size: [u32; 2], edge: u32) -> Vec<[u32; 4]> {
+    aligned_tiles(([0; 2], size), edge)
+}
+
+/// The tiles of an area, by its start and size: those that all of the film has, cut off where it
+/// ends.
+pub fn aligned_tiles((start, size): ([u32; 2], [u32; 2]), edge: u32) -> Vec<[u32; 4]> {
+    let pieces = |axis: usize| {
+        let [first, end] = [start[axis], start[axis] + size[axis]];
+        let starts = (first / edge * edge..end).step_by(edge as usize);
+        starts.map(move |at| [at.max(first), end.min(at + edge)]).filter(|[from, to]| from < to)
+    };
+    pieces(1)
+        .flat_map(|[top, below]| {
+            pieces(0).map(move |[left, right]| [left, top, right - left, below - top])
+        })
         .collect()
 }

@@ -61,6 +61,7 @@ pub mod photon;
 pub mod piece;
 pub mod sampler;
 pub mod scale;
+pub mod shift;
 pub mod sides;
 pub mod splat;
 pub mod stages;

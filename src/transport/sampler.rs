@@ -59,6 +59,8 @@ pub enum Stream {
     Light = 2,
     /// The pixels that connections from these to the sensor count for.
     Splat = 3,
+    /// The lattices that samples lie in which neighbors share.
+    Film = 4,
 }
 
 /// The seed of one path's sequences; a column of the path tables.

@@ -25,7 +25,7 @@ pub fn pixel_of(
 #[inline(never)]
 fn numbers(sensor: &Sensor, chunk: &Chunk, slot: usize, path_length: u32) -> [f32; 2] {
     let (column, line, iteration) = chunk.place(slot);
-    let seed = path_seed(chunk.seed, Stream::Splat, line * sensor.width + column);
+    let seed = path_seed(chunk.seed, Stream::Splat, sensor.path_of([column, line]));
     let [seed, iteration] = [seed, iteration].map(U32s::splat);
     draw(seed, iteration, path_length, Purpose::Pixel).map(|numbers| numbers.to_array()[0])
 }

@@ -92,7 +92,7 @@ fn lens_of<const N: usize>(
         return [0.0; 2];
     }
     let (column, line, iteration) = chunk.place(vertices.slot[row] as usize);
-    let path = line * scene.sensor.width + column;
+    let path = scene.sensor.path_of([column, line]);
     let seed = path_seed(chunk.seed, Stream::Light, path);
     let [seed, iteration] = [seed, iteration].map(U32s::splat);
     draw(seed, iteration, vertices.path_length[row], Purpose::LensConnection)

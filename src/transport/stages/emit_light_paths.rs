@@ -30,7 +30,7 @@ pub fn emit_light_paths<const N: usize, C: LightSide<N>>(
     for row in (0..slots).step_by(LANES) {
         let end = slots.min(row + LANES);
         for slot in row..end {
-            let (path, index) = chunk.sequence_of(slot, scene.sensor.width);
+            let (path, index) = chunk.sequence_of(slot, &scene.sensor);
             paths.identity.slot[slot] = slot as u32;
             paths.identity.iteration[slot] = index;
             paths.identity.seed[slot] = path_seed(chunk.seed, Stream::Light, path);

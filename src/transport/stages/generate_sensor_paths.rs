@@ -1,4 +1,5 @@
-//! Starts one sensor path a slot, through a random point of its pixel's filter.
+//! Starts one sensor path a slot, through a random point of its pixel's filter, or through that of
+//! its pixel where neighbors share samples.
 
 use crate::math::{F32s, LANES, Vector, lanes};
 use crate::polarization::film_axis;
@@ -6,6 +7,7 @@ use crate::scattering::Scene;
 use crate::transport::Chunk;
 use crate::transport::mis::PartialWeights;
 use crate::transport::sampler::{Purpose, Stream, draw, path_seed};
+use crate::transport::shift::shift;
 use crate::transport::sides::SensorSide;
 use crate::transport::tables::paths::PathTable;
 
@@ -38,21 +40,32 @@ pub fn generate_sensor_paths<const N: usize, C: SensorSide<N>>(
     if paths.media.present() {
         paths.media.start(slots);
     }
+    let shifts: Option<Vec<[f32; 2]>> = (0..chunk.iterations)
+        .map(|iteration| Some(shift(sensor, chunk, chunk.first_iteration + iteration)?.place))
+        .collect();
+    let reach = sensor.layout.reach() as f32;
     let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
     for row in (0..slots).step_by(LANES) {
         let end = slots.min(row + LANES);
         for slot in row..end {
             let (column, line, iteration) = chunk.place(slot);
-            (x[slot - row], y[slot - row]) = (column as f32, line as f32);
+            (x[slot - row], y[slot - row]) = (column as f32 - reach, line as f32 - reach);
+            if let Some(shifts) = &shifts {
+                let [right, down] = shifts[(iteration - chunk.first_iteration) as usize];
+                (x[slot - row], y[slot - row]) = (x[slot - row] + right, y[slot - row] + down);
+            }
             paths.identity.slot[slot] = slot as u32;
             paths.identity.iteration[slot] = iteration;
             paths.identity.seed[slot] =
-                path_seed(chunk.seed, Stream::Sensor, line * sensor.width + column);
+                path_seed(chunk.seed, Stream::Sensor, sensor.path_of([column, line]));
         }
         let seed = lanes::load_u32(&paths.identity.seed, row);
         let iteration = lanes::load_u32(&paths.identity.iteration, row);
-        let numbers = draw(seed, iteration, 0, Purpose::Pixel);
-        let film = sensor.points([lanes::load(&x, 0), lanes::load(&y, 0)], numbers);
+        let film = [lanes::load(&x, 0), lanes::load(&y, 0)];
+        let film = match shifts {
+            Some(_) => film,
+            None => sensor.points(film, draw(seed, iteration, 0, Purpose::Pixel)),
+        };
         let (origin, direction, pdf) =
             sensor.rays(film, || draw(seed, iteration, 0, Purpose::Lens));
         origin.store(&mut paths.rays.origin, row, slots);

@@ -18,7 +18,7 @@ pub fn weigh_samples<const N: usize>(measured: &mut Measured<N>, chunk: &Chunk, 
         let (mut seeds, mut iterations) = ([0; LANES], [0; LANES]);
         for lane in 0..live {
             let (column, line, iteration) = chunk.place(first + lane);
-            let path = line * sensor.width + column;
+            let path = sensor.path_of([column, line]);
             seeds[lane] = path_seed(chunk.seed, Stream::Sensor, path);
             iterations[lane] = iteration;
         }

@@ -140,6 +140,12 @@ impl<const N: usize> Measured<N> {
         self.intensity[..slots].as_flattened_mut()
     }
 
+    /// The intensities of a slot, all that a film of intensities has measured there.
+    #[inline(always)]
+    pub fn intensity(&self, slot: usize) -> &[f32; N] {
+        &self.intensity[slot]
+    }
+
     /// What a slot of a Stokes film has measured.
     #[inline(always)]
     pub fn reading(&self, slot: usize) -> Reading<'_, N> {
