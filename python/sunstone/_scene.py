@@ -284,9 +284,8 @@ class Scene(Editable):
             filter: how light about a pixel counts for it: "box", "tent", "gaussian", "mitchell",
                 "catmullrom" or "lanczos"; by default the scene's, or "box".
             filter_radius: where that ends, in pixels from the center; each has its own by default.
-            filter_samples: "shared", the default, lets samples count for all pixels that such a
-                filter reaches, for the least noise; "own" for one, so that noise of neighbors is
-                independent.
+            filter_samples: "shared", the default, lets samples count for all pixels whose filters
+                reach them, for the least noise; "own" for one, for independent noise of neighbors.
             crop: the part of the film that is rendered: left, top, right, bottom in pixels, as
                 (100, 50, 300, 200), or "25%,25%,75%,75%"; its pixels are those of the whole.
             pixel_aspect: width of a pixel over its height; by default the scene's, or 1.

@@ -62,9 +62,7 @@ pub struct FilmArguments {
     /// Where the filter ends, in pixels from the center [default: the filter's, or the scene's]
     #[arg(long, value_name = "PIXELS")]
     pub filter_radius: Option<f32>,
-    /// Which pixels samples count for, if that is wider than a pixel: all that it reaches, for the
-    /// least noise, or one, for noise that is independent of the neighbors' (for those who
-    /// denoise) [default: shared]
+    /// Which pixels samples count for where the filter is wider than a pixel [default: shared]
     #[arg(long, value_enum, value_name = "NAME")]
     pub filter_samples: Option<SamplesName>,
     /// Render a part of the film alone: left, top, right, bottom in pixels (100,50,300,200) or in
