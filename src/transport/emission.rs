@@ -7,7 +7,7 @@ use crate::math::{LANES, Vector, lanes};
 use crate::scattering::Scene;
 use crate::scattering::emitter::state::emitted_state;
 use crate::scattering::emitter::{
-    EmissionSample, MetEmission, direct_pdf, met_emission, sample_emission,
+    EmissionSample, MetEmission, aimed_pdf, direct_pdf, met_emission, sample_emission,
 };
 
 use super::Strategy;
@@ -99,13 +99,12 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
     let origin = Vec3::from(lanes::row_of(&paths.rays.origin, row));
     let position = if t.is_finite() { origin + direction * t } else { origin };
     let Some(met) = met_emission(scene, emitter, position, direction) else { return };
-    let MetEmission { emission_pdf, cos_at_light, .. } = met;
+    let MetEmission { cos_at_light, .. } = met;
     // Where the last vertex connects to nothing, nobody asks how.
-    let densities = |connects: bool| {
+    let direct_pdf_if = |connects: bool| {
         let from = paths.vantage(row);
         let of_choice = || direct_pdf(scene, (emitter, met.density), &from, (position, direction));
-        let direct_pdf = if connects { of_choice() } else { 0.0 };
-        EmitterDensities { direct_pdf, emission_pdf, cos_at_light }
+        if connects { of_choice() } else { 0.0 }
     };
     let distance2 = if t.is_finite() { t * t } else { 1.0 };
     let weight = match strategy {
@@ -118,11 +117,17 @@ pub fn measure_emission<const N: usize, C: SensorSide<N>>(
         _ if path_length == 1 => 1.0,
         Strategy::Unidirectional | Strategy::Merging => {
             let pdf_w = paths.mis.pdf_w[row];
-            mis::power_of_emission_met(pdf_w, densities(pdf_w.is_finite()), distance2)
+            // Light paths do not compete.
+            let (direct_pdf, emission_pdf) = (direct_pdf_if(pdf_w.is_finite()), 0.0);
+            let densities = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+            mis::power_of_emission_met(pdf_w, densities, distance2)
         }
         Strategy::Bidirectional => {
             let weights = paths.mis.row(row);
-            mis::weight_of_emission_met(weights, densities(weights.d_vcm > 0.0), distance2)
+            let direct_pdf = direct_pdf_if(weights.d_vcm > 0.0);
+            let emission_pdf = aimed_pdf(scene, emitter, &met, (position, direction));
+            let densities = EmitterDensities { direct_pdf, emission_pdf, cos_at_light };
+            mis::weight_of_emission_met(weights, densities, distance2)
         }
     };
     let value = std::array::from_fn(|n| met.radiance[n] * paths.beta[n][row] * reaches[n] * weight);

@@ -126,7 +126,7 @@ fn an_edge_is_convolved_with_the_filter() {
                     let what = format!("{} {radius}, {way}, {x} {y}", kind.name());
                     // Paths from the lamp count for one pixel: where that is hardly ever this one,
                     // the spread of those that came says nothing of those that did not.
-                    let is_rare = integrator.splats() && expected < RARE * RADIANCE;
+                    let is_rare = integrator.splats() && expected.abs() < RARE * RADIANCE;
                     match found.score(&Estimate::exact(expected), RADIANCE) {
                         Some(score) if !is_rare => {
                             assert!(score.abs() < LIMIT, "{what}: {found:?}, not {expected}");

@@ -205,7 +205,7 @@ pub struct MetEmission<const N: usize> {
     pub radiance: [f32; N],
     /// What [`Emits::density`] says, if it is known already.
     pub density: Option<f32>,
-    /// `emission` density.
+    /// `emission` density of light paths that are aimed at all of the scene ([`aimed_pdf`]).
     pub emission_pdf: f32,
     /// Cosine at the emitter, 1 for the environment.
     pub cos_at_light: f32,
@@ -269,10 +269,18 @@ pub fn met_emission<const N: usize>(
         let shares = scene.emissivity(row, met.normal, -direction);
         met.radiance.iter_mut().zip(shares).for_each(|(radiance, share)| *radiance *= share);
     }
-    let Some(aim) = &scene.aim else { return Some(met) };
-    let (point, normal) = (position, met.normal);
-    let line = Line { emitter: row, point, normal, direction: -direction };
-    Some(MetEmission { emission_pdf: aim.gain(line) * met.emission_pdf, ..met })
+    Some(met)
+}
+
+/// The `emission` density of what has been met: of light paths that are aimed, if they are.
+pub fn aimed_pdf<const N: usize>(
+    scene: &Scene<N>,
+    emitter: usize,
+    met: &MetEmission<N>,
+    (point, direction): (Vec3, Vec3),
+) -> f32 {
+    let line = Line { emitter, point, normal: met.normal, direction: -direction };
+    scene.aim.as_ref().map_or(1.0, |aim| aim.gain(line)) * met.emission_pdf
 }
 
 /// The `direct` density of a point of an emitter, seen along `direction`, or of the direction; of
