@@ -53,8 +53,7 @@ pub fn settings(options: &Bound<PyDict>, asked: &Asked) -> PyResult<Settings> {
         height: option(options, "height")?,
         filter: named(options, "filter", &FilterKind::ALL, FilterKind::name)?,
         filter_radius: option(options, "filter_radius")?,
-        filter_samples: named(options, "filter_samples", &FilterSamples::ALL, FilterSamples::name)?
-            .unwrap_or(default.filter_samples),
+        filter_samples: named(options, "filter_samples", &FilterSamples::ALL, FilterSamples::name)?,
         crop: crop(options)?,
         pixel_aspect: option(options, "pixel_aspect")?,
         samples,

@@ -62,7 +62,8 @@ pub struct FilmArguments {
     /// Where the filter ends, in pixels from the center [default: the filter's, or the scene's]
     #[arg(long, value_name = "PIXELS")]
     pub filter_radius: Option<f32>,
-    /// Which pixels samples count for where the filter is wider than a pixel [default: shared]
+    /// Which pixels samples count for where the filter is wider than a pixel [default: shared,
+    /// unless its lobes hardly cancel over pixels]
     #[arg(long, value_enum, value_name = "NAME")]
     pub filter_samples: Option<SamplesName>,
     /// Render a part of the film alone: left, top, right, bottom in pixels (100,50,300,200) or in
@@ -86,7 +87,7 @@ impl FilmArguments {
         Options {
             filter: self.filter.map(|name| name.0),
             filter_radius: self.filter_radius,
-            filter_samples: self.filter_samples.map_or(FilterSamples::default(), |name| name.0),
+            filter_samples: self.filter_samples.map(|name| name.0),
             crop: self.crop,
             pixel_aspect: self.pixel_aspect,
             layers: self.layers.clone(),

@@ -111,10 +111,9 @@ fn sinc(x: f64) -> f64 {
 }
 
 /// Which pixels samples count for, where filters are wider than a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterSamples {
     /// All whose filters reach them: least noise, alike in neighbors ([`super::lattice`]).
-    #[default]
     Shared,
     /// One: noise is each pixel's own.
     Own,
@@ -201,11 +200,12 @@ pub struct Profile {
 impl Profile {
     /// The table of a filter; none for the square of a pixel, which needs no table.
     pub fn new(filter: Filter) -> Option<Self> {
-        if filter == Filter::PIXEL {
-            return None;
-        }
-        let nodes: Vec<f64> =
-            (0..=PIECES).map(|node| filter.kind.value(node as f64 / PIECES as f64)).collect();
+        (filter != Filter::PIXEL).then(|| Self::of(filter.radius, |share| filter.kind.value(share)))
+    }
+
+    /// The table of an even function, by its values, up to a factor, at shares of the radius.
+    pub fn of(radius: f32, value: impl Fn(f64) -> f64) -> Self {
+        let nodes: Vec<f64> = (0..=PIECES).map(|node| value(node as f64 / PIECES as f64)).collect();
         let areas: Vec<f64> =
             nodes.windows(2).map(|ends| 0.5 * (ends[0].abs() + ends[1].abs())).collect();
         let negative: [bool; PIECES] =
@@ -220,10 +220,10 @@ impl Profile {
             *share = (sum / total) as f32;
         }
         // Both halves of it, over pieces of this width, integrate to one.
-        let scale = PIECES as f64 / (2.0 * signed * f64::from(filter.radius));
+        let scale = PIECES as f64 / (2.0 * signed * f64::from(radius));
         let magnitudes = std::array::from_fn(|node| (nodes[node].abs() * scale) as f32);
         let gain = (total / signed) as f32;
-        Some(Self { radius: filter.radius, magnitudes, negative, shares, gain })
+        Self { radius, magnitudes, negative, shares, gain }
     }
 
     /// Its radius in pixels.

@@ -481,11 +481,26 @@ fn film(options: &Options, camera: &Camera) -> Result<Layout, SettingsError> {
     let cut = crop.map_or(Ok(Cut::whole(size)), |crop| crop.on(size).map_err(refuse))?;
     let mut filter = options.filter.map_or(of_camera.filter, Filter::of);
     filter.radius = options.filter_radius.unwrap_or(filter.radius);
+    let shares = shares(options, filter)?;
+    Ok(Layout { cut, filter, shares, pixel_aspect: pixel_aspect(options, camera) })
+}
+
+/// Whether samples count for all pixels whose filters reach them.
+fn shares(options: &Options, filter: Filter) -> Result<bool, SettingsError> {
     // Where all light comes by connections, there are no samples of pixels.
     let has_samples = options.integrator.is_none_or(Integrator::measures);
-    let are_shared = has_samples && options.filter_samples == FilterSamples::Shared;
-    let shares = are_shared && Lattice::new(filter).is_some();
-    Ok(Layout { cut, filter, shares, pixel_aspect: pixel_aspect(options, camera) })
+    if !has_samples || options.filter_samples == Some(FilterSamples::Own) {
+        return Ok(false);
+    }
+    let shares = Lattice::new(filter).is_some();
+    if !shares && filter.radius > 0.5 && options.filter_samples.is_some() {
+        let rule = format!(
+            "shared is not possible by this filter, {filter}, whose lobes hardly cancel over \
+             pixels: leave it out, or give a greater filter radius"
+        );
+        return Err(SettingsError { setting: "filter_samples", rule });
+    }
+    Ok(shares)
 }
 
 /// Width of a pixel over its height.

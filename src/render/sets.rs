@@ -43,16 +43,6 @@ pub enum Projection<const N: usize> {
     Shares(Shares<N>),
 }
 
-impl<const N: usize> Projection<N> {
-    /// Channels of the film.
-    pub fn channels(&self) -> usize {
-        match self {
-            Self::Columns => N,
-            Self::Shares(shares) => shares.channels,
-        }
-    }
-}
-
 /// What channels take of wavelengths.
 pub struct Shares<const N: usize> {
     /// Those that take anything.

@@ -158,8 +158,9 @@ pub struct Options {
     /// Where that ends, in pixels, from 0.01 to 32; by default [`FilterKind::radius`], or what the
     /// camera says of its filter.
     pub filter_radius: Option<f32>,
-    /// Which pixels samples count for, if that is wider than a pixel.
-    pub filter_samples: FilterSamples,
+    /// Which pixels samples count for, if that is wider than a pixel; by default all that it
+    /// reaches, unless its lobes hardly cancel over pixels.
+    pub filter_samples: Option<FilterSamples>,
     /// The part of the film that is rendered; by default what the camera says, or all of it. Its
     /// pixels have the bits that they have in the whole.
     pub crop: Option<Crop>,
@@ -220,7 +221,7 @@ impl Default for Options {
             height: None,
             filter: None,
             filter_radius: None,
-            filter_samples: FilterSamples::default(),
+            filter_samples: None,
             crop: None,
             pixel_aspect: None,
             layers: Vec::new(),

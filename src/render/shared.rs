@@ -58,6 +58,55 @@ pub struct Blocks {
     spread: Table,
 }
 
+/// The channels of the film that some wavelengths reach.
+struct Reached {
+    components: usize,
+    /// How many the film has.
+    channels: usize,
+    /// Those that are reached, in their order, if that is not all.
+    some: Option<Vec<usize>>,
+}
+
+impl Reached {
+    fn new<const N: usize>(projection: &Projection<N>, components: usize) -> Self {
+        let (channels, some) = match projection {
+            Projection::Columns => (N, None),
+            Projection::Shares(shares) => {
+                let mut some: Vec<usize> = shares.taken.iter().map(|it| it.channel).collect();
+                some.sort_unstable();
+                some.dedup();
+                (shares.channels, (some.len() < shares.channels).then_some(some))
+            }
+        };
+        Self { components, channels, some }
+    }
+
+    /// Values that a pixel gets.
+    fn stride(&self) -> usize {
+        self.components * self.some.as_ref().map_or(self.channels, Vec::len)
+    }
+
+    /// Where a channel is among these.
+    fn place(&self, channel: usize) -> usize {
+        self.some.as_ref().map_or(channel, |some| some.partition_point(|&it| it < channel))
+    }
+
+    /// Adds a row of pixels to the sums from that at `pixel` on.
+    fn add(&self, sums: &mut ExactSums, pixel: usize, row: &[f32]) {
+        let (components, of_pixel) = (self.components, self.components * self.channels);
+        let first = pixel * of_pixel;
+        let Some(some) = &self.some else { return sums.add(first, row) };
+        if some.is_empty() {
+            return;
+        }
+        for (index, values) in row.chunks_exact(self.stride()).enumerate() {
+            for (channel, values) in some.iter().zip(values.chunks_exact(components)) {
+                sums.add(first + index * of_pixel + channel * components, values);
+            }
+        }
+    }
+}
+
 /// Adds what the slots of a chunk have measured to the pixels of its tile and those about it, as
 /// far as samples reach; returns how many slots are left out as not finite. None, and nothing is
 /// done, where samples are each pixel's own.
@@ -68,23 +117,24 @@ pub fn share_measured<const N: usize>(
     (chunk, sensor): (&Chunk, &Sensor),
 ) -> Option<u64> {
     let reach = sensor.layout.reach() as usize;
-    let stride = measured.components() * projection.channels();
+    let reached = Reached::new(projection, measured.components());
     let width = chunk.width as usize + 2 * reach;
     let mut not_finite = 0;
     for iteration in 0..chunk.iterations {
         let shift = shift(sensor, chunk, chunk.first_iteration + iteration)?;
-        sums.resize(width * (chunk.height as usize + 2 * reach) * stride);
+        let pixels = width * (chunk.height as usize + 2 * reach);
+        sums.resize(pixels * reached.channels * reached.components);
         let first_slot = iteration as usize * chunk.pixels();
         for block in aligned_tiles(([chunk.x, chunk.y], [chunk.width, chunk.height]), TILE) {
             let [x, y] = [block[0] - chunk.x, block[1] - chunk.y].map(|at| at as usize);
             let slot = |column, row| first_slot + (y + row) * chunk.width as usize + x + column;
             let size = [block[2], block[3]].map(|side| side as usize);
-            blocks.samples.clear(size, stride);
-            not_finite += read_block(&mut blocks.samples, measured, projection, slot);
+            blocks.samples.clear(size, reached.stride());
+            let from = (projection, &reached);
+            not_finite += read_block(&mut blocks.samples, measured, from, slot);
             blocks.spread(&shift, reach);
             for row in 0..blocks.spread.height {
-                let first = ((y + row) * width + x) * stride;
-                sums.add(first, blocks.spread.row(row));
+                reached.add(sums, (y + row) * width + x, blocks.spread.row(row));
             }
         }
     }
@@ -95,7 +145,7 @@ pub fn share_measured<const N: usize>(
 fn read_block<const N: usize>(
     block: &mut Table,
     measured: &Measured<N>,
-    projection: &Projection<N>,
+    projection: (&Projection<N>, &Reached),
     slot: impl Fn(usize, usize) -> usize,
 ) -> u64 {
     let mut not_finite = 0;
@@ -104,11 +154,9 @@ fn read_block<const N: usize>(
             let slot = slot(x, y);
             let values = block.pixel_mut(x, y);
             let is_read = match measured.components() {
-                1 => read_intensity(values, 1, measured.intensity(slot), projection),
+                1 => read_intensity(values, measured.intensity(slot), projection),
                 _ => match measured.reading(slot) {
-                    Reading::Intensity(intensity) => {
-                        read_intensity(values, 4, intensity, projection)
-                    }
+                    Reading::Intensity(intensity) => read_intensity(values, intensity, projection),
                     Reading::Stokes(states) => read_stokes(values, &states, projection),
                 },
             };
@@ -121,20 +169,20 @@ fn read_block<const N: usize>(
 /// Reads a slot of intensities, unless it is not finite: false.
 fn read_intensity<const N: usize>(
     values: &mut [f32],
-    components: usize,
     intensity: &[f32; N],
-    projection: &Projection<N>,
+    (projection, reached): (&Projection<N>, &Reached),
 ) -> bool {
     let is_finite = are_finite(intensity);
     match projection {
         _ if !is_finite => {}
         Projection::Columns => {
-            let firsts = values.iter_mut().step_by(components);
+            let firsts = values.iter_mut().step_by(reached.components);
             firsts.zip(intensity).for_each(|(value, intensity)| *value = *intensity);
         }
         Projection::Shares(shares) => {
             for taken in &shares.taken {
-                values[taken.channel * components] += taken.of(intensity);
+                let place = reached.place(taken.channel) * reached.components;
+                values[place] += taken.of(intensity);
             }
         }
     }
@@ -145,7 +193,7 @@ fn read_intensity<const N: usize>(
 fn read_stokes<const N: usize>(
     values: &mut [f32],
     states: &[f32x4; N],
-    projection: &Projection<N>,
+    (projection, reached): (&Projection<N>, &Reached),
 ) -> bool {
     let (channels, _) = values.as_chunks_mut::<4>();
     let is_finite = are_states_finite(states);
@@ -156,7 +204,7 @@ fn read_stokes<const N: usize>(
         }
         Projection::Shares(shares) => {
             for taken in &shares.taken {
-                let channel = &mut channels[taken.channel];
+                let channel = &mut channels[reached.place(taken.channel)];
                 *channel = (f32x4::new(*channel) + taken.of_each(states)).to_array();
             }
         }

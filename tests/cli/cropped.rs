@@ -23,6 +23,7 @@ fn files_say_where_on_the_film_they_are() {
     assert_eq!((image.width, image.height), (15, 7));
     assert_eq!(image.metadata("crop"), Some("4,8,19,15 of 20 x 16"));
     assert_eq!(image.metadata("filter"), Some("gaussian, radius 2"));
+    assert_eq!(image.metadata("filter samples"), Some("shared"));
     assert_eq!(image.metadata("pixel aspect"), Some("1.25"));
     let windows = |name: &str| {
         let file = read().no_deep_data().largest_resolution_level().all_channels();
@@ -40,6 +41,9 @@ fn files_say_where_on_the_film_they_are() {
     let plain = render("plain.exr", &[]);
     assert_eq!((plain.metadata("crop"), plain.metadata("pixel aspect")), (None, None));
     assert_eq!(plain.metadata("filter"), Some("box, radius 0.5"));
+    assert_eq!(plain.metadata("filter samples"), None);
+    let own = render("own.exr", &[&more[2..4], &["--filter-samples", "own"]].concat());
+    assert_eq!(own.metadata("filter samples"), None);
     assert_eq!(windows("plain.exr"), ([0, 0, 20, 16], [0, 0, 20, 16], 1.0));
     // Written again, it stands where it stood; of another size, its place is not known.
     image.save(&here.join("again.exr")).unwrap();
@@ -95,6 +99,7 @@ fn what_no_film_is_like_is_refused() {
         (["--filter-radius", "0"], "--filter-radius 0 must be from 0.01 to 32 pixels"),
         (["--filter-radius", "nan"], "--filter-radius NaN must be from 0.01 to 32 pixels"),
         (["--pixel-aspect", "0"], "--pixel-aspect 0 must be from 0.01 to 100"),
+        (["--filter-samples", "few"], "[possible values: shared, own]"),
         (["--crop", "1,2,3"], "must be X0,Y0,X1,Y1 in pixels, as 100,50,300,200"),
         (["--crop", "0,0,21,1"], "--crop must be X0,Y0,X1,Y1 with 0 <= X0 < X1 <= 20"),
         (["--crop", "5,5,5,9"], "not 5,5,5,9"),
@@ -139,4 +144,25 @@ fn layers_are_kept_and_shown() {
     assert!(run.stderr.contains("--layers needs an output that ends in .exr"), "{}", run.stderr);
     let run = render(&["-o", "x.exr", "--layers", "z"]);
     assert!(run.stderr.contains("layers are depth, normal, albedo"), "{}", run.stderr);
+}
+
+/// Samples are not shared by a filter whose lobes hardly cancel, and nobody who asks for it gets
+/// something else.
+#[test]
+fn samples_are_shared_where_they_can_be() {
+    let here = folder("cropped-shared");
+    let scene = scene("cornell");
+    let render = |more: &[&str]| {
+        let words = [&["render", &scene, "-o", "x.exr"][..], &SMALL, more].concat();
+        sunstone(&here, &words)
+    };
+    let narrow = ["--filter", "lanczos", "--filter-radius", "1.2"];
+    let run = render(&[&narrow[..], &["--filter-samples", "shared"]].concat());
+    let words = "--filter-samples shared is not possible by this filter, lanczos, radius 1.2";
+    assert!(run.stderr.contains(words), "{}", run.stderr);
+    for more in [&narrow[..], &["--filter-samples", "shared"]] {
+        render(more).done();
+        let image = StokesImage::load(&here.join("x.exr")).unwrap();
+        assert_eq!(image.metadata("filter samples"), None, "{more:?}");
+    }
 }
