@@ -12,9 +12,12 @@ use sunstone::internals::image::StokesImage;
 use sunstone::internals::integrators::Integrator;
 use sunstone::internals::render::{Mode, Options, PlacedWorld};
 use sunstone::internals::scene::World;
+use sunstone::internals::spectrum::Color;
 use sunstone::world::{Bsdf, Geometry, Lens, Punctual};
 
-use crate::support::rendering::{MONO, light_mask, scene, settings, spectral_replicates};
+use crate::support::rendering::{
+    MONO, in_package, light_mask, scene, settings, spectral_replicates, world,
+};
 use crate::support::scenes::SCENES;
 use crate::support::statistics::{Estimate, cells, estimate, mean_s0, rms, rms_limits, worst};
 
@@ -247,6 +250,36 @@ fn crops_are_parts_of_the_whole() {
             let of_whole = whole.variance.as_ref().map(|planes| cut_out(planes));
             assert_eq!(crop.variance, of_whole, "{what}");
             assert_eq!(crop.metadata("crop"), Some("7,3,35,18 of 36 x 19"), "{what}");
+        }
+    }
+}
+
+/// In scenes of media, glass and all materials, in RGB, too: what else is in a chunk changes no bit of
+/// a path.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "long without optimization")]
+fn crops_of_whole_scenes_are_parts_of_them() {
+    const SIZE: [u32; 2] = [40, 30];
+    const ENDS: [u32; 4] = [7, 11, 30, 25];
+    for (name, integrators) in
+        [("tank.gltf", Integrator::ALL), ("materials.glb", &[Integrator::Path][..])]
+    {
+        let world = PlacedWorld::new(world(&in_package("scenes").join(name))).unwrap();
+        for &integrator in integrators {
+            let options = Options {
+                width: Some(SIZE[0]),
+                height: Some(SIZE[1]),
+                ..settings(integrator, Mode::Polarized, Color::Rgb, 16, 3)
+            };
+            let cropped = Options { crop: Some(Crop::Pixels(ENDS)), ..options.clone() };
+            let [whole, crop] = [options, cropped]
+                .map(|options| spectral_replicates(&world, &options, 1).swap_remove(0));
+            let [x0, y0, x1, y1] = ENDS.map(|end| end as usize);
+            for (plane, (whole, crop)) in whole.planes.iter().zip(&crop.planes).enumerate() {
+                let rows = (y0..y1).map(|y| &whole[y * SIZE[0] as usize..][x0..x1]);
+                let expected: Vec<f32> = rows.flatten().copied().collect();
+                assert!(expected == *crop, "{name}, {integrator:?}, plane {plane}");
+            }
         }
     }
 }

@@ -151,7 +151,9 @@ fn weigh<const N: usize>(
         *density = of_flights[n] * sigma_t(n) * lanes::load(&paths.media.share[n], row);
         sum += *density;
     }
-    let inverse = one / sum;
+    // What has met nothing stays as it is, whatever its neighbors have: shares sum to one but for
+    // rounding.
+    let inverse = Real::select(is_deep, one / sum, one);
     for n in 0..N {
         let beta = lanes::load(&paths.beta[n], row) * of_light[n] * sigma_s(n) * inverse;
         lanes::store(&mut paths.beta[n], row, paths.len, beta);
