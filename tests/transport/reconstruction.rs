@@ -99,9 +99,9 @@ fn filtered(integrator: Integrator, mode: Mode, samples: u32, filter: FilterKind
     }
 }
 
-/// By all filters, of two widths, and all integrators, whether samples are shared or not: each pixel
-/// is the share of its filter that the sheet covers, times its radiance. Light comes from beyond
-/// the film, too.
+/// By all filters, of two widths, and all integrators, whether samples are shared or not: each
+/// pixel is the share of its filter that the sheet covers, times its radiance. Light comes from
+/// beyond the film, too.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn an_edge_is_convolved_with_the_filter() {
@@ -265,8 +265,8 @@ fn crops_are_parts_of_the_whole() {
     }
 }
 
-/// In scenes of media, glass and all materials, in RGB, too: what else is in a chunk changes no bit of
-/// a path.
+/// In scenes of media, glass and all materials, in RGB, too: what else is in a chunk changes no bit
+/// of a path.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "long without optimization")]
 fn crops_of_whole_scenes_are_parts_of_them() {
