@@ -449,9 +449,11 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
         settings.passes.map(|it| ("samples an iteration", it.samples.to_string())),
     ];
     let analyzer = settings.analyzer.map(|it| ("analyzer", it.to_string()));
-    let Layout { cut, filter, shares, pixel_aspect } = settings.film;
+    let Layout { cut, filter, pixel_aspect, .. } = settings.film;
     let crop = (!cut.is_whole()).then(|| (CROP, cut.to_string()));
-    let shared = shares.then(|| ("filter samples", settings.film.samples().name().to_owned()));
+    let is_wide = filter.radius > 0.5 && settings.integrator.measures();
+    let kind = || ("filter samples", settings.film.samples().name().to_owned());
+    let of_filter = is_wide.then(kind);
     let pixels = (pixel_aspect != 1.0).then(|| (PIXEL_ASPECT, pixel_aspect.to_string()));
     let is_plain = settings.spectral.is_none() && settings.color == crate::spectrum::Color::Rgb;
     let white = (!is_plain).then(|| ("rgb white", settings.white().name().to_owned()));
@@ -474,7 +476,7 @@ pub(super) fn metadata(settings: &Resolved, samples: u32) -> Vec<(String, String
     let put_in = settings.put_in.iter().cloned();
     let facts = integrator.into_iter().flatten().chain(analyzer).chain(put_in).chain(spectral);
     let facts =
-        facts.chain(others).chain(shared).chain(crop).chain(pixels).chain(white).chain(balance);
+        facts.chain(others).chain(of_filter).chain(crop).chain(pixels).chain(white).chain(balance);
     let facts = facts.chain(held);
     facts.map(|(key, value)| (key.to_owned(), value)).collect()
 }

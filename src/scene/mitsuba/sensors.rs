@@ -127,7 +127,7 @@ impl Import<'_> {
         let raster = Raster { filter, crop, ..Raster::default() };
         raster.check(Some(resolution)).map_err(|fault| match fault.field.as_str() {
             "crop" => fields.wrong("crop_width", "the crop is not within the film", ""),
-            _ => fields.fault(fault.of("rfilter"), &[]),
+            _ => fields.fault(fault.of("the radius of rfilter"), &[]),
         })?;
         Ok(Film { resolution: Some(resolution), raster, analyzer: None })
     }
