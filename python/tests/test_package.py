@@ -111,7 +111,7 @@ def test_defaults_are_the_program_s(
     facts = {key: text for key, text in again.metadata.items() if key not in own}
     assert facts == {key: text for key, text in image.metadata.items() if key not in own}
     names = list(inspect.signature(sunstone.Scene.render).parameters)
-    assert len(names) == len(set(names)) == 35
+    assert len(names) == len(set(names)) == 36
 
 
 def test_arrays_are_as_promised(cornell: sunstone.Scene) -> None:
